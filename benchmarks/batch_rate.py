@@ -1,10 +1,11 @@
-"""Time by case of all figures of merit on random cases in a batch.
+"""Time per case of all figures of merit, for random cases in a batch.
 
 ``python benchmarks/batch_rate.py [--cases 200000]``
 
-Three mechanisms in equal parts, log10 of the inertia ratio uniform in -2 to 1, friction
-over the Painlevé limit uniform in 0.05 to 0.9: no two cases share a solve. Blocks go to
-threads as in a sweep; every number of workers must give the same bits.
+The cases are of three mechanisms in equal parts. The logarithm (base 10) of the inertia ratio is
+uniform from -2 to 1, and friction is uniform from 0.05 to 0.9 of the Painlevé limit, so that no two
+cases have the same solution. Blocks of cases go to threads as in a sweep; every number of workers
+must give the same bits.
 """
 
 import argparse
@@ -28,10 +29,12 @@ BLOCK = 2000
 
 
 class Rate(NamedTuple):
-    """Shortest time of all cases at a tolerance on some threads.
+    """Shortest time of all cases at one tolerance, on a number of threads.
 
-    wall : [s]. us_per_case : of the wall. processor_us_per_case : in all threads.
-    speedup : of the wall over one worker.
+    wall : wall time of all cases [s].
+    us_per_case : wall time per case [µs].
+    processor_us_per_case : processor time of all threads per case [µs].
+    speedup : wall time with one worker, divided by this one.
     """
 
     rtol: float

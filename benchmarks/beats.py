@@ -1,14 +1,15 @@
-"""Angle errors of pins and slots found again from noisy beats: how often intervals hold.
+"""How often the intervals of angle errors, found from noisy beats, contain the true errors.
 
 ``python benchmarks/beats.py [-n SEEDS] [-o FILE]``
 
-A wheel with five slots and three pins has the angle errors below. Its beats get normal noise, and
-`escapement.fit_beats` is asked for the errors, as many times as there are seeds. The noise is read
-in two ways: a tenth of the time in which the driver turns by the root mean square of the errors,
-and a tenth of the root mean square by which the errors change a beat, some ten times as much,
-because a step of slots acts by its root. A round is a pattern of fifteen beats, five turns of the
-driver. For every part the table has the share of seeds with the true value in the 95 % interval,
-and the half width over the size of the error.
+A wheel with five slots and three pins has the angle errors below. A beat is the time of an
+engagement. The beats are computed, and normal noise is added to them; for each seed
+`escapement.fit_beats` finds the errors. There are two sizes of noise. The first is a tenth of the
+time in which the driver turns by the root mean square of the errors. The second is a tenth of the
+root mean square by which the errors change a beat; it is some ten times as large, because a beat
+changes with the square root of the error of a slot. A round is a pattern of fifteen beats, five
+turns of the driver. For every part the table has the share of seeds with the true value in the 95 %
+interval, and the half width divided by the size of the error.
 """
 
 import argparse
@@ -30,7 +31,7 @@ ROUNDS = {"of the errors": (1, 4), "of the change of beats": (1, 10, 40)}
 
 
 def beats_and_noise():
-    """Beats of one pattern with the errors [s], and the standard deviation of either noise."""
+    """Beats of one pattern with the errors [s], and the standard deviation of both noises [s]."""
     wheel = replace(DESIGN.mechanism, pin_angle_errors=tuple(PINS), slot_angle_errors=tuple(SLOTS))
     cycle = esc.terminal(replace(DESIGN, mechanism=wheel))
     beats, size = np.array(cycle.beats), np.sqrt(np.mean(np.concatenate([PINS, SLOTS]) ** 2))
@@ -39,7 +40,7 @@ def beats_and_noise():
 
 
 def study(beats, noise, rounds, seeds):
-    """Of each part, share of intervals that hold, and half width over error."""
+    """For each part, the share of intervals with the true value, and half width over error."""
     true, held, widths = np.concatenate([PINS, SLOTS]), 0, 0.0
     for seed in range(seeds):
         shaken = np.tile(beats, rounds)

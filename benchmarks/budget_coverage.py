@@ -1,9 +1,9 @@
-"""How often the 95 % intervals of a budget hold the true value.
+"""How often the 95 % intervals of a budget contain the true value.
 
-``python benchmarks/budget_coverage.py [SEEDS]`` draws samples of a torque that is log-normal, of
-which the period is log-normal too, because it goes as torque^(-1/2): mean, deviation, quantiles,
-share within limits and C_pk have closed forms. It does the same for the Sobol' indices of the
-Ishigami function. The share of seeds whose interval holds the true value goes to
+``python benchmarks/budget_coverage.py [SEEDS]`` draws samples of a log-normal torque. The
+period is proportional to torque^(-1/2), so it is log-normal too, and there are formulas for its
+mean, deviation, quantiles, share within limits and C_pk. It does the same for the Sobol' indices of
+the Ishigami function. The share of seeds whose interval contains the true value goes to
 ``results/budget_coverage.csv``; 200 seeds of a true 95 % give 90.5 to 98.5 % in 99 of 100 runs.
 """
 
@@ -26,7 +26,7 @@ from escapement.tolerance.scatter import LEVELS
 RESULTS = Path(__file__).resolve().parent / "results" / "budget_coverage.csv"
 SIGMA, HYPERCUBES = 0.1, 20
 SIZE = 51 * HYPERCUBES
-"""No quantile then lies on the edge of a stratum, where hypercubes have no error at all."""
+"""With this size no quantile is at the edge of a stratum, where hypercubes have no error."""
 
 
 def of_log_normal(seeds):

@@ -3,8 +3,9 @@
 ``python benchmarks/clearance_cases.py [CASES]`` draws plays of 1e-5 to 1e-2 crank radii on either
 side, restitutions from 0 to 0.6 and frictions up to 2 below the Painleve limit, with loads,
 bearings and drags. It simulates twenty engagements of each, looks for the terminal cycle, asks
-for 4001 states, and writes a row for each to ``results/clearance_cases.csv``: the processor time of
-the three, how far the pin went beyond a wall, in crank radii, and what the ledger leaves.
+for 4001 states, and writes a row for each to ``results/clearance_cases.csv``: the processor time
+of the three, how far the pin went beyond a wall, in crank radii, and the share of the work that the
+energy balance leaves unaccounted for.
 """
 
 import csv

@@ -1,4 +1,4 @@
-"""What is wrong with an answer of the package, in the eyes of `independent` and `judge`."""
+"""Compares a result of the package with `independent`, and where they differ with `judge`."""
 
 import math
 import os
@@ -19,12 +19,13 @@ import escapement.metrics
 from escapement.status import Status
 
 FOLLOWED = 10_000
-"""Engagements of a transient, a hundredth of what users get: rise and settling times are
-not compared, and to follow them all would take hours. What stops later has not converged."""
+"""Most engagements that are followed until a motion settles, a hundredth of what users get; all of
+them would take hours, and rise and settling times are not compared. A motion that stops later
+counts as not converged."""
 escapement.metrics.MAX_ENGAGEMENTS = FOLLOWED
 
 ENGAGEMENTS = {"bulk": 4, "ivp": 2}
-SLOW = 20.0  # seconds of the processor that no single case may take
+SLOW = 20.0  # greatest processor time of a case [s]
 OUTCOMES = (
     "ok",
     "wrong",
@@ -39,7 +40,7 @@ OUTCOMES = (
 
 
 class Numbers(NamedTuple):
-    """What is compared: handoffs, then angle and time of a stall; what cannot be is empty."""
+    """Numbers that are compared: handoffs, and angle and time of a stall; absent ones are empty."""
 
     status: int
     times: np.ndarray
@@ -75,7 +76,7 @@ def simulated(problem, engine, rtol, engagements):
 
 
 def distance(found, reference):
-    """Greatest relative error of the numbers; infinite where they tell another story."""
+    """Greatest relative error of the numbers; infinite where the course of the motion differs."""
     if found.status != reference.status or found.times.size != reference.times.size:
         return math.inf
     errors = [0.0]
@@ -89,7 +90,7 @@ def distance(found, reference):
 
 
 def verdict(problem, found, reference, engagements, rtol):
-    """Class and error of an answer by the judge."""
+    """Class and error of a result, as the judge decides."""
     try:
         exact = judge.answer(*problem.physics, engagements=engagements)
         truth = Numbers(
@@ -103,7 +104,7 @@ def verdict(problem, found, reference, engagements, rtol):
         if error <= 10.0 * rtol:
             return "ok", error
         if error > 1e-3 and distance(reference, truth) < 1e-10:
-            return "wrong", error  # the problem is a tame one
+            return "wrong", error  # the problem is well-conditioned
         unavoidable = judge.unavoidable(*problem.physics, engagements=engagements, exact=exact)
     except ArithmeticError:
         return "undecided", math.nan
@@ -113,7 +114,7 @@ def verdict(problem, found, reference, engagements, rtol):
 
 
 def compare(problem, engine, rtol, engagements, reference):
-    """Class of one answer, its error over the tolerance, and what happened."""
+    """Class of one result, its error over the tolerance, and a remark."""
     began = time.process_time()
     try:
         with warnings.catch_warnings(record=True) as said:
@@ -167,7 +168,7 @@ def compare_terminal(problem):
     error = _apart(figures, cycle)
     if error <= 10.0 * problem.rtol:
         return "ok", error / problem.rtol, ""
-    # how far one rounding in friction alone moves a fixed point that hardly contracts
+    # change of the terminal speed by one rounding of friction, large where it hardly contracts
     noise = 2.0**-52 / max(-math.expm1(out[3]), 1e-300) * out[independent.VARIATION]
     if error <= 10.0 * (problem.rtol + noise):
         kind = "beyond doubles"

@@ -3,8 +3,8 @@
     python benchmarks/compliant_cases.py ledger      500 cases: the energy balance closes
     python benchmarks/compliant_cases.py hard       1000 cases: friction from 0 to 2
 
-The wall's energy bounds how deep a pin may press: no deeper than all energy in the spring allows.
-A pin that passed a wall would show as a deeper one.
+A pin can press into a wall no deeper than if all energy were in the spring of the wall. A pin that
+went through a wall would be deeper than that.
 """
 
 import argparse
@@ -70,7 +70,7 @@ def escapement_of(seed: int, hard: bool) -> esc.Escapement:
 
 
 def depth_share(motion: esc.Motion) -> float:
-    """Deepest penetration over what all energy in one wall would give."""
+    """Deepest penetration, divided by that with all energy in the spring of one wall."""
     rows, own = motion.trajectory.rows, motion.escapement
     table, joint = rows.table, rows.joint
     states = table[:, FIRST : FIRST + STATE]
@@ -90,7 +90,7 @@ def depth_share(motion: esc.Motion) -> float:
 
 
 def row_of(seed: int, hard: bool) -> dict[str, object]:
-    """What a case gives, and how long it took."""
+    """Results of a case, and the time that it took."""
     own = escapement_of(seed, hard)
     start = time.process_time()
     motion = esc.simulate(own, 6, rtol=1e-9)

@@ -3,14 +3,16 @@
     pip install -e ".[bench]"
     python benchmarks/compliant_peers.py
 
-Four slots, friction 0.3, pins of 0.05 r, a play of 5e-4 r, walls of 1e6 torque/r^2 with more than
-critical damping; the driver enters at 86 rad/s, the pin in the middle of its slot. Errors are those
-of the handoff's time and speed, the greater one. Exudyn has a friction that is proportional to the
-speed where it is slow, and its dashpot pulls, so that it solves another problem by a little: its
-error is measured against its own finest run, and how far that lies from ours is printed apart.
+The mechanism has four slots, friction 0.3, pins of radius 0.05 r, a play of 5e-4 r on either side,
+and walls with a stiffness of 1e6 torque/r^2 and more than critical damping. At the start the
+driver turns at 86 rad/s, and the pin is in the middle of its slot. The error is the greater one of
+those of time and speed of the handoff. Exudyn's friction is proportional to the speed at low
+speeds, and its dashpot can pull, so that it solves a slightly different problem. Its error is
+therefore measured against its own finest run, and the difference of that run from ours is printed
+separately.
 
-All runs take turns; times are medians of processor time. The last column is, of each solver's
-fastest run with an error below 1e-6, its time over ours.
+The runs of the solvers alternate; times are medians of processor time. The last column has, for the
+fastest run of each solver with an error below 1e-6, its time divided by ours.
 """
 
 import csv
@@ -30,7 +32,7 @@ RESULT = Path(__file__).parent / "results" / "compliant_peers.csv"
 RADIUS, TORQUE, DRIVER, FOLLOWER = 0.01, 0.1, 3e-6, 50e-6
 CLOCK, UNIT = math.sqrt(FOLLOWER / TORQUE), TORQUE / RADIUS**2
 SPEED, TURNS, OURS = 86.0, 7, 20
-"""Turns of all runs, and how often the package's own, which are short, run in each."""
+"""Rounds of all runs, and how often the package's own run in each, because they are short."""
 LARGEST = 1e-6
 """Largest error [-] of runs that are compared."""
 
@@ -50,7 +52,7 @@ def problem() -> esc.Escapement:
 
 @numba.njit(error_model="numpy")
 def slope(_t, y, centre, rho, play, pin, stiffness, damping, friction, slip):  # type: ignore[no-untyped-def]
-    """The law in natural units, as solve_ivp wants it."""
+    """The equations of motion in natural units, in the form that solve_ivp needs."""
     theta, phi, driver, follower = y
     angle = -theta - phi
     sine, cosine = math.sin(angle), math.cos(angle)
@@ -109,7 +111,7 @@ def by_package(own: esc.Escapement, rtol: float) -> Callable[[], tuple[float, fl
 
 
 def spent_by(run: Callable[[], tuple[float, float]], count: int) -> float:
-    """Processor time of a run [s], as the mean of some."""
+    """Processor time of a run [s], the mean of several."""
     start = time.process_time()
     for _ in range(count):
         run()
@@ -121,7 +123,7 @@ def error_of(found: tuple[float, float], exact: tuple[float, float]) -> float:
 
 
 def runs_of(own: esc.Escapement) -> list[tuple[str, float, Callable[[], tuple[float, float]]]]:
-    """Solver, tolerance or number of steps, and the run."""
+    """Name of the solver, tolerance or number of steps, and the run."""
     runs = [("escapement", rtol, by_package(own, rtol)) for rtol in (1e-4, 1e-5, 1e-6, 1e-8, 1e-10)]
     for method, rtols in (("Radau", (1e-5, 1e-6, 1e-7)), ("LSODA", (1e-7, 1e-8, 1e-9))):
         runs += [(method, rtol, by_solve_ivp(own, method, rtol)) for rtol in rtols]

@@ -1,10 +1,10 @@
-"""Cost of each kind of question, and how it grows with engagements, cases and workers.
+"""Time of each kind of computation, and how it grows with engagements, cases and workers.
 
 ``python benchmarks/costs.py [--quick] [-o DIR]``
 
-Questions, engagements and cases are timed by the processor time of one core, workers by
-the wall. The long version writes two tables and a figure to benchmarks/results, the quick
-one only with ``-o``.
+For computations, engagements and cases the processor time of one core is measured, for workers the
+wall time. The long version writes two tables and a figure to benchmarks/results, the quick one only
+with ``-o``.
 """
 
 import argparse
@@ -37,7 +37,7 @@ RESULTS = Path(__file__).resolve().parent / "results"
 
 
 class Effort(NamedTuple):
-    """How much is measured: sizes, longest run [s], and turns of each call."""
+    """How much is measured: sizes, longest run [s], and repetitions of each call."""
 
     engagements: Sequence[int]
     cases: Sequence[int]
@@ -55,12 +55,12 @@ QUICK = Effort((1, 10, 100, 1000), (1, 10, 100, 1000, 10_000), 0.25, 2)
 
 
 class Question(NamedTuple):
-    """A question that users ask of the package.
+    """A computation that users ask for, here called a question.
 
-    name : what is asked.
-    left_out : what the engine therefore did not do.
-    cases : answers it gives.
-    call : asks it once.
+    name : the computation in words.
+    left_out : parts of the work that the engine does not do for it.
+    cases : number of cases that it computes.
+    call : computes it once.
     """
 
     name: str
@@ -70,7 +70,7 @@ class Question(NamedTuple):
 
 
 class QuestionTime(NamedTuple):
-    """A question (`scene`) and the shortest time of a warm call [s], in all and by case."""
+    """A question (`scene`) and the shortest time of a warm call [s], in all and per case."""
 
     scene: str
     left_out: str
@@ -82,8 +82,8 @@ class QuestionTime(NamedTuple):
 def question_times(problem: Problem, cases: int, rounds: int) -> list[QuestionTime]:
     """Every question on one problem, its batches `cases` long.
 
-    What takes microseconds takes ten times as many turns, and none beside a batch: on a
-    shared machine its shortest time would be left to chance.
+    Questions of microseconds are repeated ten times as often, and not between batches: on a shared
+    machine their shortest time would otherwise depend on chance.
     """
     single, batches = _motions(problem.escapement), _batches(problem.escapement, cases)
     times = shortest([question.call for question in single], 10 * rounds)
@@ -188,7 +188,7 @@ def _motions(timer: Escapement) -> list[Question]:
 
 
 def _real(timer: Escapement) -> Escapement:
-    """The same with pins, journals and drags of usual size."""
+    """The timer with pins, journals and drags of usual size."""
     wheel = replace(timer.mechanism, crank_radius=0.01, pin_radius=0.0005)
     journals = {
         f"{body}_bearing_{what}": value
@@ -201,7 +201,7 @@ def _real(timer: Escapement) -> Escapement:
 
 
 def _oily(timer: Escapement) -> Escapement:
-    """The same in oil."""
+    """The same with viscous drag on both bodies."""
     unit = (timer.inertia.follower * timer.torque) ** 0.5
     return replace(timer, driver_viscous=0.05 * unit, follower_viscous=0.02 * unit)
 
@@ -264,7 +264,7 @@ def growth(effort: Effort, cores: int) -> list[Cost]:
     return [
         *against_engagements(problem, effort.engagements, effort.longest, effort.rounds),
         *against_cases(problem, effort.cases, effort.rounds),
-        # each worker needs many blocks, or the time in which the last works alone counts
+        # with few blocks per worker, the time in which the last one works alone would matter
         *against_workers(problem, range(1, cores + 1), 4 * most, min(effort.rounds, 3)),
     ]
 

@@ -1,4 +1,4 @@
-"""What came out of the cases, kept in CSV files from one slice of a run to the next."""
+"""Outcomes of the cases, kept in CSV files from one part of a run to the next."""
 
 import csv
 
@@ -11,7 +11,7 @@ FAILED = ("engine", "outcome", "error / rtol", "told", *Problem._fields)
 
 
 def added(table, results):
-    """Counts of a table {engine: row}, with a case's results in them."""
+    """Counts of a table {engine: row}, with the results of one more case."""
     for engine, kind, error, _told in results:
         row = table.setdefault(engine, dict.fromkeys(("cases", *COUNTS), 0) | {"worst": 0.0})
         row["cases"] += 1
@@ -29,7 +29,7 @@ def read(path, seed):
     with open(path, newline="", encoding="utf-8") as stream:
         rows = list(csv.DictReader(stream))
     if any(int(row["seed"]) != seed for row in rows):
-        raise SystemExit(f"{path} is of another seed; add --again to start from nothing")
+        raise SystemExit(f"{path} was written with another seed; add --again to start over")
     table = {
         row["engine"]: {name: int(row[name]) for name in ("cases", *COUNTS)}
         | {"worst": float(row["worst ok error / rtol"])}
@@ -40,7 +40,7 @@ def read(path, seed):
 
 
 def write(path, table, seed):
-    """Replace the table; each slice is in it whole or not at all."""
+    """Replace the table; each part of a run is in it whole or not at all."""
     partial = path.with_suffix(".partial")
     with open(partial, "w", newline="", encoding="utf-8") as stream:
         writer = csv.writer(stream, lineterminator="\n")
@@ -52,7 +52,7 @@ def write(path, table, seed):
 
 
 def append(path, failures):
-    """Add rows to the list of failures, headed where it is new."""
+    """Add rows to the list of failures, with a heading if the file is new."""
     fresh = not path.exists()
     with open(path, "a", newline="", encoding="utf-8") as stream:
         writer = csv.writer(stream, lineterminator="\n")

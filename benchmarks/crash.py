@@ -1,9 +1,9 @@
-"""The long run of what `tests/test_crash.py` samples: kills, failing calls, damage.
+"""The long version of `tests/test_crash.py`: killed processes, failing calls, damaged files.
 
     python benchmarks/crash.py [--kills 300] [--damages 2000] [--every 1]
 
-Each part raises at the first block lost, file damaged or traceback, and else prints how
-much it went through.
+Each part raises an error at the first lost block, wrong file or traceback, and otherwise prints how
+much it has tried.
 """
 
 import argparse

@@ -1,4 +1,4 @@
-"""What crash safety costs: a study of ten million cases, written once and kept as it grows.
+"""The cost of crash safety: a study of ten million cases with and without partial results.
 
     python benchmarks/crash_cost.py [--cases 10000000] [--workers 2] [--folder .]
 

@@ -2,9 +2,9 @@
 
 ``python benchmarks/design_grid.py [POINTS]`` takes the wish of ``runs/thirty_seconds.toml``. On a
 grid of POINTS inertia ratios, radii and torques of every wheel it computes all figures at all
-three frictions by `sweep`, without interpolation, and counts the grid's designs that keep to all
-bounds and beat a design of the front by more than one per cent in every objective. Results go to
-``results/design_grid.csv``.
+three frictions by `sweep`, without interpolation, and counts the designs of the grid that satisfy
+all bounds and are better than a design of the front by more than one per cent in every objective.
+Results go to ``results/design_grid.csv``.
 """
 
 import csv

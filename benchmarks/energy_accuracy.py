@@ -2,11 +2,11 @@
 
 ``python benchmarks/energy_accuracy.py [--cases 1000] [--references 50]``
 
-Three mechanisms, log10 of the inertia ratio uniform in -2 to 1, friction uniform up to
-0.99 of the Painlevé limit, six engagements from rest. The error is the largest relative
-one of all handoff times and speeds: of every case against the engine itself at its
-tightest tolerance, and of some, half of them the worst by that measure, against the
-integrator of the tests in 34 digits.
+The cases are six engagements from rest of three mechanisms. The logarithm (base 10) of the inertia
+ratio is uniform from -2 to 1, and friction is uniform up to 0.99 of the Painlevé limit. The error
+is the largest relative one of all handoff times and speeds. Every case is compared with the engine
+itself at its tightest tolerance. Some cases, half of them those with the largest such errors, are
+compared with the integrator of the tests, which has 34 digits.
 """
 
 import argparse
@@ -26,7 +26,7 @@ sys.path.insert(0, str(ROOT / "tests" / "reference"))
 TIGHTEST, DEFAULT = 1e-13, 1e-12
 TOLERANCES = (DEFAULT, 1e-10, 1e-8, 1e-6, 1e-4)
 FINEST = 1e-12
-"""The promise at the default tolerance; a looser one is the promise itself."""
+"""Error promised at the default tolerance; with a looser tolerance it is the tolerance itself."""
 SETTING = {"digits": 34, "order": 26, "tolerance": "1e-23"}
 
 
@@ -46,7 +46,7 @@ class Case(NamedTuple):
 
 
 class Summary(NamedTuple):
-    """Errors of all cases at one tolerance by one judge."""
+    """Errors of all cases at one tolerance, compared with one reference."""
 
     judge: str
     rtol: float
@@ -109,7 +109,7 @@ def judge(scene: esc.Escapement, share: float, truth: np.ndarray, name: str) -> 
 
 
 def summaries(cases: list[Case]) -> list[Summary]:
-    """One line for each judge and tolerance."""
+    """One line for each reference and tolerance."""
     lines = []
     for name in dict.fromkeys(case.judge for case in cases):
         table = np.array([case[5:] for case in cases if case.judge == name])
@@ -129,7 +129,7 @@ def summaries(cases: list[Case]) -> list[Summary]:
 
 
 def main() -> int:
-    """Judge, print, write; 1 where a promise is broken."""
+    """Judge, print, write; returns 1 if an error is too large."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--cases", type=int, default=1000)
     parser.add_argument("--references", type=int, default=50, help="cases judged in 34 digits")
@@ -142,7 +142,7 @@ def main() -> int:
         judge(scene, share, handoffs(scene, TIGHTEST, args.engagements), "energy at 1e-13")
         for scene, share in scenes
     ]
-    # the finest tool looks at some cases as they come and at those that look worst
+    # the 34 digits judge some cases in their order, and those with the largest errors
     worst = sorted(range(len(scenes)), key=lambda place: -cases[place].error_default)
     chosen = [*range(args.references // 2), *worst[: (args.references + 1) // 2]]
     for scene, share in (scenes[place] for place in dict.fromkeys(chosen)):

@@ -1,8 +1,9 @@
 """Script time of the explorer's page in headless Chromium, in ms, and its first picture.
 
-Writes `results/explorer_frames.csv`: of 200 repetitions the least and the median time, and the mean
-processor time of the page's thread, which other work on the machine does not lengthen.
-The motion is twenty engagements of Meyer's four pins from rest, with friction from 0.30 to 0.40.
+It writes `results/explorer_frames.csv`, which has the least and the median time of 200
+repetitions, and the mean processor time of the page's thread, which other work on the machine does
+not lengthen. The motion is twenty engagements of Meyer's four-pin escapement from rest, with
+friction from 0.30 to 0.40.
 """
 
 import csv
@@ -46,7 +47,7 @@ def measured(shown, ticks, what):
 
 
 def script(ticks):
-    """Processor time of all that was evaluated up to now [s]."""
+    """Processor time of all scripts up to now [s]."""
     found = {row["name"]: row["value"] for row in ticks.send("Performance.getMetrics")["metrics"]}
     return found["DevToolsCommandDuration"]
 

@@ -1,6 +1,6 @@
 """Figures of accuracy, drawn from the tables in benchmarks/results.
 
-One function a figure; `docs/make_figures.py` puts them into the documentation.
+Each function draws one figure; `docs/make_figures.py` puts them into the documentation.
 """
 
 import csv
@@ -52,12 +52,12 @@ def columns(rows, *names):
 
 
 def grouped(rows, *names):
-    """(values of `names`, rows) of each run of equal ones."""
+    """Pairs (values of `names`, rows) of neighbouring rows that have equal values."""
     return groupby(rows, key=lambda row: tuple(row[name] for name in names))
 
 
 def plot_errors(axes, x, errors, **look):
-    """A curve of errors, broken where one is exactly zero: that point is in a strip at the foot."""
+    """Draw a curve of errors. Errors of exactly zero are points in a strip at the foot."""
     zero = errors == 0.0
     axes.loglog(x, np.where(zero, np.nan, errors), **look)
     axes.plot(x[zero], np.full(zero.sum(), ZERO), **{**look, "ls": "", "label": "_"})
@@ -95,7 +95,7 @@ def work_precision():
 
 
 def tolerance():
-    """Error got against error asked for, both engines."""
+    """Measured error against the tolerance asked for, both engines."""
     figure = new_figure(TWO_COLUMN, 3.1)
     panels = figure.subplots(1, 2, sharex=True, sharey=True)
     for axes, ((engine,), rows) in zip(panels, grouped(table("tolerance"), "engine"), strict=True):
@@ -103,16 +103,16 @@ def tolerance():
         rtol, median, most, worst, cases = columns(
             list(rows), "rtol", "median", "q95", "worst", "cases"
         )
-        names = ("median", "95 of 100 are below", "worst")
+        names = ("median", "95 % are below", "largest")
         for curve, look, name in zip((median, most, worst), LOOKS, names, strict=False):
             axes.loglog(
                 rtol, curve, look.marker, ls=look.linestyle, color=look.color, label=name, ms=4
             )
-        axes.loglog(rtol, rtol, color=BLACK, lw=0.8, label="asked for")
-        axes.loglog(rtol, 10 * rtol, color=BLACK, ls=":", lw=1.0, label="ten times that")
-        axes.set_xlabel("Relative error asked for")
+        axes.loglog(rtol, rtol, color=BLACK, lw=0.8, label="error = tolerance")
+        axes.loglog(rtol, 10 * rtol, color=BLACK, ls=":", lw=1.0, label="ten times the tolerance")
+        axes.set_xlabel("Tolerance rtol")
         axes.set_title(f"{engine}, {cases[0]:.0f} random cases", fontsize=LABEL_SIZE)
-    panels[0].set_ylabel("Relative error got")
+    panels[0].set_ylabel("Measured relative error")
     above(figure, panels[0], 5)
     return figure
 
@@ -175,7 +175,8 @@ def long_run():
                 mfc=look.color if friction == 0.0 else "none",
                 label=f"friction {number_text(friction)}" if friction else "no friction",
             )  # fmt: skip
-        axes.loglog(count, 2.0**-53 * np.sqrt(count), color=GREY, lw=0.9, label="a random walk")
+        walk = 2.0**-53 * np.sqrt(count)
+        axes.loglog(count, walk, color=GREY, lw=0.9, label="random rounding errors")
         axes.set_xlabel("Engagements")
         axes.set_title(name.capitalize(), fontsize=LABEL_SIZE)
     for axes in panels:
@@ -186,7 +187,7 @@ def long_run():
 
 
 def conditioning():
-    """Per cent of change in each figure of merit for one per cent of each parameter."""
+    """Change of each figure of merit in per cent, for one per cent of each parameter."""
     figure = new_figure(TWO_COLUMN, 3.4)
     designs = {name: list(rows) for (name,), rows in grouped(table("conditioning"), "design")}
     names = ("three pins", "four pins", "six pins")
@@ -197,7 +198,7 @@ def conditioning():
         axes.imshow(values, cmap="RdBu_r", vmin=-2.2, vmax=2.2, aspect="auto")
         for (i, j), value in np.ndenumerate(values):
             ink = "white" if abs(value) > 1.3 else "black"
-            # differences leave 1e-10 behind, which must not decide where a digit is rounded to
+            # errors of 1e-10, which differences leave, must not change the rounded digits
             text = f"{round(value, 6):.2f}" if abs(value) > 5e-3 else "0"
             axes.text(j, i, text, ha="center", va="center", fontsize=7, color=ink)
         axes.set_xticks(range(len(parameters)), [p.replace("_", "\n") for p in parameters])

@@ -1,10 +1,10 @@
-"""How long a fresh process takes to its first result, with and without compiled code.
+"""Time of a new process until its first result, with and without compiled code.
 
 ``python benchmarks/first_result.py``
 
-The cache starts in an empty folder: the first line of each kind compiles, the others load
-what it left. Times of the whole process, interpreter included; on a busy machine the
-processor's time is the one to read.
+The cache of compiled code starts in an empty folder: the first line of each kind compiles, and the
+others load that code. Times are those of the whole process, interpreter included; on a busy machine
+read the processor time.
 """
 
 import argparse
@@ -59,7 +59,7 @@ PROCESSES = {
 
 
 class Start(NamedTuple):
-    """Shortest wall and processor time of a process [s] over some runs."""
+    """Shortest wall and processor time of a process [s] over several runs."""
 
     process: str
     wall: float
@@ -78,7 +78,7 @@ def measure(arguments: list[str], folder: str) -> tuple[float, float]:
 
 
 def _used() -> float:
-    """Processor time of all processes that ended [s]."""
+    """Processor time of all child processes that have ended [s]."""
     children = resource.getrusage(resource.RUSAGE_CHILDREN)
     return children.ru_utime + children.ru_stime
 

@@ -1,9 +1,10 @@
-"""What imperfect parts cost: studies of random sets of errors, and engagements beside ideal ones.
+"""Time of studies of imperfect parts, and of their engagements compared with ideal ones.
 
 ``python benchmarks/imperfect_parts.py [--cases 100000] [--workers 2] [--rounds 3]``
 
-Four pins in four slots. A study is a whole process of ``escapement sweep``, from a TOML file to
-HDF5. Engagements are compared by processor time in one process and in turns, by their medians.
+The wheel has four pins and four slots. A study is a whole process of ``escapement sweep``, from a
+TOML file to HDF5. Engagements are compared by their processor times in one process, in which the
+calls alternate; the table has medians.
 """
 
 import argparse
@@ -60,7 +61,7 @@ class Study(NamedTuple):
 
 
 class Cost(NamedTuple):
-    """Time of an engagement in microseconds, and over that of an ideal one."""
+    """Time of an engagement in microseconds, and its ratio to that of an ideal one."""
 
     question: str
     errors: str
@@ -85,7 +86,7 @@ def sweep(name: str, cases: int, workers: int, folder: Path) -> Study:
 
 
 def timer(rng: np.random.Generator, name: str = "") -> esc.Escapement:
-    """An escapement that no call has seen, ideal without the name of a set of errors."""
+    """An escapement that differs from all before, ideal unless a set of errors is named."""
     inertia = esc.Inertia(3e-6 * INCH_POUND, 50e-6 * INCH_POUND)
     tolerances, pin = SETS.get(name, ({}, ""))
     errors: dict[str, Any] = {
@@ -107,7 +108,7 @@ def cycle(drive: esc.Escapement) -> int:
 
 
 def cost(question: Callable[[esc.Escapement], int], name: str) -> Cost:
-    """Compare engagements in turns."""
+    """Compare engagements; their calls alternate."""
     rng, times = np.random.default_rng(1), {"": [], name: []}
     for _ in range(200):
         for errors, found in times.items():

@@ -1,15 +1,16 @@
-"""What engine `ivp` costs beside the loop over solve_ivp that a user would write.
+"""Time of engine `ivp`, compared with the loop over solve_ivp that a user would write.
 
 ``python benchmarks/ivp_cost.py [--rounds 7]``
 
-The loop integrates driver angle and speed from one corner of the mechanism to the next, with
-DOP853 and a compiled right-hand side: the one that `ivp` has too. A terminal event ends a piece
-at its corner or at a pin reversal, and an event on the acceleration locates the extrema of the
-speed. It integrates no losses, keeps no interpolant, and misses two events within one step.
+The loop integrates driver angle and speed over one smooth piece after the other, with DOP853 and
+the same compiled right-hand side that `ivp` uses. A terminal event ends a piece at a fixed angle,
+such as dead centre, or at a pin reversal, and an event on the acceleration locates the extrema of
+the speed. Unlike `ivp`, the loop does not integrate losses, keeps no interpolant, and misses two
+events within one step.
 
-Both run at rtol 1e-4 to 1e-11. The error is the greatest relative one of handoff times and
-speeds against `energy` at 1e-13. Times are those of the processor, the shortest of
-several rounds in which the two alternate; at an equal error they are interpolated.
+Both run at rtol 1e-4 to 1e-11. The error is the greatest relative one of handoff times and speeds
+against `energy` at 1e-13. Times are processor times, the shortest of several rounds in which the
+two alternate. They are compared at equal errors, by interpolation.
 """
 
 import argparse
@@ -36,7 +37,7 @@ METER = {"crank_radius": 0.01}
 
 
 def cases():
-    """The ideal four-pin wheel, one with a dwell, and one with every effect there is."""
+    """The ideal four-pin wheel, one with a dwell, and one with every effect of real parts."""
     inertia, torque = esc.Inertia(3.389e-7, 5.649e-6), 0.0113
     yield "ideal, four pins", esc.Escapement(esc.Geneva(4), inertia, torque, 0.35)
     yield "with a dwell", esc.Escapement(esc.Geneva(6, pins=2), inertia, torque, 0.2)
@@ -67,7 +68,7 @@ class Line(NamedTuple):
 
 
 class Run(NamedTuple):
-    """One program on one case at one tolerance: its error [-] and time [s]."""
+    """One of the two on one case at one tolerance: its error [-] and time [s]."""
 
     case: str
     program: str
@@ -94,7 +95,7 @@ def acceleration_at(theta, speed, side, plain):
 
 
 def plain_loop(escapement, rtol):
-    """Handoff times [s] and speeds [rad/s] by nothing but solve_ivp."""
+    """Handoff times [s] and speeds [rad/s] from the plain loop over solve_ivp."""
     scene, clock = escapement.scene, escapement.time_unit
     plain, none = scene_tuple(scene), np.empty(0, dtype=np.int64)
     corners = [(float(angle), False) for angle in scene.edges[1:]]
@@ -138,7 +139,7 @@ def plain_loop(escapement, rtol):
 
 
 def by_ivp(escapement, rtol):
-    """The same by the engine, called as a user calls it."""
+    """The same from the engine, called as a user calls it."""
     motion = esc.simulate(escapement, ENGAGEMENTS, engine="ivp", rtol=rtol)
     return motion.handoff_times, motion.handoff_velocities
 
@@ -164,8 +165,8 @@ def measure(case, escapement, rounds):
 
 
 def time_at(runs, error):
-    """Time at an error, from the straight line through log time over log error."""
-    # an error that falls by chance below what follows from rounding would bend the line
+    """Time at an error, from a straight line through log time against log error."""
+    # an error that is by chance below the level of rounding would bend the line
     kept = [run for run in runs if run.error > 1e-14]
     slope_, at_one = np.polyfit(
         np.log([run.error for run in kept]), np.log([run.time for run in kept]), 1

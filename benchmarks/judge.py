@@ -1,7 +1,7 @@
-"""The last word where two answers differ: the tests' Taylor reference in 34 digits.
+"""Decides with 34 digits which of two different results is right.
 
-It also tells how far an error of one rounding in a parameter moves each number: what no
-program working in double precision can be asked to do better than.
+It uses the Taylor series of the tests. It also computes how much each number changes if each
+parameter changes by one rounding error: no program in double precision can be more exact than that.
 """
 
 import sys
@@ -20,7 +20,7 @@ _STEPS = 4000
 
 
 class Answer:
-    """Handoff times and squared speeds; where the motion stops, angle and time of that."""
+    """Handoff times and squared speeds; if the motion stops, angle and time of the stop."""
 
     def __init__(self, times, squares, reversals, stall):
         self.times, self.squares, self.reversals, self.stall = times, squares, reversals, stall
@@ -55,7 +55,7 @@ def answer(slots, pins, internal, rho, mu, load, speed, engagements):
 
 
 def cycle(slots, pins, internal, rho, mu, load, speed):
-    """Terminal cycle next to a handoff speed: greatest, least, handoff speed and period."""
+    """Terminal cycle near a given handoff speed: greatest, least, handoff speed and period."""
     with mp.workdps(SETTING["digits"]):
         case = _case(slots, pins, internal, rho, mu, load)
         found = taylor.terminal(case, SETTING, mpf(speed) ** 2, 1, 1)
@@ -73,7 +73,7 @@ def unavoidable(slots, pins, internal, rho, mu, load, speed, engagements, exact)
         inputs[name] *= 1 + mpf(ROUNDING)
         moved = answer(slots, pins, internal, **inputs, engagements=engagements).numbers()
         if len(moved) != len(total):
-            return None  # even whether it stops hangs on the last bit
+            return None  # whether the motion stops at all depends on the last bit
         for i, (x, y) in enumerate(zip(moved, exact.numbers(), strict=True)):
             total[i] += abs(x / y - 1)
     return [float(x) for x in total]
@@ -127,7 +127,7 @@ def _engage(case, w):
 
 
 def _smooth_reach(here):
-    """How far W itself may be trusted: past a stop, where only the time is singular."""
+    """Distance to which the series of W is valid; at a stop only that of the time ends."""
     tolerance = mpf(SETTING["tolerance"])
     grown = here.w[1:] if here.from_rest else here.w
     return min(reach(x, tolerance) for x in (grown, here.tangent, here.contact))

@@ -1,9 +1,10 @@
-"""How often the intervals of backlash, eccentricity, friction and torque hold the true values.
+"""How often the intervals of backlash, eccentricity, friction and torque are right.
 
 ``python benchmarks/lab_coverage.py [--seeds 100]``
 
-Readings are made here and not by the package: a shaft turned there and back by hand, unevenly,
-with free play, an eccentric disc and rounding to counts; and a noisy run-up.
+An interval is right if it contains the true value. The readings are made here and not by the
+package. In one set a shaft is turned unevenly there and back, with free play, an eccentric disc and
+rounding to counts of an encoder; the other set is a noisy run-up.
 """
 
 import argparse
@@ -28,10 +29,10 @@ INERTIA = esc.Inertia(3.39e-7, 5.65e-6)
 
 
 class Row(NamedTuple):
-    """How often of so many seeds an interval held the true value.
+    """For how many seeds an interval contained the true value.
 
-    right : how often it was told, and on the right shaft alone; of a fit, that it converged.
-    half_width_percent : the greatest half of an interval over the true value.
+    right : for how many the error was found on the right shaft alone, or the fit converged.
+    half_width_percent : the greatest half-width of an interval over the true value.
     """
 
     case: str
@@ -43,7 +44,7 @@ class Row(NamedTuple):
 
 
 def behind(angles: np.ndarray, play: float) -> np.ndarray:
-    """Angle of a shaft behind a free play: it stands until it is pushed from one side."""
+    """Angle of a shaft with free play: it stands still until it is pushed from one side."""
     at, found = angles[0], []
     for angle in angles:
         if angle - at > play / 2:
@@ -94,7 +95,7 @@ def of_shafts(case: str, drive: esc.Geneva, shaft: str, seeds: int) -> list[Row]
 
 
 def of_run_up(seeds: int) -> list[Row]:
-    """Friction and torque from 400 noisy angles of a run-up, begun from numbers far off."""
+    """Friction and torque from 400 noisy angles of a run-up; the fit starts from wrong numbers."""
     truth = esc.Escapement(DRIVES["four slots"], INERTIA, TORQUE, FRICTION)
     guess = esc.Escapement(DRIVES["four slots"], INERTIA, 0.02, 0.15)
     motion = esc.simulate(truth, 20)

@@ -27,7 +27,10 @@ PER_TURN = 200
 
 
 class Cost(NamedTuple):
-    """A file of measurements and what it takes. peak_memory : of the process [MB]."""
+    """A file of readings, and time and memory to measure it.
+
+    peak_memory : of the process [MB].
+    """
 
     rows: int
     megabytes: float

@@ -1,10 +1,11 @@
-"""A map of torque and friction to HDF5: wall time, share of solving, peak memory.
+"""A study of torque and friction, written to HDF5: wall time, time of solving, peak memory.
 
 ``python benchmarks/map_to_hdf5.py [--side 1000] [--first torque] [--workers 2] [--folder DIR]``
 
-All figures of merit of 10^6 cases, with either axis as the first; ``--side 10000`` writes
-10^8 (about 4 GB) to show that memory stays bounded. Every run is a process of its own with compiled
-code cached, so that its peak memory is its own. The file is removed afterwards.
+It computes all figures of merit of 10^6 cases, with either axis as the first; ``--side 10000``
+writes 10^8 cases (about 4 GB) to show that memory stays bounded. Every run is a separate process,
+which loads compiled code, so that its peak memory is that of the run. The file is removed
+afterwards.
 """
 
 import argparse
@@ -32,7 +33,7 @@ class Map(NamedTuple):
 
     axes : their order, the first varying slowest.
     wall, processor : of the sweep into the file; the processor's in all threads.
-    solving : processor time within the engine's batches, summed over threads.
+    solving : processor time within the engine, summed over threads.
     """
 
     axes: str
@@ -48,7 +49,7 @@ class Map(NamedTuple):
 
 
 def sweep(side: int, first: str, workers: int, path: Path) -> dict[str, float]:
-    """One sweep in this process, watched."""
+    """Run one sweep in this process, and measure it."""
     begin = time.perf_counter()
     import escapement as esc
     from escapement.engines.energy import batch

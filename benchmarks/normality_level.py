@@ -2,9 +2,9 @@
 
 ``python benchmarks/normality_level.py [--repetitions 100000]``
 
-A test at the level of 5 % should reject 5 % of all sets of normal errors. Pearson's
-chi-squared test does so or not depending on how the classes are made and where mean and
-deviation come from; every way of doing it is a test here.
+A test at the level of 5 % should reject 5 % of all sets of normal errors. Whether
+Pearson's chi-squared test does so depends on how the classes are chosen and how mean and deviation
+are estimated; each combination is a test here.
 """
 
 import argparse
@@ -40,7 +40,7 @@ class Rate(NamedTuple):
     """Share of the sets of errors that a test rejects.
 
     misses : how many standard errors the rate lies from the level; for normal errors
-        more than three mean that the test does not keep it.
+        more than three mean that the test rejects too often or too rarely.
     """
 
     law: str
@@ -54,12 +54,12 @@ class Rate(NamedTuple):
 
 
 def published(errors: np.ndarray, bins: int) -> np.ndarray:
-    """Equal widths, moments of the classes, nothing outside: bins - 3."""
+    """Classes of equal width, mean and deviation from the classes, none outside: bins - 3."""
     return published_chi_squared(histogram(errors, bins)).p_value
 
 
 def equal_width(errors: np.ndarray, bins: int) -> np.ndarray:
-    """Equal widths, outer classes open, moments of the errors: bins - 3."""
+    """Classes of equal width, outer ones open, mean and deviation of the errors: bins - 3."""
     observed, expected = _open_classes(errors, bins)
     return chi2.sf(_pearson(observed, expected), bins - 3)
 
@@ -78,16 +78,16 @@ def merged(errors: np.ndarray, bins: int) -> np.ndarray:
 
 
 def equally_probable(errors: np.ndarray, bins: int) -> np.ndarray:
-    """Equal probabilities, moments of the errors: bins - 3."""
+    """Classes of equal probability, mean and deviation of the errors: bins - 3."""
     observed, expected = _probable_classes(_standard(errors), bins)
     return chi2.sf(_pearson(observed, expected), bins - 3)
 
 
 def fitted_to_counts(errors: np.ndarray, bins: int) -> np.ndarray:
-    """Equal probabilities, moments fitted to the counts: bins - 3.
+    """Classes of equal probability, mean and deviation fitted to the counts: bins - 3.
 
-    To first order, as Dzhaparidze and Nikulin (1974): deviations less their projection
-    on the directions in which a change of mean or deviation moves them.
+    To first order, after Dzhaparidze and Nikulin (1974): from the deviations of the counts their
+    projection on the changes that mean and deviation can cause is subtracted.
     """
     observed, expected = _probable_classes(_standard(errors), bins)
     deviation = (observed - expected) / np.sqrt(expected)
@@ -100,7 +100,7 @@ def fitted_to_counts(errors: np.ndarray, bins: int) -> np.ndarray:
 
 
 def known_law(errors: np.ndarray, bins: int) -> np.ndarray:
-    """Equal probabilities, true mean 0 and deviation 1: bins - 1."""
+    """Classes of equal probability, true mean 0 and deviation 1: bins - 1."""
     observed, expected = _probable_classes(errors, bins)
     return chi2.sf(_pearson(observed, expected), bins - 1)
 

@@ -1,13 +1,13 @@
-"""Both engines on random motions of every mechanism that is no Geneva wheel on a fixed axis.
+"""Both engines on random motions of mechanisms other than Geneva wheels.
 
 ``python benchmarks/other_mechanisms.py [--cases 300] [--seed 1974]``
 
-Gear-driven wheels of all four curves, planetary drives with elliptical gears, and tables
-of 20 to 120 rows; inertia ratios of 1e-4 to 1e4, friction up to 0.99 of the Painlevé limit
-or efficiencies from 0.3 to 1, loads up to 0.9 of what the drive carries in every position,
-starts at rest and fast; three engagements. The engines share no numerical method, so what
-they agree on is no accident of either; the worst difference of handoff times and speeds is
-counted in tolerances, as is a motion of which they tell different stories.
+The mechanisms are gear-driven wheels of all four curves, planetary drives with elliptical gears,
+and tables of 20 to 120 rows. Inertia ratios are 1e-4 to 1e4, friction is up to 0.99 of the
+Painlevé limit or efficiency from 0.3 to 1, and loads are up to 0.9 of those that the drive carries
+in every position; motions start at rest or fast and have three engagements. The engines share no
+numerical method, so a common error is unlikely. The result is the greatest difference of handoff
+times and speeds in tolerances; it is infinite if the motions end differently.
 """
 
 import argparse
@@ -62,7 +62,7 @@ def elliptical(random):
 
 
 def table(random):
-    """A table of a Geneva wheel or of a planetary drive, its rows even or not."""
+    """A table of a Geneva wheel or of a planetary drive, with rows evenly spaced or not."""
     drive = esc.Geneva(int(random.integers(3, 12)), pins=1)
     drive = drive if random.random() < 0.5 else elliptical(random)
     rows = int(random.integers(20, 121))
@@ -95,7 +95,7 @@ def draw(kind, random):
 
 
 def difference(timer, speed):
-    """Worst relative difference over the tolerance, infinite where the stories differ; ledger."""
+    """Greatest relative difference over the tolerance, and the residual of the energy balance."""
     fast, slow = (
         esc.simulate(timer, 3, initial_speed=speed, engine=name, rtol=RTOL)
         for name in ("energy", "ivp")
@@ -114,7 +114,7 @@ def difference(timer, speed):
 
 
 def main() -> int:
-    """Compare, print, write; 1 where the engines differ by more than both may be off."""
+    """Compare, print, write; returns 1 if the engines differ by more than both tolerances."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--cases", type=int, default=300, help="of every kind")
     parser.add_argument("--seed", type=int, default=1974)

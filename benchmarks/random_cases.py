@@ -1,4 +1,4 @@
-"""Random cases over all that a Geneva escapement may be, corners included."""
+"""Random Geneva escapements over the whole range of every number, limits included."""
 
 import math
 from typing import NamedTuple
@@ -33,7 +33,7 @@ class Problem(NamedTuple):
 
 
 def draw(random, smallest_rtol=1e-13):
-    """A random case; every corner of the range gets its part."""
+    """A random case; a share of the cases lies at each limit of the range."""
     internal = bool(random.random() < 0.15)
     few = random.random() < 0.9
     slots = int(random.integers(3, 41) if few else round(10 ** random.uniform(1.6, 3)))
@@ -55,7 +55,7 @@ def draw(random, smallest_rtol=1e-13):
     else:
         mu = 0.0
     mu = min(mu, 0.999999 * limit)
-    # a load whose work over a cell is that of the drive
+    # the load whose work over a cell equals that of the drive
     bearable = (2.0 * case.beta + case.dwell) * slots / (2.0 * math.pi)
     kind = random.random()
     if kind < 0.5:

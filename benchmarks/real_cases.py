@@ -2,12 +2,13 @@
 
 ``python benchmarks/real_cases.py [-n CASES] [--first SEED] [--drives] [-o FILE]``
 
-Every case has a random subset of the effects, any kind of slotted wheel, with or without a
-dwell, and starts from rest or fast. The fast engine is asked for 1e-12, ``ivp`` for 1e-10. A
-case is wrong when they differ by more than ten times that in a time or a speed of a handoff, in
-their status or in their reversals, or when the ledger of the fast one leaves more than 1e-12.
-With ``--drives`` springs, torque curves and trains with efficiencies from 0.6 to 1 are among the
-effects, and changes of the sense of the power in a train are compared as well.
+Every case has a random subset of the effects, any kind of slotted wheel, with or without a dwell,
+and starts from rest or fast. The tolerance of the fast engine is 1e-12, that of ``ivp`` 1e-10. A
+case is wrong if a time or a speed of a handoff differs by more than ten times the latter, if
+status or reversals differ, or if the energy balance of the fast engine leaves more than 1e-12 of
+the work. With ``--drives`` springs, torque curves and trains with efficiencies from 0.6 to 1 are
+among the effects, and the instants at which the power in a train changes its direction are
+compared as well.
 """
 
 import argparse
@@ -34,7 +35,7 @@ def draw(seed, drives=False):
     """An escapement, its initial speed [rad/s] and its effects; None where none fits."""
     random = np.random.default_rng(seed)
     present = {name for name in EFFECTS if random.random() < 0.4}
-    # of a random drive the other effects are fewer
+    # with a random drive fewer other effects are drawn
     if drives:
         present = {name for name in EFFECTS if name in present and random.random() < 0.5}
         present |= {name for name in DRIVES if random.random() < 0.6}
@@ -78,7 +79,7 @@ def draw_wheel(random, length, present):
 
 
 def draw_numbers(random, wheel, present):
-    """Inertias, torque and what resists."""
+    """Inertias, torque and resisting torques."""
     follower, torque = 10.0 ** random.uniform(-7, -3), 10.0 ** random.uniform(-3, 1)
     unit, closest = (follower * torque) ** 0.5, wheel.crank_radius * wheel.widest_pin
     drawn = {
@@ -131,7 +132,7 @@ def draw_drive(random, wheel, present, numbers):
 
 
 def compare(timer, speed):
-    """Status of the fast engine, greatest difference of the two, residual, and what is wrong."""
+    """Status of the fast engine, greatest difference, residual, and a description of errors."""
     fast, slow = (
         esc.simulate(timer, ENGAGEMENTS, initial_speed=speed, engine=name)
         for name in ("energy", "ivp")

@@ -1,10 +1,11 @@
 """How exact the derivatives of `escapement.sensitivities` are.
 
 ``python benchmarks/sensitivity_accuracy.py [DESIGNS]`` compares them with differences of the
-figures over random designs (Richardson's extrapolation, with steps that fall from 1 % of the number
-until its own error estimate is least), and in ten designs with differences of figures computed to
-34 digits. It writes the worst error of each figure, relative to the figure over the number, and
-the estimated error of the difference there to ``results/sensitivity_accuracy.csv``.
+figures over random designs (Richardson's extrapolation, with steps that fall from 1 % of the
+number until its own error estimate is least), and in ten designs with differences of figures
+computed to 34 digits. It writes the greatest error of each figure, as a share of the figure over
+the number, and the estimated error of the difference there to
+``results/sensitivity_accuracy.csv``.
 """
 
 import csv
@@ -24,12 +25,12 @@ FOLLOWER = 5e-6
 SHARES = tuple(0.01 * 4.0**-k for k in range(9))
 """Steps of differences, as shares of the number."""
 ROUNDING = 1e-15
-"""Share of a figure that is taken for rounding."""
+"""Rounding error of a figure that is assumed, as a share of the figure."""
 LENGTHS = ("crank_radius", "pin_radius", "centre_distance_error")
 
 
 def random_design(random):
-    """An escapement with some of the effects that there are."""
+    """A random escapement with some effects of real parts."""
     n, own = random.randint(3, 8), {}
     if random.random() < 0.6:
         own["crank_radius"] = 0.01
@@ -63,10 +64,11 @@ def random_design(random):
 
 
 def richardson(timer, name, figures, value):
-    """Derivatives of figures by differences, and by how much each may be wrong.
+    """Derivatives of figures by differences, and the estimated error of each.
 
-    Steps fall until the estimate of the error grows again: that is how far two extrapolations
-    disagree, and what rounding of the figures may do. A step that reaches over a corner disagrees.
+    Steps are reduced until the estimated error grows again. The estimate is the difference of two
+    extrapolations, plus the effect of rounding errors of the figures. It is large if a step reaches
+    over a corner of the figure.
     """
     best = {}
     for share in SHARES:
@@ -84,7 +86,7 @@ def richardson(timer, name, figures, value):
 
 
 def compare(count):
-    """The worst disagreement of each figure over random designs, and the doubt of its judge."""
+    """The greatest error of each figure over random designs, and the error of the difference."""
     worst, random, designs, pairs = {}, Random(28), 0, 0
     for case in range(count):
         timer = random_design(random)

@@ -2,9 +2,9 @@
 
 ``python benchmarks/standings.py [--quick] [-o DIR]``
 
-Measures what ``escapement bench`` measures and writes the same tables and figure to
-benchmarks/results, with heyoka and CyRK among the solvers where they are installed. The
-quick version leaves CyRK out, which takes long to compile; it writes only with ``-o``.
+It measures what ``escapement bench`` measures and writes the same tables and figure to
+benchmarks/results, with heyoka and CyRK among the solvers if they are installed. The quick version
+leaves out CyRK, which takes long to compile; it writes files only with ``-o``.
 """
 
 import argparse

@@ -1,8 +1,8 @@
-"""Random cases against independent answers: no wrong number may come with status ok.
+"""Compares random cases with independent results: no wrong number may have status ok.
 
     python benchmarks/stress.py bulk|ivp [--cases N] [--seconds S] [--seed 1973]
 
-Two comparisons, over mechanisms of 3 to 1000 slots, external and internal, inertia
+There are two comparisons, of mechanisms with 3 to 1000 slots, external and internal, inertia
 ratios of 1e-8 to 1e8, friction from 1e-12 to 0.999999 of the Painleve limit, loads from
 none to more than the drive carries, starts at rest and at up to 1000 natural units of
 speed, and tolerances of 1e-13 to 1e-3:
@@ -10,14 +10,14 @@ speed, and tolerances of 1e-13 to 1e-3:
     bulk   the `energy` engine against the Taylor integrator of `independent`
     ivp    both engines and that integrator, on fewer engagements
 
-What differs by more than ten times the tolerance goes to `judge.py`, 34 digits, which also
-says what one rounding in each parameter does to the number; only what exceeds both is
-called wrong. Every case runs in a process that is given up after five minutes.
+A number that differs by more than ten times the tolerance is computed again by `judge.py` with 34
+digits, which also computes how much one rounding error in each parameter changes the number. It is
+called wrong only if its error exceeds both. A case that takes more than five minutes is given up.
 
-Case number i is the same in every run. Each run goes on where the last one stopped, adds
-its counts to results/stress_PART.csv and lists what failed in stress_PART.failures.csv,
-until N cases are done (100 000 of bulk, 10 000 of ivp): so it can be run in slices of S
-seconds. --again starts from nothing.
+Case number i is the same in every run. Each run goes on where the last one stopped, adds its
+counts to results/stress_PART.csv and lists the cases that failed in stress_PART.failures.csv,
+until N cases are done (100 000 of bulk, 10 000 of ivp). It can thus be run in parts of S seconds.
+--again starts over.
 """
 
 import argparse
@@ -42,7 +42,7 @@ RESULTS = Path(__file__).resolve().parent / "results"
 
 
 def work(part, seed, first, last, pipe):
-    """Cases first..last of a part, two messages each: begun, and done with what came out."""
+    """Compute cases first..last of a part; send two messages for each, at its start and its end."""
     engagements = ENGAGEMENTS[part]
     warm_up = Problem(4, 4, False, 0.06, 0.35, 0.01, 0.0, 1e-9, 0.86)
     expected(warm_up, 1)
@@ -56,7 +56,7 @@ def work(part, seed, first, last, pipe):
 
 
 def run(part, first, last, seed, end, report):
-    """Cases first..last of a part until the clock shows `end`; returns the next one's number."""
+    """Compute cases first..last of a part until the time `end`; returns the next case's number."""
     context = mp.get_context("spawn")
     index = first
     while index < last and time.perf_counter() < end:
@@ -92,9 +92,9 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("part", choices=CASES)
     parser.add_argument("--cases", type=int, help="cases in all, those of earlier runs included")
-    parser.add_argument("--seconds", type=float, default=math.inf, help="length of this slice")
+    parser.add_argument("--seconds", type=float, default=math.inf, help="length of this run")
     parser.add_argument("--seed", type=int, default=1973)
-    parser.add_argument("--again", action="store_true", help="start from nothing")
+    parser.add_argument("--again", action="store_true", help="start over")
     parser.add_argument("--out", type=Path, default=RESULTS)
     options = parser.parse_args()
     options.out.mkdir(parents=True, exist_ok=True)

@@ -1,13 +1,13 @@
-"""The error asked for against the error got, and what becomes of it at the edges.
+"""The measured error against the tolerance, and errors at the limits of the model.
 
     python benchmarks/tolerance.py [--energy 1000] [--ivp 1000] [--only NAME ...]
 
-Five studies, each a CSV in benchmarks/results, judged by the Taylor integrator of
-`independent`; `figures.py` draws them:
+Five studies compare the engines with the Taylor integrator of `independent`. Each writes a CSV
+file to benchmarks/results; `figures.py` draws them:
 
-    tolerance     error over tolerance of random cases, both engines
+    tolerance     error of random cases over the tolerance, both engines
     order         observed order of solve_ivp's methods with a fixed step
-    painleve      error and run time towards the Painleve limit
+    painleve      error and run time as friction approaches the Painleve limit
     long_run      drift of time and energy over a million engagements
     conditioning  relative change of each figure of merit by each parameter
 """
@@ -50,7 +50,7 @@ def write(name, head, rows):
 
 
 def kept(name, wanted):
-    """Rows of an earlier run that are wanted still."""
+    """Rows of an earlier run that are kept."""
     path = RESULTS / f"{name}.csv"
     if not path.exists():
         return []
@@ -59,14 +59,14 @@ def kept(name, wanted):
 
 
 def exact(case, w, engagements=ENGAGEMENTS):
-    """Handoff times and speeds, or None of a case that stops."""
+    """Handoff times and speeds, or None for a case that stops."""
     rows = np.empty((engagements, independent.ROW))
     status, _done = independent.motion(case, w, rows)
     return np.concatenate([rows[:, 2], np.sqrt(rows[:, 1])]) if status == independent.OK else None
 
 
 def error_of(problem, engine, rtol, truth, **more):
-    """Greatest relative error of handoff times and speeds; infinite without them."""
+    """Greatest relative error of handoff times and speeds; infinite if there are none."""
     motion = esc.simulate(
         problem.model,
         ENGAGEMENTS,
@@ -80,10 +80,10 @@ def error_of(problem, engine, rtol, truth, **more):
 
 
 def study_tolerance(options):
-    """Share of random cases whose error is at most ten times the one asked for.
+    """Share of random cases whose error is at most ten times the tolerance.
 
-    Where an answer is off by more than was asked for, the 34 digits of `judge.py` decide:
-    the double precision of the independent integrator has its own errors.
+    If an error is larger than the tolerance, `judge.py` decides with 34 digits, because the
+    independent integrator works in double precision and has errors of its own.
     """
     head = ["engine", "rtol", "cases", "median", "q95", "worst", "worst / rtol", "share <= 10 rtol"]
     head += ["ms a case", *Problem._fields[:7]]
@@ -122,8 +122,8 @@ def study_tolerance(options):
 def study_order(_options):
     """Order of solve_ivp's methods by regression of error on step.
 
-    The error is the root of the mean square over eight initial speeds, or the zeros that
-    an error passes through on its way down would be taken for order.
+    The error is the root of the mean square over eight initial speeds, because the error of a
+    single motion changes its sign at some steps and is small there by chance.
     """
     problems = [
         Problem(4, 4, False, 1.0, 0.2, 0.0, float(speed), 1e-9, 0.1)
@@ -167,7 +167,7 @@ def study_painleve(_options):
             truth = exact(independent.case_of(*problem.physics[:6]), 0.0)
             for engine, rtol in (("energy", 1e-12), ("ivp", 1e-10)):
                 error = error_of(problem, engine, rtol, truth)
-                spent = math.inf  # the shortest of several: others use this machine too
+                spent = math.inf  # the shortest of several, because the machine may be busy
                 for _ in range(20 if engine == "energy" else 3):
                     began = time.process_time()
                     error_of(problem, engine, rtol, truth)
@@ -178,7 +178,7 @@ def study_painleve(_options):
 
 @independent.compiled
 def _followed(case, known, times, squares):
-    """Handoff times and squared speeds, both added with care; speeds from `known` if any."""
+    """Handoff times and squared speeds, from compensated sums; speeds from `known` if given."""
     work, turns = np.empty((24, independent.SIZE)), np.empty(16)
     row = np.empty(independent.ROW)
     time, time_lost, w, w_lost = 0.0, 0.0, 0.0, 0.0
@@ -199,7 +199,7 @@ def _followed(case, known, times, squares):
 
 
 def study_long_run(_options):
-    """Drift without friction, where the speeds have a closed form, and with very little."""
+    """Drift without friction, where the speeds have a formula, and with very little friction."""
     count, rows = 1_000_000, []
     for mu in (0.0, 1e-6):
         case = independent.case_of(4, 4, False, 1.0, mu, 0.0)

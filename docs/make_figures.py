@@ -1,7 +1,7 @@
 """Draw the figures of these pages, and their films: `python docs/make_figures.py [FOLDER]`.
 
-One function a figure in `pages/`, named like its file; those of accuracy are in
-`benchmarks/figures.py`. Without FOLDER they go to docs/images.
+Each figure is drawn by a function in `pages/` that has its name; the figures of accuracy
+are in `benchmarks/figures.py`. Without FOLDER they are written to docs/images.
 """
 
 import io
@@ -20,7 +20,7 @@ from pages import FIGURES
 
 HERE = Path(__file__).resolve().parent
 DPI = 200
-COLOURS = 192  # a palette keeps the files small; the eye sees no difference
+COLOURS = 192  # a palette of so many colours keeps the files small without a visible difference
 FILM_COLOURS = 64
 ACCURACY = ("work_precision", "tolerance", "order", "painleve", "long_run", "conditioning")
 
@@ -29,7 +29,7 @@ _PAGES = (
     *("drawings", "designs", "clearance"),
 )
 for _page in _PAGES:
-    import_module(f"pages.{_page}")  # enters its figures
+    import_module(f"pages.{_page}")  # adds its figures to FIGURES
 FIGURES |= {f"accuracy_{name}.png": getattr(figures, name) for name in ACCURACY}
 
 

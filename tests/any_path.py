@@ -1,4 +1,4 @@
-"""Geneva wheels, and the same pin paths as a mechanism of no kind that the package knows."""
+"""Geneva wheels, and mechanisms with the same pin paths that are not of a registered kind."""
 
 import math
 from dataclasses import dataclass

@@ -1,4 +1,4 @@
-"""An escapement that others change, and values that break the rule of what is declared."""
+"""An escapement that tests change, and values that break the rules of their declarations."""
 
 import math
 

@@ -1,4 +1,4 @@
-"""A headless Chromium for the tests of the page, which ask for nothing beside the page itself."""
+"""A headless Chromium for the tests of the page; the page may load nothing but itself."""
 
 import shutil
 from contextlib import contextmanager

@@ -1,4 +1,4 @@
-"""A small study, a process that writes it, and calls that fail: for tests of what survives."""
+"""A small study, a process that writes it, and calls that fail, for tests of crashes."""
 
 import errno
 import os

@@ -1,4 +1,4 @@
-"""Planetary drives with elliptical gears: the paper's, and any at all."""
+"""Planetary drives with elliptical gears: that of the paper, and random ones."""
 
 from hypothesis import strategies as st
 

@@ -1,4 +1,4 @@
-"""What tests look up in a figure."""
+"""Functions with which tests read labels and curves of a figure."""
 
 from matplotlib.axes import Axes
 

@@ -1,4 +1,4 @@
-"""Three hundred cases whose results no change of structure may move.
+"""Three hundred cases whose results must not change when the code is reorganised.
 
 The cases are drawn once and kept in `reference/frozen_cases.json`, inputs and outcomes; a
 change that moves them is either a mistake or has to say which numbers were wrong before.

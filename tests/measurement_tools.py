@@ -1,4 +1,4 @@
-"""Drives that are measured, and readings with nothing in them but what is planted."""
+"""Drives that are measured, and readings that contain only known errors."""
 
 import math
 

@@ -1,8 +1,9 @@
-"""Whatever is wrong is said in one line: the argument, its rule, the value, a remedy.
+"""Every wrong input gives one line: the argument, its rule, the value and a remedy.
 
 What is refused follows from the declarations, wherever a value comes in.
 """
 
+import json
 import math
 
 import numpy as np
@@ -10,6 +11,7 @@ import pytest
 
 import escapement as esc
 from bad_calls import BAD, INERTIA, MACHINES, TIMER, WHEEL, built, ivp, maker, study, wheel
+from escapement.cli import main
 from escapement.cli._arguments import option
 from escapement.errors import InvalidValue
 from escapement.model import Run
@@ -154,3 +156,33 @@ def test_numbers_that_no_double_can_hold_end_in_a_status(changes, speed, engine)
     assert "choose inertias, torques and a speed of similar size" in motion.message
     assert motion.handoff_times.size == 0
     assert math.isnan(figures.velocity_max)
+
+
+@pytest.mark.parametrize(("given", "told"), [
+    ({"driver_bearing_friction": 0.2}, "driver_bearing_friction has no effect without driver_bear"),
+    ({"follower_bearing_radius": 1e-3}, "has no effect without follower_bearing_friction"),
+    ({"restitution": 0.3}, "restitution has no effect without clearance"),
+    ({"damping": 3.0, "slip_speed": 1e-3}, "; slip_speed has no effect without stiffness"),
+    ({"contact_law": "hunt-crossley"}, "contact_law has no effect without stiffness"),
+    ({"driver_bearing_friction": 0.2, "driver_bearing_radius": 1e-3}, ""),
+])  # fmt: skip
+def test_settings_that_do_nothing_alone_are_told(given, told, tmp_path, capsys):
+    timer = esc.Escapement(
+        esc.Geneva(4, crank_radius=0.01),
+        esc.Inertia(3e-7, 5e-6),
+        torque=0.01,
+        friction=0.2,
+        **given,
+    )
+    for found in (esc.simulate(timer, 1), esc.terminal(timer)):
+        assert found.message == "done" if told == "" else told in found.message
+    study = tmp_path / "s.toml"
+    lines = ["torque = 0.01", *(f"{name} = {json.dumps(value)}" for name, value in given.items())]
+    tables = (
+        "[mechanism]\nslots = 4\ncrank_radius = 0.01\n[inertia]\ndriver = 3e-7\nfollower = 5e-6\n"
+    )
+    study.write_text("\n".join([*lines, tables, "[sweep]\nfriction = [0.2, 0.3]\n"]))
+    assert main(["sweep", str(study), "-o", str(tmp_path / "s.h5"), "--quiet"]) == 0
+    printed = capsys.readouterr().err
+    assert told in printed
+    assert bool(told) == ("no effect" in printed)

@@ -1,4 +1,4 @@
-"""Measured beats back to parts: planted errors are found again, and what cannot be told is said."""
+"""Beats to parts: known errors are found again, and the message names what cannot be determined."""
 
 import math
 from dataclasses import replace
@@ -107,7 +107,7 @@ def test_a_common_factor_is_told():
     beats = beats_of(drive, late, ahead, rounds=2, noise=1e-6)
     fit = esc.fit_beats(beats, drive)
     assert np.isnan([*fit.pin_angle_errors, *fit.slot_half_widths]).all()
-    assert "each of 4 pins meets 1 of 4 slots only" in fit.message
+    assert "each of 4 pins meets only 1 of 4 slots" in fit.message
     names = [one.name for one in fit.combinations]
     assert names == [f"pin {k} in slot {k}" for k in range(4)]
     turned = [one.value for one in fit.combinations]
@@ -126,7 +126,7 @@ def test_a_common_factor_is_told():
 def test_other_faults_of_the_parts_are_noticed():
     heavy = replace(design(), inertia=esc.Inertia(3.39e-7, 6.2e-6), friction=0.2)
     fit = esc.fit_beats(beats_of(heavy, PINS, SLOTS, rounds=4, noise=1e-6), design())
-    assert "differ from the design in something else" in fit.message
+    assert "something besides these angles differs from the design" in fit.message
     ticks = 2e-6 * np.random.default_rng(1).normal(size=601)
     jitter = esc.fit_beats(beats_of(design(), PINS, SLOTS, rounds=40) + np.diff(ticks), design())
     assert "neighbouring residuals are alike (correlation -0." in jitter.message

@@ -1,4 +1,4 @@
-"""Clearance with rigid impact: PHYSICS_REAL's example, an independent time integration, laws."""
+"""Clearance with rigid impact: an example, an independent integration in time, and laws."""
 
 import math
 import threading
@@ -371,3 +371,12 @@ def test_a_motion_is_written_and_read(tmp_path):
     dataset = motion.to_xarray()
     assert_allclose(dataset["impact_energy"], motion.impacts.energy)
     assert dataset["impact_impulse"].attrs["units"] == "N s"
+
+
+@pytest.mark.parametrize("pin", [0.0, 5e-4])
+def test_more_play_than_the_wheel_has_room_for_is_refused(pin):
+    """Slots at 90 degrees meet 0.29 crank radii from the axis of the pin."""
+    most = 2.0 * (0.01 * (1.0 - math.sqrt(0.5)) - pin)
+    with pytest.raises(InvalidValue, match=f"clearance must be less than {most:.6g} m"):
+        esc.Geneva(4, crank_radius=0.01, pin_radius=pin, clearance=1.01 * most)
+    esc.Geneva(4, crank_radius=0.01, pin_radius=pin, clearance=0.99 * most)

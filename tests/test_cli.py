@@ -214,7 +214,10 @@ def test_a_geometry_without_dynamics_is_reported_with_a_warning(command):
     assert record["message"].startswith("warning: stations 4, lobes 0, curve 'hypo")
     assert err == f"escapement: {record['message']}\n"
     err = command("mechanism", "gear-driven", *wheel, "--pins", "9")[2]
-    assert "pins must be at most 1 for a ratio of times of 1 a pin, got 9; give 1: two" in err
+    assert (
+        "pins must be at most 1, as each drives for a share 1 of a cycle, got 9; give 1, or two"
+        in err
+    )
 
 
 def test_what_a_mechanism_lacks_is_null_with_a_reason(report):

@@ -1,4 +1,4 @@
-"""Command line: whatever a user gets wrong is one line, the right exit code, and no file."""
+"""Command line: a mistake gives one line and the right exit code, and no file is written."""
 
 import os
 import shlex

@@ -1,4 +1,4 @@
-"""Command line as a process: what it loads, and what strikes from outside."""
+"""Command line as a process: the modules that it loads, signals, and closed pipes."""
 
 import os
 import shlex

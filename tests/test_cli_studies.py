@@ -108,7 +108,7 @@ def test_plot_names_the_cases_that_leave_gaps(command, study):
     command("sweep", study("[1e-13, 0.2, 0.5]"))
     code, _, err = command("plot", "four.h5")
     assert code == 0
-    gaps = "escapement: some of the 12 cases leave gaps in the figure: 4 painleve, "
+    gaps = "escapement: some of the 12 cases leave gaps in the figure: 4 with status painleve, "
     gaps += "4 without rise time, 4 without settling time\n"
     assert err == "escapement: study drawn in four.png\n" + gaps
 
@@ -187,7 +187,7 @@ def test_a_case_that_cannot_be_built_is_named_as_selected(study, command, refusa
     assert command("sweep", path, "--quiet")[0] == 3
     wanted = "slots=5,pins=4,torque=0.1"
     said = refusal(2, "run", "--from", "four.h5", "--select", wanted)
-    assert f"--select must name a case that can be built, got '{wanted}': pins must be" in said
+    assert f"--select must name a case with a possible mechanism, got '{wanted}': pins" in said
 
 
 def test_files_of_other_versions(swept, command, refusal):

@@ -92,7 +92,7 @@ def test_a_block_that_ends_every_worker(tmp_path, client, monkeypatch):
     exec("def fatal(*_):\n    import os\n    os._exit(9)", made)
     monkeypatch.setattr(run, "solve_block", made["fatal"])
     monkeypatch.setattr(client.cluster.scheduler, "allowed_failures", 0)
-    with pytest.raises(StorageError, match="a block ended 1 workers"):
+    with pytest.raises(StorageError, match="a block of cases ended 1 workers"):
         write_plan(plan(10), tmp_path / "a.h5", scheduler=client)
     assert list(tmp_path.iterdir()) == []
 

@@ -1,4 +1,4 @@
-"""The one decorator that compiles: what its cache cures, and what it must survive."""
+"""The decorator that compiles: its cache notices every change, and may be unwritable."""
 
 import os
 import re

@@ -1,4 +1,4 @@
-"""Walls that yield: worked examples, limits, energy, judges, and what is refused."""
+"""Walls that yield: examples, limits, energy, independent solutions, and refusals."""
 
 import math
 
@@ -217,7 +217,7 @@ def test_the_rule_for_rigid_jams(friction, period, handoff, angles):
     assert found.period == pytest.approx(period, rel=1e-6 if friction == 0.5 else 1e-9)
     assert found.handoff_velocity == pytest.approx(handoff, rel=1e-7)
     assert np.degrees(found.jam_angles) == pytest.approx(angles, abs=6e-5)
-    with pytest.raises(esc.errors.InvalidValue, match="below it there is"):
+    with pytest.raises(esc.errors.InvalidValue, match="below it, use terminal"):
         esc.jam_rule(rigid(friction=0.3))
 
 

@@ -1,4 +1,4 @@
-"""Whatever strikes a running study, nothing finished is lost and the file is the same.
+"""However a running study is interrupted, no finished case is lost and the file is the same.
 
 A sample of `benchmarks/crash.py`, which goes through every call, error and many instants.
 """
@@ -23,7 +23,8 @@ pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="needs POSIX sig
 # the partial results are the same for every format of the final file
 @pytest.mark.parametrize("name", tools.NAMES)
 def test_killed_at_random_instants(tmp_path, name):
-    kills = 10 if name.endswith(".h5") else 4
+    # benchmarks/crash.py has the long run, of 300 kills
+    kills = 5 if name.endswith(".h5") else 2
     assert tools.kill_until_done(tmp_path / name, kills, random.Random(7)) > 0
 
 

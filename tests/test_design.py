@@ -114,7 +114,8 @@ def test_the_command_prints_designs(capsys, tmp_path):
 @pytest.mark.parametrize(("text", "told"), [
     ("period = 1\n", "torque must be given"),
     ("period = 1\ntorque = 1\nsize = 3\n", "size"),
-    ("torque = 1\n", "period must be given, or else total_time"),
+    ("period = 1\ntorque = 1\nslots = [2, 3]\n", "got 2.0; give a number in this range"),
+    ("torque = 1\n", "period must be given, or total_time"),
     ("period = 1\ntorque = [2, 1]\n", "torque must be [low, high]"),
     ('period = 1\ntorque = "5 N"\n', "torque must be in N m"),
     ("period = 1\ntorque = 1\n[bounds]\nspeed = 1\n", "speed"),

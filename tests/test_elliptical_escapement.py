@@ -1,4 +1,4 @@
-"""The elliptical planetary drive under a torque, its mesh losing work."""
+"""The elliptical planetary drive under a torque, with losses in its gears."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""What a person meets on the first day: the project's own files, notebooks, and printed values."""
+"""First contact with the project: its own files, notebooks, and the way values are printed."""
 
 import tomllib
 from pathlib import Path
@@ -54,19 +54,25 @@ def motion():
     return scope["motion"]
 
 
-@pytest.fixture(scope="module", params=["", "%matplotlib inline\n"], ids=["plain", "inline"])
-def notebook(request, tmp_path_factory):
+MODES = {"plain": "", "inline": "%matplotlib inline\n"}
+
+
+@pytest.fixture(scope="module")
+def notebooks(tmp_path_factory):
     """The cells above as executed, after a first one that the mode asks for."""
     folder = tmp_path_factory.mktemp("cells")
-    cells = [nbformat.v4.new_code_cell(text) for text in (request.param + TIMER, *CELLS)]
-    nbformat.write(nbformat.v4.new_notebook(cells=cells), folder / "cells.ipynb")
-    execute(folder, [str(folder / "cells.ipynb")])
-    return nbformat.read(folder / "cells.ipynb", as_version=4)
+    paths = {mode: folder / f"{mode}.ipynb" for mode in MODES}
+    for mode, path in paths.items():
+        cells = [nbformat.v4.new_code_cell(text) for text in (MODES[mode] + TIMER, *CELLS)]
+        nbformat.write(nbformat.v4.new_notebook(cells=cells), path)
+    execute(folder, [str(path) for path in paths.values()])
+    return {mode: nbformat.read(path, as_version=4) for mode, path in paths.items()}
 
 
-def test_a_cell_that_ends_with_a_plot_shows_it_once(notebook):
+@pytest.mark.parametrize("mode", MODES)
+def test_a_cell_that_ends_with_a_plot_shows_it_once(notebooks, mode):
     shown = {}
-    for cell in notebook.cells[1:]:
+    for cell in notebooks[mode].cells[1:]:
         assert [o for o in cell.outputs if o.output_type in ("error", "stream")] == []
         shown[cell.source] = sum("image/png" in o.get("data", {}) for o in cell.outputs)
     assert shown == CELLS

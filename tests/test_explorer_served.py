@@ -1,4 +1,4 @@
-"""The explorer as it is served: what the package answers, whom it refuses, and how it ends."""
+"""The explorer's server: its answers, the requests that it refuses, and how it stops."""
 
 import json
 import os

@@ -1,4 +1,4 @@
-"""Gear-driven wheels: roots of equation (8), motion, cognates, slots, and what cannot be."""
+"""Gear-driven wheels: roots of equation (8), motion, cognates, slots, and refusals."""
 
 import math
 from fractions import Fraction
@@ -200,7 +200,7 @@ IMPOSSIBLE = {
     "too many lobes": ((6, 2), "lobes must be below stations/2 - 1 = 2 for a hypocycloid.*'2'"),
     "beyond the limit": ((5, 1), "no mechanism corresponds to stations 5, lobes 1.*alpha <= pi"),
     "unknown curve": ((5, 1, "epicycle"), "curve must be .*did you mean 'epicycloid'"),
-    "too many pins": ((4, 1, "epicycloid", 9), "pins must be at most 8 .*0.119282"),
+    "too many pins": ((4, 1, "epicycloid", 9), "pins must be at most 8, .*0.119282"),
     "negative lobe": ((4, 1, "epicycloid", 1, -1), "unused_lobes must be .* at least 0"),
     "slot in the way": ((6, "1/2", "epicycloid", 1, 1), "unused_lobes .*where lobe 1 passes"),
     "dwell at full speed": ((12, 4, "hypocycloid", 1, 2), "unused_lobes must be 0 .*jump"),

@@ -82,7 +82,7 @@ def test_unused_lobes_stay_clear_of_slots(curve, n, m, pins, unused):
         low, high = turned.min() - 1e-9, turned.max() + 1e-9
         swept.append(math.floor(high / pitch) >= math.ceil(low / pitch))
     if any(swept):
-        with pytest.raises(InvalidValue, match="unused_lobes must leave the pin"):
+        with pytest.raises(InvalidValue, match="unused_lobes must let the pin"):
             GearDriven(n, m, curve, pins, unused)
     else:
         shapes = GearDrivenOutline(GearDriven(n, m, curve, pins, unused))

@@ -79,7 +79,7 @@ def test_pins_enter_as_many_slots_as_the_wheel_has(curve, pins, stations):
                 ends = passages(wheel, (unused + 1) * pins * n * m.denominator + 1)
                 slots, before, used = entered(ends, unused)
                 if meets_a_slot(ends, slots, before, used):
-                    with pytest.raises(InvalidValue, match="unused_lobes must leave the pin"):
+                    with pytest.raises(InvalidValue, match="unused_lobes must let the pin"):
                         GearDriven(n, m, curve, pins, unused)
                     refused += 1
                 else:
@@ -113,7 +113,7 @@ def test_a_wheel_whose_cognate_is_refused_has_its_arms():
     for n, m, curve in ((26, 2, "contracted-hypocycloid"), (3, 1, "epicycloid")):
         wheel = GearDriven(n, m, curve, pins=2, unused_lobes=1)
         assert wheel.arms == GearDriven(n, m, curve).arms
-        with pytest.raises(InvalidValue, match="unused_lobes must leave the pin"):
+        with pytest.raises(InvalidValue, match="unused_lobes must let the pin"):
             _ = wheel.cognate
 
 

@@ -1,4 +1,4 @@
-"""Kinds of mechanism: an option belongs to its kinds, in whatever order things are typed."""
+"""Kinds of mechanism: which kinds an option belongs to, in any order of the words typed."""
 
 import argparse
 import math

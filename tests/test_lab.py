@@ -50,7 +50,7 @@ def test_synthetic_readings_have_the_backlash_they_are_given():
     result = esc.measure(read(WHEEL, both_ways=True, turns=9, **planted), WHEEL)
     (play,) = [play for play in result.backlash if play.p_value < 1e-3]
     assert abs(play.width - 0.5 * DEG) < 3.5 * play.standard_error
-    assert "comes back once a turn of the output; the output has a backlash" in result.verdict.text
+    assert "repeats once a turn of the output; the output has a backlash" in result.verdict.text
 
 
 def test_a_good_mechanism_is_called_good_and_one_way_tells_no_backlash():
@@ -104,7 +104,7 @@ def test_an_inertia_is_found_with_the_torque_held():
 
 def test_what_speeds_cannot_tell_is_refused_in_one_line():
     names = ("torque", "driver_inertia", "follower_inertia")
-    with pytest.raises(InvalidValue, match=f"got {', '.join(names)}, of which it tells ratios"):
+    with pytest.raises(InvalidValue, match=f"got {', '.join(names)}, of which it shows"):
         esc.fit_motion(run_up(1), TRUTH, names)
     for said, parameters in (
         ("did you mean 'friction'", ("frictn",)),
@@ -136,7 +136,7 @@ def test_counts_rows_to_skip_and_times(tmp_path):
     assert readings.remark == ""
     path.write_text(f"time_s,input_counts,output_counts\n{rows}")
     np.testing.assert_allclose(esc.read_readings(path, resolution=4000).input, readings.input)
-    with pytest.raises(InputFileError, match="come with the counts of a turn"):
+    with pytest.raises(InputFileError, match="come with the number of counts in a turn"):
         esc.read_readings(path)
     path.write_text(path.read_text() + "10,7,7\n")
     with pytest.raises(InputFileError, match="time must increase, got 10 s after 590 s in line 62"):
@@ -163,7 +163,7 @@ def test_the_report_of_a_run_up(command, recorded, tmp_path):
     assert found["motion"]["fitted"]["torque"]["unit"] == "N m"
     assert (tmp_path / "speeds.png").exists()
     table = command(*words)[1]
-    assert table.startswith("The motion is that of the model with friction 0.")
+    assert table.startswith("The model explains the motion with friction 0.")
     assert "torque" in table
 
 
@@ -178,7 +178,7 @@ WRONG = {
     "no such number": ([*MODEL, "--fit", "frictn"], 2, "--fit", "did you mean 'friction'?"),
     "no such time": ([*MODEL, "--fit", "torque", "--time-column", "x"], 2, "(--time-column)"),
     "no such input": ([*MODEL, "--fit", "torque", "--input-column", "x"], 2, "(--input-column)"),
-    "ratios": ([*MODEL, "--fit", "torque,driver_inertia,follower_inertia"], 2, "tells ratios"),
+    "ratios": ([*MODEL, "--fit", "torque,driver_inertia,follower_inertia"], 2, "a combination"),
     "errors of nothing": ([*MODEL, "--fit", "torque", "-o", "e.csv"], 2, "column of the output"),
 }  # fmt: skip
 

@@ -1,4 +1,4 @@
-"""Laws that hold for every motion, however it is asked for, and in closed form."""
+"""Laws that hold for every motion, and motions that have a closed formula."""
 
 import numpy as np
 from hypothesis import assume, example, given

@@ -1,4 +1,4 @@
-"""Loads that jump, bend and err: the figures are those of a dense scan."""
+"""Loads with jumps and kinks, and wrong ones: the figures agree with a dense scan."""
 
 import math
 
@@ -99,7 +99,7 @@ def test_kinks_alone_count_against_a_load(monkeypatch):
 def test_what_is_too_rough_is_refused():
     with pytest.raises(
         InvalidValue,
-        match="load torque, or a transmission, must be smooth but for at most 5000 kinks",
+        match="load torque or transmission must be smooth except for at most 5000 kinks",
     ):
         driven(lambda phi: np.sin(1e6 * phi))
 

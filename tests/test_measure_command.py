@@ -1,4 +1,4 @@
-"""`escapement measure`: its report, its files, and one line for whatever is wrong."""
+"""`escapement measure`: its report, its files, and one line for each mistake."""
 
 import json
 import math
@@ -105,7 +105,7 @@ def test_a_reading_far_out_and_shafts_not_judged_are_in_the_message(measure):
     assert int(away) == round(found["error_max_deg"] / found["standard_deviation_deg"])
     silent = {e["shaft"] for e in found["shaft_errors"] if e["p_value"] is None}
     assert silent == {"input", "output"}
-    assert "come back with input and output are not judged" in found["message"]
+    assert "repeat with the input and the output are not judged" in found["message"]
     assert found["message"] in err
 
 
@@ -151,7 +151,7 @@ WRONG = {
     "no radii": (["planetary.csv", KIND[0]], 2, "--sun-radius, --planet-radius"),
     "unknown column": (["geneva.csv", "--input-column", "x"], 2, "input column", "deg, ", "'x'"),
     "unknown unit": (["geneva.csv", "--angle-unit", "gon"], 2, "--angle-unit", "deg, rad"),
-    "one zero": (["geneva.csv", "--phase", "3"], 2, "--offset must be given beside --phase,"),
+    "one zero": (["geneva.csv", "--phase", "3"], 2, "--offset must come with --phase,"),
     "bins": (["geneva.csv", "--bins", "sturgess"], 2, "did you mean 'sturges'?"),
     "few bins": (["geneva.csv", "--bins", "-3"], 2, "bins must be", "at least 4", "got -3"),
     "sure": (["geneva.csv", "--confidence", "1"], 2, "confidence must be", "between 0 and 1"),

@@ -83,7 +83,7 @@ def test_columns_and_units_by_name_or_by_wish(file):
 
 @pytest.mark.parametrize("head", ["input,output", "input_deg,output", None])
 def test_degrees_are_not_assumed_in_silence(file, head):
-    path, said = file(text(head=head)), "angles without a unit are taken for degrees"
+    path, said = file(text(head=head)), "the angles have no unit and are taken as degrees"
     assert esc.read_readings(path).remark == said
     assert said in esc.measure(path, DRIVE).message
     assert esc.read_readings(path, angle_unit="deg").remark == ""

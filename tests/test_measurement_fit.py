@@ -1,4 +1,4 @@
-"""Measured positions against theory: the zeros that were planted are found again."""
+"""Measured positions against theory: the fit finds the known zeros of the encoders."""
 
 import math
 
@@ -149,7 +149,7 @@ def test_a_gap_of_the_input_is_still_remarked_upon():
     angle[100:110] = np.nan
     noise = 0.1 * DEG * noise_of(300)
     result = esc.measure(esc.Readings(angle, output + noise), PRIKHODKO)
-    assert "the input goes on by 330 degrees at line 111" in result.message
+    assert "the input moves by 330 degrees up to line 111" in result.message
 
 
 @pytest.mark.parametrize("column", ["input", "output"])
@@ -174,7 +174,7 @@ def test_even_output_tells_no_phase(samples):
         # another phase may fit noise a little better, but then its error is large
         assert result.standard_deviation < 1.1e-3
     else:
-        assert "the phase cannot be told" in result.message
+        assert "do not show the phase" in result.message
 
 
 @settings(deadline=None, max_examples=60)
@@ -206,7 +206,7 @@ def test_whatever_is_measured_the_figures_are_finite(drive, seed, samples, sprea
 
 def test_a_wrong_mechanism_is_remarked_upon():
     result = esc.measure(read(noise=0.1 * DEG), esc.Geneva(5))
-    assert "large against a step of" in result.verdict.text
+    assert "large against the follower's step of" in result.verdict.text
 
 
 def test_a_mechanism_without_dynamics_is_measured():

@@ -1,4 +1,4 @@
-"""Errors that come back every turn: found on their shaft, and nowhere else."""
+"""Errors that repeat every turn: found on their shaft, and nowhere else."""
 
 import math
 import re
@@ -20,7 +20,7 @@ def test_planted_eccentricity_is_found_on_its_shaft(drive, shaft):
     found = shown(result, shaft)
     assert found.p_value < 1e-6
     assert abs(found.amplitude - 0.4 * DEG) < 4 * found.standard_error
-    assert f"comes back once a turn of the {shaft}" in result.verdict.text
+    assert f"repeats once a turn of the {shaft}" in result.verdict.text
     other = shown(result, "output" if shaft == "input" else "input")
     assert other.amplitude < 4 * other.standard_error
 
@@ -84,13 +84,13 @@ def test_periodogram_of_few_samples_a_turn(samples, turns):
 
 def test_correlated_errors_are_remarked_upon():
     calm = esc.measure(read(noise=0.4 * DEG), PRIKHODKO)
-    assert calm.message == "synthetic data, computed and not measured"
+    assert calm.message == "these are synthetic data, computed and not measured"
     result = esc.measure(read(noise=0.1 * DEG, output_eccentricity=DEG), PRIKHODKO)
     assert result.autocorrelation > 0.9
     assert abs(result.rest_autocorrelation) < 0.2  # the eccentricity is found
     assert "neighbouring errors are alike" in result.message
-    assert "tests of normality, errors of phase and offset and intervals" in result.message
-    assert "comes back once a turn of the output" in result.verdict.text
+    assert "the tests of normality, the errors of phase and offset and" in result.message
+    assert "repeats once a turn of the output" in result.verdict.text
 
 
 @pytest.mark.parametrize(("correlation", "most"), [(0.0, 0.02), (0.3, 0.03), (0.6, 0.1)])
@@ -102,7 +102,7 @@ def test_noise_whose_neighbours_are_alike_is_not_stated_as_a_shaft_s_error(corre
         noise = lfilter([math.sqrt(1.0 - correlation**2)], [1.0, -correlation], white)[200:]
         output = measurement.position(PRIKHODKO, theta) + 0.9 * DEG * noise
         result = esc.measure(esc.Readings(theta, output), PRIKHODKO)
-        stated.append(bool(re.search("comes back (once|twice)", result.verdict.text)))
+        stated.append(bool(re.search("repeats (once|twice)", result.verdict.text)))
         judged.append("all tests, false alarms, standard errors" in result.message)
     assert np.mean(stated) <= most
     assert np.mean(judged) == pytest.approx({0.0: 0.0, 0.3: 0.5, 0.6: 1.0}[correlation], abs=0.2)
@@ -128,7 +128,7 @@ def test_an_amplitude_that_phase_and_offset_hide_is_not_stated():
         output = measurement.position(drive, theta) + errors * DEG
         result = esc.measure(esc.Readings(theta, output), drive)
         found = shown(result, "cell")
-        hidden.append("an error comes back once a cell, its size all but" in result.verdict.text)
+        hidden.append("an error repeats once a cell, but phase, offset" in result.verdict.text)
         assert hidden[-1] or found.amplitude < 0.03 * DEG
         within.append(abs(found.amplitude - 0.02 * DEG) < 3.0 * found.standard_error)
     assert np.mean(within) > 0.95

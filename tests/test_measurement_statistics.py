@@ -1,4 +1,4 @@
-"""Statistics of measured errors: tests keep their level, intervals what they promise."""
+"""Statistics of measured errors: tests reject, and intervals contain, as often as they should."""
 
 import csv
 import math

@@ -1,4 +1,4 @@
-"""Motions: the check value, and what must hold whichever engine computed them."""
+"""Motions: the check value, and properties that hold for every engine."""
 
 import numpy as np
 import pytest

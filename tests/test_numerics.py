@@ -1,4 +1,4 @@
-"""The digest by which a study knows whether results may be mixed covers all they come from."""
+"""The digest that decides whether results may be mixed covers all code that computes them."""
 
 import os
 import subprocess

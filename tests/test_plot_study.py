@@ -98,6 +98,14 @@ def test_many_lines_are_thinned_evenly_and_points_unmarked_but_lone_ones():
     assert line.get_markevery() == [4]
 
 
+def test_long_labels_of_stacked_panels_are_no_longer_than_the_panels():
+    study = synthetic({"friction": FRICTION, "torque": TORQUE[:2]})
+    figure = plots.plot_study(study, ["velocity_max", "velocity_min"])
+    figure.draw_without_rendering()
+    for ax in figure.axes:
+        assert ax.yaxis.label.get_window_extent().height < ax.bbox.height
+
+
 def test_rise_and_terminal_are_stacked():
     figure = plots.plot_rise_and_terminal(synthetic({"friction": FRICTION, "torque": TORQUE}))
     upper, lower = figure.axes

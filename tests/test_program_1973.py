@@ -1,4 +1,4 @@
-"""Meyer's listing: its mistakes, and what the tables tell of the runs that were printed."""
+"""Meyer's listing: its mistakes, and how the printed tables were read from it."""
 
 import numpy as np
 import pytest

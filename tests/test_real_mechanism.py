@@ -133,7 +133,7 @@ def test_a_pin_with_width_parts_the_limits_of_existence_and_of_uniqueness():
     assert cycle.status is motion.status is Status.OK
     assert (cycle.critical_friction, cycle.uniqueness_friction) == (existence, uniqueness)
     for outcome in (cycle, motion, esc.terminal(between, engine="ivp")):
-        assert "another motion exists beside this one" in outcome.message
+        assert "a second motion is possible" in outcome.message
     beyond = esc.terminal(timer({"pin_radius": 0.05 * CRANK}, friction=0.43))
     assert beyond.status is Status.PAINLEVE
 

@@ -185,8 +185,8 @@ def test_run_tells_what_is_there_and_nothing_that_is_absent(command):
     code, out, err = command(*RUN, *options, "--friction", ".395", "--json")
     record = json.loads(out)
     assert code == 0
-    assert "another motion exists beside this one" in record["message"]
-    assert "another motion exists beside this one" in err
+    assert "a second motion is possible" in record["message"]
+    assert "a second motion is possible" in err
     assert record["uniqueness_friction"] == pytest.approx(0.3902965, abs=5e-8)
     assert record["critical_friction"] == pytest.approx(0.4231149, abs=5e-8)
     assert record["inputs"]["driver_viscous"]["SI"] == pytest.approx(1e-5 * INCH_POUND)

@@ -1,4 +1,4 @@
-"""What a study keeps: chosen by name, computed as `terminal` does, refused where unknown."""
+"""Results of a study: chosen by name, equal to those of `terminal`; unknown names are refused."""
 
 from dataclasses import replace
 

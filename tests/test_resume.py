@@ -1,4 +1,4 @@
-"""Continuing a study: what is taken over, what is refused, and who may write."""
+"""Continuing a study: which blocks are reused, when it is refused, and who may write."""
 
 import os
 import re

@@ -121,7 +121,7 @@ def test_a_duration_ends_it():
     ("changes", "message"),
     [
         ({"turns": 0.0}, "turns must be greater than 0"),
-        ({"turns": 1.0, "duration": 1.0}, "duration must be left out beside turns"),
+        ({"turns": 1.0, "duration": 1.0}, "duration must be left out with turns"),
         ({"turns": 1e9}, "turns must be at most 2.5e"),
     ],
 )

@@ -139,8 +139,8 @@ def test_a_band_holds_the_sample_at_each_point_of_a_grid(grid):
         assert edges.min() == pytest.approx(low.min())
         assert edges.max() == pytest.approx(high.max())
     title = first.get_legend().get_title().get_text()
-    assert title.startswith("Median and 5 % to 95 % of 200 cases\nbut for ")
-    assert f"but for {grid.failed} of 2000 in all" in title
+    assert title.startswith("Median and 5 % to 95 % of 200 cases\n")
+    assert f"{grid.failed} of 2000 cases in all have no result" in title
 
 
 def test_a_band_ends_where_times_are_not_given(grid):

@@ -1,4 +1,4 @@
-"""Scenes that blocks share: solved once in all, and the same bits however it is done."""
+"""Scenes that blocks share are solved once, with the same bits in every order."""
 
 import threading
 

@@ -1,4 +1,4 @@
-"""What simulate answers: the same truth from both engines, exact where said so."""
+"""Results of `simulate`: both engines agree, and events are exact."""
 
 import math
 from dataclasses import replace

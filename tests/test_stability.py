@@ -1,4 +1,4 @@
-"""Where a simulation would break first: close switches, extremes, long runs and stops.
+"""Difficult simulations: events close together, extreme numbers, long runs and stops.
 
 Units are natural ones throughout: follower inertia and torque are 1, so that the inertia
 ratio is the driver's inertia and the load ratio the load torque.

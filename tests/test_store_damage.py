@@ -1,4 +1,4 @@
-"""Disks that fail, and files that cannot be read: one clean error each."""
+"""Disks that fail, and files that cannot be read: each gives one clear error."""
 
 import errno
 import os

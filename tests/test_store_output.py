@@ -1,4 +1,4 @@
-"""Where a result file may go, and what becomes of one that is there."""
+"""Where a result file may be written, and when an existing one is replaced."""
 
 import errno
 import os

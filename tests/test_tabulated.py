@@ -1,4 +1,4 @@
-"""Mechanisms from tables: accuracy of the spline, of what it says of itself, and motions."""
+"""Mechanisms from tables: accuracy of the spline and of its own error estimate; motions."""
 
 import math
 

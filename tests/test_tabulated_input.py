@@ -39,11 +39,11 @@ def test_headings_tell_order_and_unit(tmp_path, heading, turned, units):
 @pytest.mark.parametrize(
     ("text", "words"),
     [
-        ("1 2\n3 4 5\n", ["2 fields apart by blanks", "line 2", "'3 4 5'"]),
+        ("1 2\n3 4 5\n", ["2 fields separated by blanks", "line 2", "'3 4 5'"]),
         ("1,2\n3,nan\n", ["two finite numbers", "line 2"]),
         ("O.0,0.0\n1,2\n", ["numbers in fields", "line 1", "'O.0,0.0'"]),
         ("0,0,\n1,2\n", ["name its 3 columns", "line 1", "'0,0,'"]),
-        ("theta rad phi rad\n1 2\n", ["4 fields apart by blanks", "line 2", "'1 2'"]),
+        ("theta rad phi rad\n1 2\n", ["4 fields separated by blanks", "line 2", "'1 2'"]),
         ("theta_rad,phi\n1,2\n", ["units of both columns", "theta_deg,phi_deg"]),
     ],
 )
@@ -109,7 +109,7 @@ def test_a_rounded_last_row_is_the_end_of_the_cell(decimals, unit):
     theta, phi = printed(61, 1, decimals, unit)
     if 10.0**-decimals * unit > 5e-6:
         # the follower's acceleration would be wrong by more than a fiftieth of its greatest
-        with pytest.raises(InvalidValue, match=r"phi rounded to .* say that they are measured"):
+        with pytest.raises(InvalidValue, match=r"phi rounded to .* give measured=True"):
             assert esc.Tabulated(theta, phi).spline
         return
     given = esc.Tabulated(theta, phi, cell_angle=CELL, follower_step=STEP)

@@ -2,6 +2,7 @@
 
 import json
 import math
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -14,7 +15,10 @@ from escapement.errors import InvalidValue
 from escapement.study.varied import unit_cube
 from escapement.tolerance.differences import with_number
 from escapement.tolerance.dual import Dual
+from escapement.tolerance.figures import figures_of
 from escapement.tolerance.indices import sobol_indices
+from escapement.tolerance.scatter import equal_factors
+from escapement.tolerance.sensitivities import corners_of
 
 WHEEL = esc.Geneva(4, crank_radius=0.01, pin_radius=5e-4)
 TIMER = esc.Escapement(WHEEL, esc.Inertia(3e-7, 5e-6), torque=0.0113, friction=0.25)
@@ -82,6 +86,16 @@ def test_derivatives_are_those_of_the_figures(timer, names):
             share = 1e-5 if figure.startswith("rise") else 1e-7
             error = share * abs(figures[figure] / value)
             assert row[name] == pytest.approx(differences(figure), abs=error), (figure, name)
+
+
+@pytest.mark.parametrize("errors", [{}, {"pin_angle_errors": (3e-4, -1e-4, 0.0)}])
+def test_with_viscous_drag_the_contraction_is_the_integral_along_the_cycle(errors):
+    """The march takes it from a solution by Newton's method, the derivatives from the motion."""
+    wheel = esc.Geneva(3, pins=3 if errors else None, crank_radius=0.01, **errors)
+    own = esc.Escapement(wheel, esc.Inertia(1e-6, 5e-6), 0.015, 0.3, driver_viscous=1e-4)
+    figures = esc.terminal(own)
+    again = figures_of(own, figures, ("torque",), cycle_only=True)[0]["contraction"]
+    assert figures.contraction / float(again) == pytest.approx(1.0, abs=1e-12)
 
 
 def test_the_period_goes_as_torque_to_minus_one_half():
@@ -181,16 +195,19 @@ def test_contributors_add_up_and_correlations_count():
 
 
 def test_a_worst_case_inside_is_searched_for():
-    # the first order contribution of an error of perfect parts has a corner
-    own = replace(TIMER, mechanism=esc.Geneva(4, crank_radius=0.01))
-    found = esc.budget(own, {"centre_distance_error": {"tolerance": 2e-6}}, size=64)
-    worst = found.figures["period"].worst
-    assert worst.searched
-    ends = [
-        esc.terminal(with_number(own, "centre_distance_error", x)).period for x in (-2e-6, 2e-6)
-    ]
-    assert worst.high == pytest.approx(max(ends), rel=1e-9)
-    assert worst.low == pytest.approx(min(ends), rel=1e-6)
+    # an error of perfect parts has a corner: the period falls on both sides of it, while the angle
+    # of the last reversal is least there
+    own, name = replace(TIMER, mechanism=esc.Geneva(4, crank_radius=0.01)), "centre_distance_error"
+    figures = ["period", "last_reversal_angle"]
+    found = esc.budget(own, {name: {"tolerance": 2e-6}}, figures=figures, size=64).figures
+    ends = [esc.terminal(with_number(own, name, x)) for x in (-2e-6, 2e-6)]
+    low, high, searched = found["period"].worst
+    assert [low, high] == pytest.approx([ends[1].period, ends[0].period], rel=1e-12)
+    assert not searched
+    low, high, searched = found["last_reversal_angle"].worst
+    assert low == pytest.approx(esc.terminal(own).last_reversal_angle, rel=1e-6)
+    assert high == pytest.approx(max(end.last_reversal_angle for end in ends), rel=1e-9)
+    assert searched
 
 
 def test_indices_of_a_known_function():
@@ -254,7 +271,8 @@ def test_the_command_prints_a_budget(tmp_path, capsys):
 
 @pytest.mark.parametrize(("old", "new", "told"), [
     ("period = [0.01, 0.05]", "period = [0.05, 0.01]", "low below high"),
-    ("period = [0.01, 0.05]", "period = 3", "a list of two numbers"),
+    ("period = [0.01, 0.05]", "period = 3", "two numbers, (low, high)"),
+    ("period = [0.01, 0.05]", 'period = [0, "36 mm"]', "limits.period must be in s"),
     ("period = [0.01, 0.05]", "perid = [0.01, 0.05]", "b.toml: limits must be one of period,"),
     ('method = "random"', 'method = "sobol"', "random"),
     ("friction = 0.25", "friction = 0.9", "terminal cycle"),
@@ -289,3 +307,82 @@ def test_trains_that_lose_power_have_derivatives_by_differences():
     assert found.relative["period"]["torque"] == pytest.approx(-0.5, abs=1e-8)
     # while the barrel drives, its efficiency is a factor on the torque and on its inertia
     assert -0.6 < found.relative["period"]["barrel_efficiency"] < -0.4
+
+
+def test_every_figure_of_a_budget_has_its_scatter_to_first_order():
+    """The limits of friction, forces and one-sided numbers among them."""
+    figures = ["period", "jam_margin", "contact_force_max", "velocity_max", "beat_error"]
+    tolerances = {
+        "friction": {"tolerance": 0.002}, "spring_rate": {"low": 0.0, "high": 1e-5},
+        "initial_speed": {"low": 0.0, "high": 1.0}, "barrel_efficiency": {"low": 0.99, "high": 1.0},
+    }  # fmt: skip
+    geared = replace(TIMER, barrel=esc.Train(5.0), torque=0.0565)
+    found = esc.budget(geared, tolerances, figures=figures, size=2000)
+    for name, scatter in found.figures.items():
+        assert scatter.sigma == pytest.approx(scatter.deviation.value, rel=0.05, abs=1e-15), name
+    assert "beat_error sigma" not in repr(found)  # it is 0 of 0
+    shares = found.figures["period"].contributions
+    assert shares["spring_rate"] == shares["initial_speed"] == 0.0
+    own = {"friction": {"tolerance": 0.002}}
+    late = esc.budget(TIMER, own, figures=["rise_time"], size=64)
+    assert math.isnan(late.figures["rise_time"].sigma)
+    assert late.figures["rise_time"].contributions == {}
+    assert "rise_time has no derivative by friction" in late.message
+
+
+def test_a_kink_counts_on_the_sides_where_the_number_lies():
+    name, width = "centre_distance_error", 2e-6
+    slopes = corners_of(TIMER, [name], ("period",))
+    below, above = slopes["period"][name]
+    sides = ({"low": 0.0, "high": width}, above), ({"low": -width, "high": 0.0}, below)
+    for form, slope in sides:
+        found = esc.budget(TIMER, {name: form}, size=64).figures["period"]
+        assert found.sigma == pytest.approx(abs(slope) * width / math.sqrt(12.0), rel=1e-3)
+    # a blow costs energy as the root of the error, so that its derivative has no limit
+    assert slopes["blow_max"][name] == (-math.inf, 0.0)
+    assert slopes["beat_error"][name] == (0.0, 0.0)
+
+
+def test_correlated_effects_are_made_equal():
+    covariance = np.array([[4.0, 1.5, -0.6], [1.5, 1.0, 0.1], [-0.6, 0.1, 0.5]])
+    factors = equal_factors(covariance)
+    scaled = covariance * np.outer(factors, factors)
+    assert scaled.sum(axis=1) == pytest.approx(np.full(3, covariance.sum() / 3.0), rel=1e-9)
+
+
+def test_an_end_at_which_the_mechanism_stops_has_no_value():
+    found = esc.budget(TIMER, {"load_torque": {"low": 0.0, "high": 0.02}}, size=256)
+    worst = found.figures["period"].worst
+    assert math.isnan(worst.high)
+    assert worst.low == pytest.approx(esc.terminal(TIMER).period, rel=1e-6)
+    assert "no value at one of its worst cases" in found.message
+    # a normal distribution whose far tail is impossible is computed from the cases drawn
+    wide = {"friction": {"standard_deviation": 0.04}}
+    assert esc.budget(TIMER, wide, size=64).figures["period"].sigma > 0.0
+
+
+ONE = {"friction": {"tolerance": 0.02}}
+
+
+@pytest.mark.parametrize(("tolerances", "options", "told"), [
+    (ONE, {"limits": {"period": 0.03}}, "limits.period must be two numbers"),
+    (ONE, {"limits": {"period": (None, 0.03)}}, "write -inf or inf for none"),
+    (ONE, {"limits": {"period": (0.0, math.nan)}}, "two numbers"),
+    (ONE, {"limits": {"perid": (0.0, 1.0)}}, "limits must be one of"),
+    (ONE, {"limits": {"status": (0.0, 1.0)}}, "limits must be one of"),
+    (ONE, {"figures": ["perid"]}, "did you mean 'period'"),
+    (ONE, {"correlations": ("friction", "torque", 0.5)}, "a list of pairs"),
+    (ONE, {"indices": 1}, "indices must be a whole number of at least 2"),
+    (ONE, {"indices": 2.5}, "indices must be a whole number"),
+    (ONE, {"method": "latin-hypercube", "size": 30}, "size must be a multiple of 20"),
+    (ONE, {"size": 5}, "in at least 20 of 5 cases"),
+    ({"clearance": {"low": 1e-6, "high": 2e-6}, "centre_distance_error": {"tolerance": 1e-6}}, {},
+     "clearance must be 0 with errors of the parts"),
+])  # fmt: skip
+def test_mistakes_in_python_are_told_before_anything_is_solved(
+    tolerances, options, told, monkeypatch
+):
+    if "size" not in options:
+        monkeypatch.setattr("escapement.simulation.terminal", None)
+    with pytest.raises(InvalidValue, match=re.escape(told)):
+        esc.budget(TIMER, tolerances, **options)

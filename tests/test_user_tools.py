@@ -1,4 +1,4 @@
-"""Studies and motions in the user's own tools: xarray, pandas, NumPy and tables."""
+"""Studies and motions in other tools: xarray, pandas, NumPy and tables."""
 
 import json
 import pickle

@@ -1,7 +1,8 @@
 """The decorator of this integrator's kernels.
 
-Numba keys its disk cache on the file of the kernel alone and would keep a stale copy of
-a callee from another file: so the cache lies in a folder named after all sources.
+Numba's disk cache notices changes only in the file of the kernel itself; it would keep an old copy
+of a function that the kernel calls from another file. The cache is therefore in a folder whose
+name is a digest of all sources.
 """
 
 import hashlib

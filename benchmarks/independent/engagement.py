@@ -1,4 +1,4 @@
-"""One engagement, from pin entry to the handoff, or to a stop on the way."""
+"""One engagement, from pin entry to the handoff, or to a stop before it."""
 
 from .compiling import compiled
 from .equation import advance_source, expand
@@ -52,7 +52,7 @@ def engage(case, w, work, turns, out):
             within = min(far, final) if fall < 0.0 else fall
             stop = first_fall(work[10], within, 1.0, turns)
             if stop >= 0.0:
-                # time back from the stop, if that series carries so far
+                # the time back from the stop, if its series is valid so far
                 length = stop * unit
                 _j, back, back_slow = expand(case, angle + length, half, sense, 0.0, unit, work)
                 if stop <= min(back, back_slow) and work[10][1] < 0.0:

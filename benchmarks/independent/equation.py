@@ -47,7 +47,7 @@ def transmission(a, kind, angle, unit, work):
             cosine = s
         else:
             cosine = c
-        # the series of cos, of sin beside it
+        # derivatives of the sine, as those of the cosine above
         if k % 4 == 0:
             sine = s
         elif k % 4 == 1:
@@ -64,7 +64,7 @@ def transmission(a, kind, angle, unit, work):
     top[0] = (a - kind) - 2.0 * a * half * half
     quotient(top, square, g)
     quotient(tmp, square, u)
-    # C = c - kind e^(-i kind theta): g' = u (a + b - 2 g), worked out from the quotient instead
+    # C = c - kind e^(-i kind theta): g' = u (a + b - 2 g), computed from the quotient instead
     for k in range(SIZE - 1):
         dg[k] = (k + 1) * g[k + 1] / unit
     dg[SIZE - 1] = 0.0
@@ -72,7 +72,7 @@ def transmission(a, kind, angle, unit, work):
 
 @compiled
 def expand(case, angle, half, sense, w0, unit, work):
-    """Series about `angle` with W = w0 there; returns J and two reaches, in units of `unit`.
+    """Series about `angle` with W = w0 there; returns J and two valid lengths, in units of `unit`.
 
     half = +1 after dead centre, -1 before: the sign of theta. work rows: 0 g, 1 g',
     2 u, 6 c, 7 p, 8 J, 9 D, 10 W, 11 K, 12 W^(-1/2) (of W/x at rest), 13 l', 14 S'

@@ -1,4 +1,4 @@
-"""Engagements one after the other, and the terminal cycle they tend to."""
+"""Engagements one after the other, and the terminal cycle that they approach."""
 
 import math
 
@@ -13,7 +13,7 @@ from .series import SIZE
 def motion(case, w, rows):
     """Engagements until `rows` is full; returns status and how many are complete.
 
-    Row k: as `engage` returns it, W and time being those of the handoff, dwell included.
+    Row k is as `engage` returns it, but W and time are those of the handoff, after the dwell.
     """
     work, turns = np.empty((24, SIZE)), np.empty(16)
     dwell, rho = case[2], case[4]
@@ -43,7 +43,7 @@ def motion(case, w, rows):
 
 @compiled
 def terminal(case, w, out):
-    """Terminal cycle as fixed point; out as a row of `motion`, out[8] being the passes.
+    """Terminal cycle as a fixed point; `out` is as a row of `motion`, with out[8] the iterations.
 
     Below the first pin reversal l is zero and every engagement gains the same; above it
     the gain falls as W rises, so there is one fixed point or, where that gain is

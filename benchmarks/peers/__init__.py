@@ -1,6 +1,6 @@
 """Solvers of other packages, for the package's benchmark.
 
-They are optional: `pip install -e ".[bench]"` brings heyoka and CyRK.
+They are optional: `pip install -e ".[bench]"` installs heyoka and CyRK.
 """
 
 from collections.abc import Iterator
@@ -12,7 +12,7 @@ from escapement.benchmark.problems import MeasuredSolver
 
 HEYOKA, CYRK = "heyoka", "CyRK"
 PEERS = (HEYOKA, CYRK)
-"""Import names."""
+"""Names under which they are imported."""
 
 
 def installed_peers() -> list[str]:

@@ -1,10 +1,10 @@
 """CyRK: compiled Runge-Kutta solvers (cysolve), called from a compiled loop.
 
-Its Numba interface has no events, so they are located here, in the way that made it
-fastest: integrate to where the same piece ended in the engagement before, then close in on
-the event by Newton's iteration, each iterate being a short integration of its own. Where
-that guess is far off, the last step before the event is the start instead. No dense
-output is needed, and an event is as accurate as a step.
+Its Numba interface has no events, so they are located here, in the way that made it fastest: the
+solver integrates to the time at which the same piece ended in the engagement before, and Newton's
+iteration then finds the event, with a short integration for each iterate. If that time is far from
+the event, the iteration starts at the last step before the event. No dense output is needed, and an
+event is as accurate as a step.
 """
 
 import math
@@ -22,8 +22,8 @@ METHODS = ("DOP853", "Vern8")
 _CLOSE = 1e-2  # share of a piece from which Newton's iteration may start
 _LAST = 1e-8  # share below which two Taylor terms are exact
 
-# The solver comes as a function pointer of the running process: a kernel that holds one
-# cannot be cached on disk, so the package's own decorator is of no use here.
+# The solver is given as a function pointer of the running process. A kernel with such a pointer
+# cannot be cached on disk, so the package's own decorator cannot be used.
 compiled = numba.njit(error_model="numpy", nogil=True)
 _rates = compiled(derivative)
 _contact = compiled(reversal)
@@ -36,7 +36,7 @@ def _derivative(dy, t, y, parameters):
 
 @compiled
 def _remaining(target, theta, speed, parameters):
-    """Positive before the event: angle to go, or contact at the reversal (target NaN)."""
+    """Positive before the event: angle left, or contact force if the event is a reversal (NaN)."""
     if target == target:
         return target - theta
     return _contact(0.0, (theta, speed), parameters[0], parameters[1], parameters[2])

@@ -1,7 +1,7 @@
 """Exudyn: a sphere on a crank between two triangles on the follower, both rotors of one axis.
 
-Its own contact (a spring with a dashpot, friction proportional to the speed where it is slow) and
-its own integrators of fixed step. The handoff is interpolated between two steps.
+Contact and integrators are Exudyn's own: a spring with a dashpot, friction proportional to the
+speed at low speeds, and fixed steps. The handoff is interpolated between two steps.
 """
 
 from collections.abc import Callable
@@ -14,7 +14,7 @@ import escapement as esc
 
 
 def _model(own: esc.Escapement, speed: float) -> tuple[object, object, list[int]]:
-    """The system, what keeps it alive, and sensors of the driver's angle and speed."""
+    """The system, its container, which must not be deleted, and sensors of angle and speed."""
     wheel, keeper = own.mechanism, exu.SystemContainer()
     system = keeper.AddSystem()
     crank, axis = wheel.crank_radius, wheel.centre_distance * wheel.crank_radius
@@ -80,7 +80,7 @@ def _model(own: esc.Escapement, speed: float) -> tuple[object, object, list[int]
 def run(
     own: esc.Escapement, speed: float, steps: int, method: str
 ) -> Callable[[], tuple[float, float]]:
-    """A run that gives handoff time and speed; it is 1 % longer than our engagement."""
+    """A function that returns handoff time and speed; it runs 1 % longer than our engagement."""
     length = 1.01 * float(esc.simulate(own, 1, initial_speed=speed).end_time)
 
     def solve() -> tuple[float, float]:

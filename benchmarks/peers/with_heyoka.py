@@ -1,13 +1,13 @@
-"""heyoka: Taylor series of adaptive order, compiled for the equation, terminal events.
+"""heyoka: Taylor series of adaptive order, compiled for the equation, with terminal events.
 
-Given its best: integrators are built and compiled once per tolerance and reset for each
-run, fast-math is on (a quarter faster, no less accurate here), and the events' callbacks
-touch nothing but arrays. Events use the integrator's own polynomials, so they cost no
+It is set up to be as fast as possible: integrators are built and compiled once per tolerance and
+reset for each run, fast-math is on (a quarter faster and no less accurate here), and the functions
+called at events touch only arrays. Events use the integrator's own polynomials, so they cost no
 accuracy.
 
-`prepare` states the problem in time, like everyone else. `prepare_angle` hands heyoka the
-package's own formulation, w = theta_dot^2 over the driver angle, where only the reversal
-is left to find: the difference is what the formulation alone is worth.
+`prepare` states the problem in time, as for all other solvers. `prepare_angle` gives heyoka the
+package's own formulation, w = theta_dot^2 over the driver angle, in which only the reversal has to
+be found: the difference shows how much of the speed is due to the formulation.
 """
 
 from typing import Any
@@ -29,7 +29,7 @@ def prepare(problem: Problem, rtol: float) -> TimedRun:
     done = 0
 
     def arrive(integrator: Any, sense: int) -> bool:
-        """At dead centre slide the other way; at the handoff note it and start anew."""
+        """Reverse the sliding at dead centre; at the handoff store it and start again."""
         nonlocal done
         if parameters[1] == 0.0:
             parameters[0], parameters[1] = push, end
@@ -58,7 +58,7 @@ def prepare(problem: Problem, rtol: float) -> TimedRun:
 
 
 def prepare_angle(problem: Problem, rtol: float) -> TimedRun:
-    """The same over the driver angle, but for the way from rest to the first dead centre."""
+    """The same over the driver angle, except from rest to the first dead centre."""
     approach, push, follow = (parameters[2] for parameters, _start, _end in pieces_of(problem))
     end = problem.numbers[3]
     times, squares = np.empty(problem.engagements), np.empty(problem.engagements)
@@ -117,7 +117,7 @@ def _in_time(problem: Problem, rtol: float, arrive: Any, reverse: Any) -> Any:
 
 
 def _motion(problem: Problem, theta: Any, w: Any) -> tuple[Any, Any, Any]:
-    """Driver acceleration as a fraction, and contact function: that of `problems` in symbols.
+    """Force and inertia of the driver, and the contact function, as symbols; as in `problems`.
 
     par[0] is the signed friction.
     """

@@ -1,4 +1,4 @@
-"""What the figures of the pages share, and their register by file name."""
+"""Functions that the figures of the pages share, and the list of figures by file name."""
 
 from collections.abc import Callable
 from pathlib import Path
@@ -19,7 +19,7 @@ FIGURES: dict[str, Callable[[], Figure]] = {}
 
 
 def drawn(make: Callable[[], Figure]) -> Callable[[], Figure]:
-    """Enter a figure under the name of its function."""
+    """Add a figure to the list, under the name of its function."""
     FIGURES[f"{make.__name__}.png"] = make
     return make
 

@@ -31,14 +31,14 @@ def yielding(play: float, stiffness: float, share: float = 1.0) -> esc.Escapemen
 
 @drawn
 def clearance_period() -> Figure:
-    """Period against clearance, and the energy that blows take against friction."""
+    """Period against clearance, and energy lost in impacts against friction."""
     figure, (left, right) = panels(2, 2.9)
     for friction, (colour, style) in zip((0.20, 0.30, 0.38), LINES, strict=False):
         ideal = esc.terminal(loose(friction, 0.0)).period
         change = [esc.terminal(loose(friction, x)).period / ideal - 1.0 for x in PLAYS]
         left.loglog(2.0 * PLAYS, 100.0 * np.array(change), color=colour, ls=style,
                     label=f"µ = {friction:.2f}")  # fmt: skip
-    left.set(xlabel="Clearance over crank radius", ylabel="Longer period (%)")
+    left.set(xlabel="Clearance over crank radius", ylabel="Increase of the period (%)")
     left.legend(frameon=False)
     frictions = np.linspace(0.02, 0.40, 20)
     for play, (colour, style) in zip((1e-3, 1e-4, 1e-5), LINES, strict=False):
@@ -46,15 +46,16 @@ def clearance_period() -> Figure:
         for friction in frictions:
             ledger = esc.terminal(loose(friction, play)).motion.ledger
             shares.append(100.0 * ledger.blows / ledger.work)
-        right.plot(frictions, shares, color=colour, ls=style, label=f"{2.0 * play:g} r")
-    right.set(xlabel="Friction µ", ylabel="Share of work lost in blows (%)")
+        clearance = f"{2.0 * play:f}".rstrip("0")
+        right.plot(frictions, shares, color=colour, ls=style, label=f"{clearance} r")
+    right.set(xlabel="Friction µ", ylabel="Work lost in impacts (%)")
     right.legend(frameon=False, title="Clearance")
     return figure
 
 
 @drawn
 def clearance_force() -> Figure:
-    """Contact force and driver velocity over an engagement with its two blows."""
+    """Contact force and velocities over an engagement with its two impacts."""
     figure, (left, right) = panels(2, 2.9)
     own = yielding(5e-4, 1e6)
     cycle = esc.terminal(own)
@@ -75,26 +76,26 @@ def clearance_force() -> Figure:
 
 @drawn
 def contact_convergence() -> Figure:
-    """Towards no clearance, and towards rigid walls."""
+    """Period as the clearance falls to zero, and as the walls become rigid."""
     figure, (left, right) = panels(2, 2.9)
     ideal = esc.terminal(loose(0.30, 0.0)).period
     errors = [esc.terminal(loose(0.30, x)).period / ideal - 1.0 for x in PLAYS]
-    left.loglog(2.0 * PLAYS, errors, "o", color=LINES[0][0], mfc="none", label="rigid impact")
+    left.loglog(2.0 * PLAYS, errors, "o", color=LINES[0][0], mfc="none", label="computed")
     left.loglog(2.0 * PLAYS, errors[0] * PLAYS / PLAYS[0], color="0.4", ls=":", label="order 1")
-    left.set(xlabel="Clearance over crank radius", ylabel="Longer period, relative")
+    left.set(xlabel="Clearance over crank radius", ylabel="Relative increase of the period")
     left.legend(frameon=False)
     stiff = np.geomspace(1e5, 1e7, 5)
     off = [abs(esc.terminal(yielding(0.0, k, 0.3)).period / ideal - 1.0) for k in stiff]
-    right.loglog(stiff, off, "o", color=LINES[0][0], mfc="none", label="no clearance")
+    right.loglog(stiff, off, "o", color=LINES[0][0], mfc="none", label="computed")
     order = off[-1] * (stiff / stiff[-1]) ** -0.5
     right.loglog(stiff, order, color="0.4", ls=":", label="order 1/2")
-    right.set(xlabel="Stiffness over τ/r²", ylabel="Period off the rigid one, relative")
+    right.set(xlabel="Stiffness (τ/r²)", ylabel="Relative difference of the period")
     right.legend(frameon=False)
     return figure
 
 
 def clearance_film() -> FuncAnimation:
-    """A pin that leaves the front wall, flies, and strikes the rear one."""
+    """Film of a pin that leaves the front wall, flies, and strikes the rear one."""
     wheel = esc.Geneva(4, crank_radius=RADIUS, pin_radius=0.08 * RADIUS, clearance=2e-3 * RADIUS)
     motion = esc.terminal(replace(timer(4, 0.30, 0.10), mechanism=wheel)).motion
     lifts, strikes = motion.reversals.time[0], motion.impacts.time[-1]

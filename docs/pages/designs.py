@@ -1,4 +1,4 @@
-"""The figure of a wish and the designs that meet it."""
+"""Figure of the designs that meet a wish."""
 
 from matplotlib.figure import Figure
 
@@ -9,6 +9,6 @@ from pages import RUNS, drawn
 
 @drawn
 def design_front() -> Figure:
-    """Scatter and force of the timers of thirty seconds."""
+    """Greatest contact force against scatter of timers that run for thirty seconds."""
     wish, _units = esc.load_wish(RUNS / "thirty_seconds.toml")
     return plot_designs(esc.design(wish))

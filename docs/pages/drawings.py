@@ -1,4 +1,4 @@
-"""The figure of a sheet to cut by."""
+"""Figure of a sheet of parts for cutting."""
 
 from matplotlib.figure import Figure
 

@@ -1,4 +1,4 @@
-"""Figures of constant speed, of the planetary drive, and of what was measured."""
+"""Figures of drives at constant speed, of the planetary drive, and of measurements."""
 
 import numpy as np
 from matplotlib.figure import Figure
@@ -31,7 +31,7 @@ def reversal_curves() -> Figure:
 
 @drawn
 def nomogram() -> Figure:
-    """A sheet to be read by hand."""
+    """A nomogram from which torques are read by hand."""
     figure = plot_nomogram(NOMOGRAMS["16b"])
     figure.set_size_inches(9.6, 6.6)
     return figure
@@ -60,7 +60,7 @@ def velocity_plans() -> Figure:
 
 @drawn
 def planetary_start() -> Figure:
-    """The planetary drive from rest, its mesh losing a tenth."""
+    """The planetary drive from rest; its gears lose a tenth of the power."""
     driver, follower = (inertia * INCH_POUND for inertia in meyer.INERTIAS[4])
     design = esc.Escapement(
         PLANETARY, esc.Inertia(driver, follower), 0.1 * INCH_POUND, efficiency=0.9
@@ -71,7 +71,7 @@ def planetary_start() -> Figure:
 
 @drawn
 def measured_table() -> Figure:
-    """Transmission from 148 noisy angles of Prikhodko's drive, made up."""
+    """Transmission from 148 noisy angles of Prikhodko's drive, which are computed."""
     random = np.random.default_rng(2020)
     theta = random.uniform(0.0, 2.0, 148) * PLANETARY.cell_angle
     phi = -PLANETARY.follower_angle(theta) + np.radians(1.298) * random.standard_normal(theta.size)

@@ -1,4 +1,4 @@
-"""What real parts do to the period: the table and the figure of the page on effects.
+"""The effect of real parts on the period: table and figure of the page on effects.
 
 `python -m pages.effects`, called in docs, prints the table.
 """
@@ -26,12 +26,13 @@ AIR = 1.2e-9  # N m s^2, five times the drag of a smooth disc of 20 mm
 OIL, FILM = 3.8e-8, 7.5e-6  # N m s: Petroff's law of a journal, and of a disc 1 mm from a plate
 
 Numbers = dict[str, float]
-"""Numbers of the wheel or of the escapement by their names; those of `SHARED` are shares."""
+"""Numbers of the wheel or of the escapement, by name; `SHARED` says which are relative."""
 SHARED = {"driver_bearing_torque": "torque", "friction": "friction"}
+"""Numbers given relative to another number of the ideal mechanism, and that number."""
 
 
 class Effect(NamedTuple):
-    """One row of the table: what real parts have, beside Meyer's numbers."""
+    """One row of the table: numbers of real parts, in addition to Meyer's numbers."""
 
     name: str
     wheel: Numbers
@@ -99,7 +100,7 @@ def effects() -> Figure:
     inertia = meyer.INERTIAS[4][1] * INCH_POUND
     torque = TORQUES[4] * INCH_POUND
     viscous = (inertia * torque) ** 0.5
-    # of each curve: its panel, name, the size in the table over its unit, and the numbers at x
+    # each curve has a name, the size in the table over its unit, and the numbers at abscissa x
     lengths = (
         ("pin radius", PIN / CRANK, lambda x: ({"pin_radius": x * CRANK}, {})),
         *(
@@ -112,10 +113,10 @@ def effects() -> Figure:
         ),
     )
     torques = (
-        ("bearing torque, of $\\tau$", 0.01, lambda x: ({}, {"driver_bearing_torque": x})),
+        ("bearing torque / $\\tau$", 0.01, lambda x: ({}, {"driver_bearing_torque": x})),
         *(
             (
-                f"{medium}, {body}, of {unit}",
+                f"{medium}, {body} / {unit}",
                 usual / size,
                 lambda x, name=f"{body}_{kind}", size=size: ({}, {name: x * size}),
             )
@@ -136,14 +137,14 @@ def effects() -> Figure:
                 clip_on=False, zorder=4,
             )  # fmt: skip
         ax.axhline(1.0, **style.ZERO)
-        ax.set(xlim=(0, 10), ylim=(0.94, 1.18), ylabel="Period over that of ideal parts")
+        ax.set(xlim=(0, 10), ylim=(0.94, 1.18), ylabel="Period / period of ideal parts")
         style.add_legend(ax, 1, loc="upper left", handlelength=style.HANDLE)
     # beyond the last point of the driver's journal there is no motion
     end = left.lines[2].get_xydata()[np.isfinite(left.lines[2].get_ydata())][-1]
     left.plot(*end, "x", color=style.LOOKS[1].color, ms=7, mew=1.6, zorder=5)
     style.annotate(left, "Painlevé limit", tuple(end), (1.0, 11.0), "right")
-    left.set_xlabel("Length over the crank radius (%)")
-    right.set_xlabel("Share of the natural unit (%)")
+    left.set_xlabel("Length / crank radius (%)")
+    right.set_xlabel("Number / its natural unit (%)")
     return figure
 
 

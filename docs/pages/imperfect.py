@@ -1,4 +1,4 @@
-"""What errors of parts do to the period: the table and the figures of the page on them.
+"""The effect of errors of parts on the period: table and figures of the page on them.
 
 `python -m pages.imperfect`, called in docs, prints the table.
 """
@@ -24,7 +24,7 @@ WHEELS = (3, 4, 6)
 
 
 def first(size: float, count: int) -> tuple[float, ...]:
-    """An error of the second part of some."""
+    """Errors of `count` parts, of which only the second has one."""
     return tuple(size if k == 1 else 0.0 for k in range(count))
 
 
@@ -61,7 +61,7 @@ def change(slots: int, kind: str, size: float) -> float:
 
 
 def table() -> str:
-    """Change of the period for an error of a thousandth, by the slope at either side."""
+    """Change of the period for an error of a thousandth, and for the opposite error."""
     heads = [f"n = {slots}, {sign}" for slots in WHEELS for sign in ("+", "-")]
     lines = [["change of the period (%)", *heads], ["---"] * (1 + len(heads))]
     for kind in ERRORS:
@@ -80,7 +80,7 @@ def imperfect_response() -> Figure:
         periods = np.array([one.period for one in found])
         ax.plot(1e3 * sizes, 100.0 * (periods / periods[10] - 1.0), color=style.GREY, lw=1.0)
         for (name, marker), look in zip(KINDS.items(), style.LOOKS, strict=False):
-            # the gravest of the four handoffs marks the point
+            # the marker shows the worst of the four handoffs
             worst = [max(one.motion.handoffs.kind.tolist(), key=[*KINDS].index) for one in found]
             own = [k for k in range(sizes.size) if worst[k] == name and k != 10]
             ax.plot(
@@ -101,7 +101,7 @@ def imperfect_response() -> Figure:
     figure.legend(
         [handles[name] for name in KINDS], [f"{name}s" for name in KINDS], ncols=3,
         loc="outside upper center", frameon=False, fontsize=style.SMALL_SIZE,
-        title="the gravest handoff of a turn", title_fontsize=style.SMALL_SIZE,
+        title="worst of the four handoffs", title_fontsize=style.SMALL_SIZE,
     )  # fmt: skip
     return figure
 
@@ -119,7 +119,8 @@ def imperfect_wheel() -> Figure:
     figure = style.new_figure(style.TWO_COLUMN, 3.2)
     for ax, factor in zip(figure.subplots(1, 2), (1.0, 60.0), strict=True):
         plots.plot_mechanism(IMPERFECT, 0.2, ax, exaggerate=factor)
-        title = "to scale" if factor == 1.0 else f"errors times {factor:g}, perfect wheel broken"
+        enlarged = f"errors times {factor:g}; broken lines: perfect wheel"
+        title = "to scale" if factor == 1.0 else enlarged
         ax.set_title(title, fontsize=style.LABEL_SIZE)
     return figure
 

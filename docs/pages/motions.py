@@ -18,7 +18,7 @@ def mechanisms() -> Figure:
 
 @drawn
 def dwell_and_internal() -> Figure:
-    """A drive in its dwell, a fine one at dead centre, an internal one."""
+    """A drive in its dwell, one with many slots, an internal one."""
     figure, axes = panels(3, 2.9)
     shown = (
         (esc.Geneva(4, pins=1), 180.0, "4 slots, 1 pin, in dwell"),
@@ -44,7 +44,7 @@ def transmission() -> Figure:
         table = wheel.transmission(theta)
         for ax, values in zip(axes, (table.g, table.u), strict=True):
             ax.plot(np.degrees(theta), values, ls=dashes, color=color, label=f"{slots} slots")
-    for ax, name in zip(axes, ("Transmission g", "Sliding u"), strict=True):
+    for ax, name in zip(axes, ("Transmission g = dφ/dθ", "Relative sliding speed u"), strict=True):
         ax.set(xlabel="Driver angle from dead centre (°)", ylabel=name, xlim=(-60, 60))
     axes[0].legend(frameon=False)
     return figure
@@ -91,13 +91,13 @@ def handoff_map() -> Figure:
     left.plot([], [], "o", color="white", ms=6, mec="black", mew=0.8, label="fixed point")
     left.plot([least, most], [least, most], color=style.GREY, lw=0.8)
     left.text(
-        0.61 * most, 0.61 * most - 4.0, "w unchanged", color=style.GREY, va="top",
+        0.61 * most, 0.61 * most - 4.0, "no change", color=style.GREY, va="top",
         fontsize=style.SMALL_SIZE, ha="center", rotation=45.0,
         rotation_mode="anchor", transform_rotates_text=True,
     )  # fmt: skip
     left.set(xlim=(least, most), ylim=(0, 280))
-    left.set_xlabel("w at a handoff (1000 rad²/s²)")
-    left.set_ylabel("w at the next (1000 rad²/s²)")
+    left.set_xlabel("Squared handoff speed (1000 rad²/s²)")
+    left.set_ylabel("At the next handoff (1000 rad²/s²)")
     right.set(xlabel="Engagement", ylabel="Handoff velocity (rad/s)", ylim=(0, 1000))
     where = {"loc": "outside upper center", "columnspacing": 1.2}
     style.add_legend(figure, 6, handlelength=style.HANDLE, **where)

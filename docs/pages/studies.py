@@ -14,7 +14,7 @@ from pages import LINES, RUNS, drawn, panels, timer
 
 @drawn
 def four_pins() -> Figure:
-    """Meyer's figure 10, true."""
+    """Meyer's figure 10 with the exact solution."""
     return plots.plot_study(esc.run_plan(esc.load_plan(RUNS / "meyer_four_pins.toml")))
 
 
@@ -26,7 +26,7 @@ def torque_friction_map() -> Figure:
 
 @drawn
 def four_pins_tolerances() -> Figure:
-    """What tolerances do to a period."""
+    """The effect of tolerances on the period and other results."""
     return plots.plot_study(esc.run_plan(esc.load_plan(RUNS / "four_pins_tolerances.toml")))
 
 

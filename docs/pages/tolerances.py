@@ -1,4 +1,4 @@
-"""The figures of what a drawing's tolerances do."""
+"""Figure of the effect of a drawing's tolerances."""
 
 from matplotlib.figure import Figure
 

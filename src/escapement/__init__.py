@@ -27,7 +27,7 @@ def __getattr__(name):
     from importlib import import_module
 
     home = _HOMES[name]
-    # what comes from the package itself is a module
+    # a name that comes from the package itself is a module
     own = home == "escapement"
     value = import_module(f"{home}.{name}") if own else getattr(import_module(home), name)
     globals()[name] = value

@@ -23,11 +23,11 @@ _SAMPLES = 4000
 
 @dataclass(frozen=True, repr=False)
 class ContactSummary(Shown):
-    """What `contact_summary` finds.
+    """Peak force, bounces and blows of a motion, from `contact_summary`.
 
     force_max, force_max_time : greatest contact force [N], and when it acts [s].
-    bounces : how often a pin comes back to a wall that it has left in the same engagement
-        without touching the other one, of each engagement.
+    bounces : number of times, in each engagement, that a pin returns to the wall that it left,
+        without touching the other one in between.
     impulses : impulse of each blow [N s], the greatest first.
     edges, counts : how many blows have an impulse between neighbouring edges [N s].
     energy : energy lost in all blows [J].
@@ -55,14 +55,14 @@ def contact_summary(motion: Motion, intervals: int = 20) -> ContactSummary:
     Parameters
     ----------
     motion : Motion
-        Of engine "contact".
+        A motion of engine "contact".
     intervals : int
         Intervals of the spectrum, of equal ratio from the least impulse to the greatest.
 
     Raises
     ------
     InvalidValue
-        Of a motion without clearance and stiffness.
+        If the motion has neither clearance nor stiffness.
     """
     found = motion.impacts
     if not isinstance(found, Impacts):

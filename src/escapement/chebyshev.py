@@ -25,12 +25,12 @@ Array = NDArray[np.float64]
 Function = Callable[[Array], Array]
 
 MOST_KINKS = 5000
-_DEEPEST = 24  # halvings around a kink: it is located to 6e-8 of the interval
-_NOISE = 4.0 * np.finfo(float).eps  # what rounding an x does to a value, times slope and x
-_RIPPLE = 1e-6  # of the largest value: what is not resolved and less is rounding
-_JUMP = 1e-9  # of the largest value: a series and its function differ by this, at a jump
-_CLOSE = 1e-9  # a stationary point this close to a piece's end, of its length, is the end
-_VANISHING = 1e-30  # a zero this close to a piece's end, of its length, is the end
+_DEEPEST = 24  # halvings around a kink, which locate it to 6e-8 of the interval
+_NOISE = 4.0 * np.finfo(float).eps  # times slope and x, the error of a value due to rounding of x
+_RIPPLE = 1e-6  # tails below this share of the largest value are rounding errors
+_JUMP = 1e-9  # share of the largest value by which series and function differ at a jump
+_CLOSE = 1e-9  # share of a piece's length; a stationary point closer to its end is the end
+_VANISHING = 1e-30  # share of a piece's length; a zero closer to its end is the end
 
 
 class Extremum(NamedTuple):
@@ -165,9 +165,9 @@ def fit(
             rough = np.maximum(misses, tails) > _RIPPLE * scale
         if rough.sum() > (kinks if depth == _DEEPEST else MOST_KINKS):
             raise InvalidValue(
-                f"load torque, or a transmission, must be smooth but for at most {kinks} kinks, "
+                f"a load torque or transmission must be smooth except for at most {kinks} kinks, "
                 f"got more, one of them near {low[rough][0]:.9g} rad; smooth it, give fewer points "
-                "of a load or name the corners of a transmission"
+                "of a load, or name the corners of a transmission"
             )
         if depth == _DEEPEST:
             rows[rough] = 0.0

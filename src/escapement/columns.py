@@ -20,13 +20,13 @@ from escapement.errors import InputFileError, InvalidValue, MissingInput
 UNITS = {"deg": 2.0 * math.pi / 360.0, "rad": 1.0}
 """Units of angles, in rad."""
 COUNTS = "counts"
-"""The unit of an encoder, which a resolution makes an angle."""
+"""Unit of angles that are counts of an encoder; its resolution converts them."""
 _TIMES = {"s": 1.0, "ms": 1e-3, "us": 1e-6}
 NAMES = {
     "input": ("input", "in", "driver", "theta", "phi1"),
     "output": ("output", "out", "follower", "phi", "phi3"),
 }
-"""Headings by which the columns of driver and follower are known."""
+"""Headings that identify the columns of input and output."""
 _ROLES = (*NAMES, "time")
 _SPELLINGS = {
     **dict.fromkeys(("deg", "degree", "degrees", "°"), "deg"),
@@ -34,7 +34,7 @@ _SPELLINGS = {
     **dict.fromkeys(("count", "counts", "ticks"), COUNTS),
     **{"s": "s", "ms": "ms", "us": "us", "µs": "us"},
 }
-# angles in these units are refused, for they would be taken for degrees
+# angles in these units are refused, for they would otherwise be taken as degrees
 _FOREIGN = re.compile(r"(?:[mµμu]rad|grad|gon|turn|rev|revolution|arcmin|arcsec)s?")
 _NUMBER = re.compile(r"[-+]?[\d.,]+(e[-+]?\d+)?|nan", re.IGNORECASE)
 _SEPARATORS = {"\t": "a tab", ";": "';'", ",": "','", " ": "blanks"}
@@ -44,12 +44,12 @@ _MISSING = {"", "na", "n/a", "null", "none"}
 class Columns(NamedTuple):
     """Angles of input and output, and other contents of their file.
 
-    angles : of input and output, NaN where a field is empty or says so, each of
-        shape (n,) [rad].
-    time : of each row, None where it was not asked for, shape (n,) [s].
+    angles : of input and output, NaN where a field is empty or marked as missing, each
+        of shape (n,) [rad].
+    time : of each row, shape (n,) [s]; None if it was not asked for.
     line : line of each row in the file, int, shape (n,).
-    units : of both columns, as named by the caller or the headings; None where
-        nothing names them, and degrees were assumed.
+    units : of both columns, from the caller or the headings; None where neither gives one,
+        so that degrees were assumed.
     comments : lines that begin with #.
     """
 
@@ -60,8 +60,8 @@ class Columns(NamedTuple):
     comments: list[str]
 
 
-# of rows: separator, whether there is a header, number of fields, and of input, output and time
-# the places, None for a column that is not there, the units of angles, and all scales
+# separator, whether there is a header, number of fields in a row, places of input, output and time
+# (None for a missing column), units of the angles, and the scales of all three
 _Layout = tuple[str, bool, int, tuple[int | None, ...], tuple[str | None, ...], tuple[float, ...]]
 
 
@@ -91,41 +91,42 @@ def read_columns(
         What the file is, for messages.
     names : (str, str, str), optional
         Names of the columns of input, output and time, with or without their unit.
-        Default: one of `NAMES`, without a header the first and the second of two, and
-        no time. Beside a time there may be no output.
+        Default: one of `NAMES`, in a file without a header the first and the second of two
+        columns; no time. With a time, the output may be missing.
     unit : str, optional
         "deg", "rad" or "counts". Default: the last word of a column's name, else degrees.
     by_order : bool
         Whether the first of two columns with other names is the input.
     default : str
-        Unit of a column of which nothing tells another.
+        Unit of a column for which neither `unit` nor its name gives one.
     resolution : int, optional
-        Counts of a turn.
+        Counts in a turn.
     skip : int
-        Lines at the head of the file that are passed over.
+        How many lines to ignore at the beginning of the file.
 
     Raises
     ------
     MissingInput
-        When there is no such file.
+        If there is no such file.
     InputFileError
-        When it has no such content; the message names the line.
+        If the file has no such content; the message names the line.
     InvalidValue
-        When there is no column of the name given, or the unit is unknown.
+        If there is no column with a given name, or the unit is unknown.
     """
     units = UNITS if resolution is None else UNITS | {COUNTS: 2.0 * math.pi / resolution}
     if unit is not None:
         validate.choice("angle_unit", unit, (*UNITS, COUNTS))
     if unit == COUNTS and resolution is None:
         raise InvalidValue(
-            "angle_unit counts must come with a resolution, got none; give the counts of a turn"
+            "angle_unit counts must come with a resolution, got none; give the number of counts in "
+            "a turn"
         )
     lines = _Lines(path, skip)
     layout = partial(
         _find_layout, names=names, unit=unit, by_order=by_order, default=default, angles=units
     )
     try:
-        # plain numbers take half the time, but a pipe can be read only once
+        # reading as plain numbers takes half the time; a pipe cannot be read a second time
         if os.path.isfile(path):
             with suppress(_BrokenLine):
                 return _read(lines, layout, plain=True)
@@ -171,7 +172,7 @@ class _Lines:
 
 
 def _read(lines: _Lines, find: Callable[[str], _Layout], plain: bool) -> Columns:
-    """The columns, of `plain` numbers or of all that is allowed; an error is of the last line."""
+    """The columns; `plain` allows only numbers. An error concerns the line that was read last."""
     rows = iter(lines)
     separator, header, width, where, units, scales = find(next(rows))
     places = sorted(place for place in where if place is not None)
@@ -191,8 +192,8 @@ def _read(lines: _Lines, find: Callable[[str], _Layout], plain: bool) -> Columns
         raise
     except ValueError:
         if len(_split(lines.text, separator)) != width:
-            rule = f"have {width} fields apart by {_SEPARATORS[separator]}"
-            raise _BrokenLine(rule, "one row for each sample") from None
+            rule = f"have {width} fields separated by {_SEPARATORS[separator]}"
+            raise _BrokenLine(rule, "give one row for each sample") from None
         rule = f"have numbers in fields {' and '.join(str(i + 1) for i in places)}"
         raise _BrokenLine(rule, "correct it, or leave the field empty") from None
     line = np.delete(np.arange(lines.number + 1), lines.passed_over)
@@ -221,7 +222,7 @@ def _find_layout(
         raise _BrokenLine("have two columns", remedy)
     header = not any(map(_NUMBER.fullmatch, fields))
     if not header and (len(fields) > 2 or any(names)):
-        remedy = "put a line with input and output among the names first"
+        remedy = "begin the file with a line of names, among them input and output"
         raise _BrokenLine(f"name its {len(fields)} columns", remedy)
     places = _named_places(fields, names, by_order) if header else (0, 1, None)
     units: list[str | None] = []
@@ -244,7 +245,7 @@ def _wrong_unit(unit: str | None, timed: bool) -> _BrokenLine:
         return _BrokenLine("have times in s, ms or us", "convert them")
     if unit == COUNTS:
         remedy = "give --resolution N, in Python resolution=N"
-        return _BrokenLine("come with the counts of a turn", remedy)
+        return _BrokenLine("come with the number of counts in a turn", remedy)
     remedy = "convert them, or give the unit that they are in"
     return _BrokenLine("have angles in degrees or radians", remedy)
 
@@ -257,7 +258,7 @@ def _named_places(
     *angles, time = names
     for (role, usual), name in zip(NAMES.items(), angles, strict=True):
         found = _place(fields, role, name, usual)
-        # of two columns, the one that is known tells the other
+        # if one of two columns is known, the other one has the other role
         may_lack = (by_order and len(fields) == 2) or (role == "output" and time is not None)
         if found is None and not may_lack:
             raise _unnamed(role, usual)
@@ -268,7 +269,8 @@ def _named_places(
         second = 1 - first if second is None else second
     if first == second:
         raise InvalidValue(
-            f"input and output must be different columns, got {fields[first or 0]!r} for both"
+            f"input and output must be different columns, got {fields[first or 0]!r} for both; "
+            "name another column for one of them"
         )
     return first, second, None if time is None else _place(fields, "time", time, (time,))
 
@@ -287,7 +289,7 @@ def _place(fields: list[str], role: str, name: str | None, usual: tuple[str, ...
 
 
 def _unnamed(role: str, usual: tuple[str, ...]) -> _BrokenLine:
-    """The rule that headings break which do not tell the column of a role."""
+    """The rule that headings break if they do not identify the column of a role."""
     rule = f"have one column called {' or '.join(usual)}"
     return _BrokenLine(rule, f"name the {role}'s column with --{role}-column NAME")
 

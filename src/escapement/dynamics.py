@@ -1,18 +1,18 @@
 """The equation of motion, dimensionless.
 
-With the follower's inertia, the driving torque and sqrt(I_f/torque) as units of
-inertia, torque and time, a `Scene` holds what remains beside the mechanism. Lengths are in
-the unit of the mechanism's path, such as the crank radius.
+The units of inertia, torque and time are the follower's inertia I_f, the driving torque and
+sqrt(I_f/torque). Lengths are in the unit of the mechanism's path, such as the crank radius. A
+`Scene` holds the mechanism's path and these dimensionless numbers:
 
-    rho           driver over follower inertia
-    T             torque of the drive, linear between angles turned since the start
+    rho           driver's inertia over the follower's
+    T             torque of the drive, linear between given driver angles
     mu            friction of each side, mu_plus and mu_minus
     load, bearing load torque, and constant torque of the driver's bearing
     c_d, c_f      drag of driver and follower that grows with the square of the speed
     nu_d, nu_f    viscous drag of driver and follower
     r_p           radius of the pin, whose body turns by beta per driver radian
-    b_d, b_f      journals: the bearing's friction over the contact force
-    delta         distance of the slot's line from the follower's axis, ahead of it
+    b_d, b_f      torque of friction in each journal over the contact force
+    delta         distance of the slot's centre line from the follower's axis, in the sense of phi
 
 With w = theta_dot^2 and the side s = +1 or -1 of the slot that carries the force, the drive D
 and the resistance F of the follower are
@@ -20,23 +20,27 @@ and the resistance F of the follower are
     D = pull - c_d w - nu_d sqrt(w),                            pull = T - bearing
     F = k w + load + nu_f g sqrt(w),                            k = g' + c_f g |g|
 
-and with the pin's distance R from the follower's axis and its slide V = u R, the sliding speed
-v of the contact, the lever arm h of the contact force and the effective ratio p
+The pin is at the distance R from the follower's axis and moves along the slot at V = u R per
+driver radian. The sliding speed v of the contact, the lever arm h of the contact force and the
+effective ratio p are
 
     v = V + s r_p (g - beta),    h = R - sign(v) mu (r_p + s delta) - s b_f sign(g)
     p = g + c,                   c = s (mu |v| + b_d + b_f |g|)/h
     (rho + g p) theta_ddot = D - p F
-    moment of the contact force about the follower's axis, without losses
-        N h = X/(rho + g p),     X = rho F + g D
+
+The moment with which the contact turns the follower, after the friction of the pin and of the
+follower's journal is subtracted, is
+
+    N h = X/(rho + g p),         X = rho F + g D
 
 An ideal pin has c = s mu |u|. A mesh of efficiency eta has p = g eta^(-s), because power that
 flows back is multiplied by eta. That is the same law with |u| = g, mu_+ = 1/eta - 1 and
 mu_- = 1 - eta. In a dwell the follower is locked, so that g, u and g' are zero.
 
 With load = 0 the law of an ideal pin is Meyer's eq. 1-18/1-19, where his S is s sign(sin theta).
-An engine integrates the functions of this file over the time (`net_torque` over
-`reduced_inertia`) or over the angle (`energy_rates`); `painleve` asks where J_s = rho + g p
-vanishes.
+An engine integrates the functions of this file over time (`net_torque` divided by
+`reduced_inertia`) or over the driver angle (`energy_rates`); `painleve` finds where
+J_s = rho + g p vanishes.
 """
 
 import numpy as np
@@ -55,7 +59,7 @@ LOSSES = (
 
 @inner_jit(allocates=True, inlined=True)
 def scene_of(scene_tuple):
-    """Scene from the nested tuples that `scene.scene_tuple` makes."""
+    """The scene that belongs to the nested tuples of `scene.scene_tuple`."""
     path = scene_tuple[0]
     return Scene(Path(path[0], path[1]), *scene_tuple[1:])
 
@@ -75,13 +79,13 @@ def is_ideal(scene):
 
 @inner_jit
 def is_viscous(scene):
-    """Whether there is drag in proportion to the speed, which makes the law nonlinear in w."""
+    """Whether there is drag proportional to the speed, which makes the law nonlinear in w."""
     return scene.driver_viscous > 0.0 or scene.follower_viscous > 0.0
 
 
 @inner_jit
 def is_drag_free(scene):
-    """Whether there is no resistance that grows with the speed, such as that of air or oil."""
+    """Whether there is no drag, neither of air nor of oil."""
     return scene.driver_drag + scene.follower_drag == 0.0 and not is_viscous(scene)
 
 
@@ -122,7 +126,7 @@ def grip(g, u, radius, side, scene, way=0.0, turn=0.0):
 
 @inner_jit
 def bend(g, u, radius, side, scene, way=0.0, turn=0.0):
-    """What friction adds to the transmission function, c = p - g; signs are as in `grip`."""
+    """What friction adds to the effective ratio, c = p - g; signs are as in `grip`."""
     friction = signed_loss(side, scene)
     # in a dwell u and R are given as zero
     if is_ideal(scene) or radius == 0.0:
@@ -146,13 +150,13 @@ def root_of(w, scene):
 
 @inner_jit
 def drive(pull, w, root, scene):
-    """D: torque that is left of the drive at the squared speed w; `root` is as in `root_of`."""
+    """D: torque of the drive minus the driver's drag at the squared speed w; see `root_of`."""
     return pull - scene.driver_drag * w - scene.driver_viscous * root
 
 
 @inner_jit
 def drive_sign(pull, w, scene):
-    """Whether the driver gains speed, 1, or loses it, -1, where there is no contact force."""
+    """1 if the driver gains speed where there is no contact force, -1 if it loses speed."""
     return np.sign(drive(pull, w, root_of(w, scene), scene))
 
 
@@ -187,7 +191,7 @@ def reduced_inertia(g, c, scene):
 
 @inner_jit
 def free_gain(angle, pull, w, scene):
-    """What a driver that turns free of the follower gains in w over a small angle."""
+    """Increase of w over a small angle while the driver turns without the follower."""
     return 2.0 * angle * drive(pull, w, root_of(w, scene), scene) / scene.rho
 
 
@@ -195,7 +199,7 @@ def free_gain(angle, pull, w, scene):
 def left_by_blow(scene):
     """Share of the driver's speed that is left where a pin strikes a follower at rest.
 
-    The blow is plastic, on the side s = +1, with friction: the follower takes the impulse
+    The blow is plastic, on the side s = +1, with friction: the follower takes the angular impulse
     P = I_d I_f g theta_dot/(I_d + I_f g p), and the driver loses p P. The pin strikes where the
     engagement begins; after the blow the follower has the speed that the pin prescribes there.
     """
@@ -282,10 +286,10 @@ def ends_alike(g_in, g_out, rho):
 def side_at(g, k, pull, w, scene):
     """Side that carries the force where a piece begins: +1 or -1.
 
-    It is the sign of X. At pin entry g is zero up to rounding, and X is too when the driver
+    It is the sign of X. At pin entry g is zero except for rounding, and so is X if the driver
     is at rest without a load: then the sign of g' decides, which is that of X just behind the
-    entry. At the stop of a mesh g and g' are both zero, or the rounding errors of a table;
-    the driver is then about to push the follower, and the side is +1.
+    entry. Where a mesh stops, g and g' are both zero, or rounding errors of a table; the driver
+    is then about to push the follower, and the side is +1.
     """
     value = contact(g, k, pull, w, root_of(w, scene), scene)
     # g' below 1e-9 counts as a table's rounding
@@ -296,7 +300,7 @@ def side_at(g, k, pull, w, scene):
 
 @inner_jit
 def bent_pose(theta, side, scene):
-    """g, c and k at a driver angle while the side s carries the force, 0 in a dwell."""
+    """g, c and k at a driver angle while the side s carries the force; all are 0 in a dwell."""
     if side == 0.0:
         return 0.0, 0.0, 0.0
     g, u, dg, radius = pose_at(scene.path, theta)

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from escapement import validate
 from escapement.lazy import Lazy
-from escapement.quantity import Declared, Quantity, per_class, quantities
+from escapement.quantity import Declared, Quantity, Setting, declared, per_class, quantities
 
 if TYPE_CHECKING:
     import numpy as np
@@ -29,7 +29,7 @@ RESISTANCES = (
     *("load", "bearing", "driver_drag", "follower_drag", "driver_viscous", "follower_viscous"),
     *("driver_journal", "follower_journal"),
 )
-"""Numbers of a `Scene` that resist the motion beside friction in the slot."""
+"""Numbers of a `Scene` that resist the motion, besides friction in the slot."""
 LENGTHS = ("crank_radius", "pin_radius", "roller_radius", "clearance")
 """Lengths that a slotted mechanism may have [m]; the first is the unit of its path."""
 _ERRORS = ("centre_distance_error", "crank_radius_errors", "slot_offsets")
@@ -112,3 +112,32 @@ def check_losses(owner: Declared, meshed: bool) -> None:
             mechanism = "mechanism without a slot" if meshed else "slotted mechanism"
             rule = f"{entry.default:g} for a {mechanism}"
             raise validate.fail(entry.name, rule, value, f"give its {entry.instead}")
+
+
+@per_class
+def _dependent(owner: type) -> list[Setting]:
+    """Settings that have no effect without another one."""
+    return [entry for entry in declared(owner).values() if entry.needs]
+
+
+def idle_settings(owner: type, values: Mapping[str, Any]) -> str:
+    """Which settings have no effect, since another one is missing; "" if there are none.
+
+    owner : the class that declares them.
+    values : numbers, or arrays of those that vary, by name.
+    """
+    notes = []
+    for entry in _dependent(owner):
+        value = values.get(entry.name)
+        if value is None or (not hasattr(value, "any") and value == entry.default):
+            continue
+        # compliant walls have blows without clearance, too
+        enough = (entry.needs, "stiffness") if entry.needs == "clearance" else (entry.needs,)
+        if not any(_given(values.get(name)) for name in enough):
+            notes.append(f"{entry.name} has no effect without {entry.needs}")
+    return "; ".join(notes)
+
+
+def _given(value: Any) -> bool:
+    """Whether a number, or one of an array, is not 0."""
+    return bool(value.any() if hasattr(value, "any") else value)

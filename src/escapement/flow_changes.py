@@ -31,10 +31,10 @@ class FlowChanges(Events):
 def flow_changes_of(motion: Any) -> FlowChanges:
     """Every change of sign, in the order of time, of the torque in either train.
 
-    Of a barrel it is T - I_b theta_ddot, of a load train M + I_l phi_ddot, with the numbers
-    referred to driver and follower. If a sign changes from one piece of the motion to the next,
-    as at a pin reversal, the change is at the boundary. Two changes between neighbouring places
-    of 129 in a piece are missed.
+    The torque is T - I_b theta_ddot for a barrel and M + I_l phi_ddot for a load train, with
+    numbers referred to driver and follower. If a sign changes from one piece of the motion to the
+    next, as at a pin reversal, the change is at the boundary. Two changes between neighbouring
+    places of 129 in a piece are missed.
     """
     trains = [n for n in ("barrel", "load_train") if getattr(motion.escapement, n) is not None]
     found = sorted(row for train in trains for row in _changes(motion, train))

@@ -88,7 +88,7 @@ def jam_rule(escapement: Escapement) -> JamCycle:
     """
     limit = friction_limits(escapement)[0]
     if escapement.friction < limit:
-        rule, remedy = f"at least the limit {limit:.6g}", "below it there is an exact answer"
+        rule, remedy = f"at least the limit {limit:.6g}", "below it, use terminal, which is exact"
         raise validate.fail("friction", rule, escapement.friction, remedy)
     wheel: Any = escapement.mechanism
     for name, value in (
@@ -97,8 +97,10 @@ def jam_rule(escapement: Escapement) -> JamCycle:
         if value != 0.0:
             raise validate.fail(name, "0 for the rule for jams", value, "leave it out")
     if len(escapement.scenes) > 1 or escapement.curve is not None:
-        remedy = "leave out the errors of parts, or the spring's"
-        raise validate.fail("escapement", "of perfect parts and a constant torque", wheel, remedy)
+        remedy = "leave out the errors of parts, the spring rate or the torque curve"
+        raise validate.fail(
+            "escapement", "without part errors and with a constant torque", wheel, remedy
+        )
     speed, clock = 0.0, escapement.time_unit
     for _ in range(_MOST):
         passed = _engage(escapement.scene, speed)
@@ -107,7 +109,9 @@ def jam_rule(escapement: Escapement) -> JamCycle:
         speed = passed.speed
     else:
         remedy = "use compliant contact"
-        raise validate.fail("friction", "such that cycles repeat", escapement.friction, remedy)
+        raise validate.fail(
+            "friction", "one at which engagements repeat", escapement.friction, remedy
+        )
     close = escapement.friction < _CLOSE * limit
     error = _NEAR if close else _FAR
     near = "just above" if close else "well above"

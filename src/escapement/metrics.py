@@ -179,7 +179,7 @@ class Figures(Shown):
         return max(self.reversal_angles, default=_NAN)
 
     def as_dict(self) -> dict[str, Any]:
-        """All figures by name, with the published average beside the mean."""
+        """All figures by name, with the published average after the mean."""
         return {name: getattr(self, name) for name in _NAMES}
 
 
@@ -198,7 +198,7 @@ def fall_times(motion: Motion, start: float, terminal: float) -> tuple[float, fl
     Parameters
     ----------
     motion : Motion
-        From the start on.
+        The motion, from its start on.
     start, terminal : float
         Speed at the first pin entry, and at the terminal handoff [rad/s].
 

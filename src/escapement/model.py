@@ -17,6 +17,7 @@ from escapement.fitting import (
     check_lengths,
     check_losses,
     check_trains,
+    idle_settings,
 )
 from escapement.lazy import Lazy
 from escapement.mechanism import FloatArray, Mechanism, checked, meetings_of
@@ -61,6 +62,7 @@ def _bearing_friction(body: str) -> dict[str, Any]:
     return quantity(
         f"coefficient of friction of the {body}'s bearing", metavar="MU", slotted=True,
         instead="driver_bearing_torque", remedy="give a coefficient of friction, 0 for none",
+        needs=f"{body}_bearing_radius",
     )  # fmt: skip
 
 
@@ -68,6 +70,7 @@ def _bearing_radius(body: str) -> dict[str, Any]:
     return quantity(
         f"radius of the {body}'s journal", "length", slotted=True,
         instead="driver_bearing_torque", remedy="give the radius, 0 for none",
+        needs=f"{body}_bearing_friction",
     )  # fmt: skip
 
 
@@ -180,7 +183,8 @@ class Escapement(Declared):
 
     restitution: float = field(default=0.0, metadata=quantity(
         "ratio of rebound impulse to compression impulse in an impact", maximum=1.0, below=True,
-        slotted=True, instead="efficiency", metavar="E", remedy="give a restitution, 0 for none"
+        slotted=True, instead="efficiency", metavar="E", remedy="give a restitution, 0 for none",
+        needs="clearance"
     ))  # fmt: skip
     stiffness: float = field(default=0.0, metadata=quantity(
         "force of a slot's wall divided by the penetration", "stiffness", slotted=True,
@@ -188,15 +192,16 @@ class Escapement(Declared):
     ))  # fmt: skip
     damping: float = field(default=0.0, metadata=quantity(
         "force of a slot's wall divided by the speed of penetration", "damping", slotted=True,
-        instead="efficiency", metavar="D", remedy="give the damping, 0 for none"
+        instead="efficiency", metavar="D", remedy="give the damping, 0 for none", needs="stiffness"
     ))  # fmt: skip
     contact_law: str = field(default=CONTACT_LAWS[0], metadata=setting(Choice(
         long_name=f"force of a compliant contact: {', '.join(CONTACT_LAWS)}",
-        allowed=CONTACT_LAWS, slotted=True, instead="efficiency", metavar="NAME"
+        allowed=CONTACT_LAWS, slotted=True, instead="efficiency", metavar="NAME", needs="stiffness"
     )))  # fmt: skip
     slip_speed: float = field(default=0.0, metadata=quantity(
         "sliding speed below which friction fades", "slip", slotted=True,
-        instead="efficiency", metavar="V", remedy="give the speed, 0 if the engine shall choose it"
+        instead="efficiency", metavar="V", remedy="give the speed, 0 if the engine shall choose it",
+        needs="stiffness"
     ))  # fmt: skip
     barrel: Train | None = None
     load_train: Train | None = None
@@ -223,7 +228,7 @@ class Escapement(Declared):
         check_contact(self.contact, self.mechanism, vars(self))
 
     def _check_curve(self) -> None:
-        """Refuse a curve beside a spring rate, and one with too many points for a cell."""
+        """Refuse a curve together with a spring rate, or with too many points in a cell."""
         if isinstance(self.torque, TorqueCurve):
             if self.spring_rate > 0.0:
                 remedy = "let its torque fall by itself"
@@ -282,6 +287,12 @@ class Escapement(Declared):
         if self.stiffness > 0.0:
             return "compliant"
         return "rigid" if getattr(self.mechanism, "clearance", 0.0) > 0.0 else ""
+
+    @property
+    def idle(self) -> str:
+        """Which settings have no effect, since another one is missing; "" if there are none."""
+        clearance = getattr(self.mechanism, "clearance", 0.0)
+        return idle_settings(type(self), vars(self) | {"clearance": clearance})
 
     @cached_property
     def joint(self) -> Joint:

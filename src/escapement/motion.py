@@ -219,7 +219,7 @@ class Motion(Shown):
         theta, speed = trajectory.states(owners, flat)
         engagement, sign = trajectory.engagement[owners], trajectory.sign[owners]
         turned = escapement.turned_before(engagement) + np.zeros(theta.size)
-        # of the ends of a piece that of which a time is nearer
+        # the sense from the nearer end of the piece into it
         since, until = np.append(trajectory.start, self.end_time)[[owners, owners + 1]]
         ahead = np.where(flat - since <= until - flat, 1.0, -1.0)
         g, dg, rate, moment, _x = table = np.zeros((5, theta.size))

@@ -344,6 +344,6 @@ def uniqueness_note(escapement: Escapement) -> str | None:
     if escapement.friction < limit:
         return None
     return (
-        f"another motion exists beside this one, because friction {escapement.friction:g} is at "
+        f"a second motion is possible, because friction {escapement.friction:g} is at "
         f"or above the limit of uniqueness {limit:.6g}: a blow before dead centre could jam the pin"
     )

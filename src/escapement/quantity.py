@@ -51,6 +51,7 @@ class Setting:
     slotted : True if only mechanisms with slots have it, False if only mechanisms without have
         it; all others keep its default.
     instead : name of the setting that other mechanisms have instead.
+    needs : name of a number without which it has no effect.
     key, section, default : filled in from the class that declares it: name of the field, table
         of a study file ("" is the top level), and default, None where there is none.
     """
@@ -67,6 +68,7 @@ class Setting:
     system: str = units.SYSTEMS[0]
     slotted: bool | None = None
     instead: str = ""
+    needs: str = ""
     key: str = ""
     section: str = ""
     default: Any = None
@@ -139,7 +141,7 @@ class Quantity(Setting):
 
     def check(self, label: str, value: Any) -> Any:
         """`value` as a number that obeys the rule."""
-        # the usual case first: a check must cost little beside a motion of microseconds
+        # the usual case first: a check must cost little compared with a motion of microseconds
         plain = type(value) is float and not (self.whole or self.fraction)
         if plain and math.isfinite(value) and self._within(value):
             return value
@@ -202,7 +204,7 @@ class Quantity(Setting):
         """As `read`, of what was typed on the command line; a fraction stays one."""
         value: Any = text
         if not self.fraction:
-            # what is no number is refused by the check, which shows it as typed
+            # the check refuses a text that is not a number, and shows it as typed
             with contextlib.suppress(ValueError):
                 value = int(text) if self.whole else float(text)
         return self.check(label, value) if self.fraction else self.read(label, value)
@@ -256,7 +258,7 @@ class Numbers(Setting):
         """As `read`, of numbers with commas between them."""
         words: list[Any] = text.split(",")
         for i, word in enumerate(words):
-            # what is no number is refused by the check, which shows it as typed
+            # the check refuses a text that is not a number, and shows it as typed
             with contextlib.suppress(ValueError):
                 words[i] = float(word)
         return self.read(label, words)

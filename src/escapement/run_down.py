@@ -148,7 +148,7 @@ def rundown(
         raise validate.fail("escapement", "an Escapement", escapement, "see escapement.Escapement")
     spent = _spent_after(escapement)
     if turns is not None and duration is not None:
-        raise validate.fail("duration", "left out beside turns", duration, "leave one of them out")
+        raise validate.fail("duration", "left out with turns", duration, "leave one of them out")
     first = simulate(escapement, 1, initial_speed=initial_speed, rtol=rtol)
     if first.status is Status.INVALID:
         none = first.handoff_times

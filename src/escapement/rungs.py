@@ -1,4 +1,4 @@
-"""The same design computed with simpler and fuller models, called rungs, and their differences.
+"""One design computed with models from simple to detailed, called rungs, and their differences.
 
 The rungs are the ideal mechanism, real losses, clearance with rigid impact, and compliant
 contact. Each includes more of the real mechanism and takes longer to compute.
@@ -36,7 +36,7 @@ class Rungs(Shown):
 
     figures : the `Figures` of each rung, by its name: "ideal", "losses", "impact", "compliant";
         only those for which the design has numbers.
-    changes : by rung and figure, relative to the rung before.
+    changes : relative change of each figure from the rung before, by rung and figure.
     message : which rung is enough for the period, and why figures are missing.
     """
 

@@ -25,7 +25,7 @@ class Path(NamedTuple):
 
     table : whether `numbers` tabulate g over the driver angle, as `mechanisms.table` makes
         them; otherwise they describe the path of a pin in a slot, see `mechanisms.slotted`.
-    numbers : shape (n,), as the maker lays them out.
+    numbers : shape (n,), in the order that `mechanisms.table` or `mechanisms.slotted` defines.
     """
 
     table: bool
@@ -35,8 +35,8 @@ class Path(NamedTuple):
     def corners(self) -> NDArray[np.float64]:
         """Driver angles [rad], shape (k,), at which the transmission of a table is not smooth.
 
-        They follow its pieces. A pin path has none, because they are among the breaks of its
-        mechanism.
+        `numbers` holds them after the pieces of the table. A pin path has none, because they are
+        among the breaks of its mechanism.
         """
         if not self.table:
             return self.numbers[:0]
@@ -63,7 +63,7 @@ class Scene(NamedTuple):
     pin : radius of the pin, or of its roller, in the path's unit of length.
     driver_journal, follower_journal : friction of the bearings over the force in the contact,
         mu_b r_b sqrt(1 + mu^2), in the path's unit of length.
-    gain : factor on the torque; 1 but in `power_flow`.
+    gain : factor on the torque; it is 1 except in `power_flow`.
     flow : directions of power through lossy trains, see `power_flow`.
     barrel, load_train : inertias of barrel and last shaft referred to driver and follower,
         divided by I_f; rho and I_f contain them.
@@ -100,8 +100,8 @@ class Joint(NamedTuple):
 
     play : half the difference between slot width and pin diameter, in crank radii r.
     restitution : rebound impulse over the impulse of compression.
-    stiffness : of either wall, over torque/r^2; 0 for a rigid one.
-    damping : of either wall, over sqrt(I_f torque)/r^2.
+    stiffness : stiffness of each wall, over torque/r^2; 0 for rigid walls.
+    damping : damping of each wall, over sqrt(I_f torque)/r^2.
     hertz : whether the force grows with the power 1.5 of the penetration (Hunt and Crossley).
     slip : sliding speed below which friction fades, over r/sqrt(I_f/torque).
     """
@@ -117,7 +117,7 @@ class Joint(NamedTuple):
 class Meeting(NamedTuple):
     """A pin in a slot: the data in which the engagements of a mechanism differ.
 
-    path, edges, dwell : as of a `Scene`.
+    path, edges, dwell : as in `Scene`.
     late : driver angle by which its angle 0 lies behind the nominal dead centre [rad].
     turned : function from driver angles to the follower angle [rad], minus its steps from pin to
         pin.
@@ -140,8 +140,8 @@ def smooth_intervals(path: Path, breaks: Sequence[float]) -> NDArray[np.float64]
     """Driver angles between which the motion is smooth except for reversals [rad], ascending.
 
     They are the breaks of the mechanism and the corners of a table, since no quadrature for
-    smooth functions is accurate across one. An edge is left out where it lies within 1e-9 of
-    the whole range of the edge before it or of the last one, since rounding may part the two.
+    smooth functions is accurate across one. An edge is left out if its distance from the edge
+    before it, or from the last one, is below 1e-9 of the whole range: it may be due to rounding.
     """
     edges = sorted({*breaks, *path.corners.tolist()})
     gap = 1e-9 * (edges[-1] - edges[0])

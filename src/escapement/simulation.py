@@ -21,7 +21,8 @@ from escapement.solver import DEFAULT_ENGINE, Solver, choose_solver, solver_for
 from escapement.status import MESSAGES, Status
 
 LONGEST = {"energy": 10_000_000, "ivp": 10_000, "contact": 1_000_000}
-"""Engagements of one motion: they take up to a gigabyte, and seconds or, with "ivp", a minute."""
+"""Greatest number of engagements in a motion. They take up to a gigabyte, and seconds, or with
+"ivp" a minute."""
 _FOLDERS = {
     **{("energy", ""): "energy", ("ivp", ""): "time"},
     **{("contact", law): f"contact.{law}" for law in ("rigid", "compliant")},
@@ -53,7 +54,7 @@ def simulate(
     Parameters
     ----------
     escapement : Escapement
-        What to simulate.
+        The escapement.
     engagements : int, optional
         Engagements to run, from 1 to ten million, with "ivp" to ten thousand and with
         "contact" to a million.
@@ -78,10 +79,11 @@ def simulate(
     Returns
     -------
     Motion
-        Its `status` tells whether it ran to its end: it is STALL where a load stops it, and
-        SPENT where the spring is spent and nothing moves, which is from pin entry on once the
-        driver speed is below a thousandth of sqrt(torque/I_f), and with viscous drag once the
-        kinetic energy is that of a driver of this speed. `end_time` then is that time.
+        Its `status` says whether it ran to its end. It is STALL if the drive cannot overcome load
+        and losses, and SPENT if the spring is spent and nothing moves; `end_time` is then the time
+        of the stop. After the spring is spent the driver counts as at rest at a pin entry if its
+        speed is below a thousandth of sqrt(torque/I_f); with viscous drag both bodies do, once
+        their kinetic energy is that of a driver with this speed.
 
     Raises
     ------
@@ -112,12 +114,15 @@ def simulate(
         fast(escapement, engagements=None, duration=duration, longest=LONGEST[engine], **start)
     run = _engine(engine, escapement.contact, "simulate")
     motion: Motion = run(escapement, engagements=engagements, duration=duration, **settings)
-    if motion.status is not Status.PAINLEVE and (note := uniqueness_note(escapement)):
-        motion.message = _joined(motion.message, note)
+    note = uniqueness_note(escapement) if motion.status is not Status.PAINLEVE else ""
+    motion.message = _joined(motion.message, note, escapement.idle)
     return motion
 
 
-def _joined(message: str, note: str) -> str:
+def _joined(message: str, *notes: str | None) -> str:
+    note = "; ".join(filter(None, notes))
+    if not note:
+        return message
     return note if message == MESSAGES[Status.OK] else f"{message}; {note}"
 
 
@@ -173,12 +178,20 @@ def terminal(
     -------
     Figures
         Their `status` is NO_TERMINAL where no loss grows with the speed, STALL when the drive
-        cannot carry the load, PAINLEVE at or above the limit; NaN where there is no answer.
-        Of a spring that runs down they are those of the full spring, and of a torque curve
-        those of its first torque, as the message says.
+        cannot carry the load, PAINLEVE at or above the limit. A figure that does not exist is NaN.
+        For a spring that runs down they belong to its full torque, and for a torque curve to its
+        first torque, as the message says.
     """
     solver = choose_solver(solver, engine, rtol, atol, method, max_step)
     engine, settings = _settings(escapement, solver, initial_speed)
+    found = _terminal(escapement, engine, settings)
+    return (
+        replace(found, message=_joined(found.message, idle)) if (idle := escapement.idle) else found
+    )
+
+
+def _terminal(escapement: Escapement, engine: str, settings: dict[str, Any]) -> Figures:
+    """As `terminal`, without the note on settings that have no effect."""
     if why := _impossible(escapement, settings["initial_speed"]):
         return Figures(status=Status.INVALID, message=why)
     base = limits(escapement)
@@ -186,7 +199,7 @@ def terminal(
         first = escapement.curve.torque[0]
         if first == 0.0:
             return replace(base, status=Status.STALL, message=_NO_START)
-        found = terminal(escapement.held, initial_speed=settings["initial_speed"], solver=solver)
+        found = _terminal(escapement.held, engine, settings)
         note = _FULL if escapement.spring_rate else _AT_START
         return replace(found, message=_joined(found.message, note))
     # the limit is decided before anything is integrated

@@ -104,12 +104,12 @@ def solver_for(contact: str, solver: Solver) -> Solver:
     contact : str
         The law of contact of the scene, as `Escapement.contact` says; "" for none.
     solver : Solver
-        Whose engine may be None.
+        The given settings; their engine may be None.
 
     Raises
     ------
     InvalidValue
-        When it names an engine that cannot do the scene.
+        If they name an engine that cannot compute the scene.
     """
     engine = solver.engine
     if engine is None:
@@ -129,7 +129,7 @@ def _with_engine(solver: Solver, engine: str) -> Solver:
 
 
 def choose_solver(solver: Solver | None, *separate: Any) -> Solver:
-    """The `solver` that was given, or one of separate settings, of which None is not given.
+    """The given `solver`, or one made from separate settings, of which None means not given.
 
     The separate settings are in the order of the fields of `Solver`.
 

@@ -21,7 +21,7 @@ class Status(IntEnum):
 
     @property
     def failed(self) -> bool:
-        """Whether the case has no answer; no terminal speed and a spent spring *are* answers."""
+        """Whether there is no result; "no terminal speed" and "spring spent" are results."""
         return self not in (Status.OK, Status.NO_TERMINAL, Status.SPENT)
 
 
@@ -29,8 +29,8 @@ MESSAGES = {
     Status.OK: "done",
     Status.NO_TERMINAL: (
         "no terminal velocity exists: no loss grows with the speed, which grows without bound; "
-        "give a friction greater than 0, or without slots an efficiency below 1 and "
-        "a ratio that varies"
+        "give a friction greater than 0, or, if the mechanism has no slots, an efficiency below 1 "
+        "and a ratio that varies"
     ),
     Status.STALL: "the drive cannot carry the load and the mechanism stops",
     Status.PAINLEVE: "friction is at or above the Painleve limit: no unique rigid motion exists",

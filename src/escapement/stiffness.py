@@ -18,14 +18,14 @@ def contact_stiffness(
 ) -> float:
     """Stiffness of a cylindrical pin on a flat wall [N/m].
 
-    A line contact yields by no power of the force: pin and wall approach each other by
+    In a line contact the approach is not a power of the force. Pin and wall approach each other by
 
         P (1 - nu_1^2)/(pi E_1) [2 ln(4 R/a) - 1]
         + P (1 - nu_2^2)/(pi E_2) [2 ln(2 h/a) - nu_2/(1 - nu_2)]
 
     with the force P by width and a = sqrt(4 P R/(pi E*)), half the width of the contact. The
-    stiffness is the force over this approach. It depends on the force through a logarithm alone:
-    ten times the force makes it about a fifth greater, so that a typical force is good enough.
+    stiffness is the force over this approach. It depends on the force only through a
+    logarithm: ten times the force makes it about a fifth greater, so a typical force is enough.
 
     Parameters
     ----------
@@ -36,7 +36,7 @@ def contact_stiffness(
     modulus, poisson : float
         Young's modulus [Pa] and Poisson's ratio [-] of the pin.
     wall_modulus, wall_poisson : float, optional
-        Those of the wall; by default the pin's.
+        Young's modulus [Pa] and Poisson's ratio [-] of the wall; by default those of the pin.
     depth : float, optional
         Distance h behind the wall over which it is compressed [m]; by default the pin's diameter.
 
@@ -49,7 +49,7 @@ def contact_stiffness(
     Raises
     ------
     InvalidValue
-        Where a number breaks its rule, or the contact is wider than a tenth of the radius, for
+        If a number breaks its rule, or the contact is wider than a tenth of the radius, for
         which Hertz's theory of a narrow contact no longer holds.
 
     Source: Johnson (1985), Contact Mechanics, section 5.6, eqs. 5.57 and 5.58. Plane strain,
@@ -68,7 +68,7 @@ def contact_stiffness(
     pin, wall = (1.0 - poisson**2) / modulus, (1.0 - wall_nu**2) / own["wall_modulus"]
     half = math.sqrt(4.0 * load * radius * (pin + wall) / math.pi)
     if not half < 0.1 * min(radius, own["depth"]):
-        rule = "so small that the contact is narrow beside radius and depth"
+        rule = "so small that the contact is narrow compared with radius and depth"
         raise validate.fail("force", rule, force, "give a smaller force or a wider contact")
     approach = pin * (2.0 * math.log(4.0 * radius / half) - 1.0)
     approach += wall * (2.0 * math.log(2.0 * own["depth"] / half) - wall_nu / (1.0 - wall_nu))

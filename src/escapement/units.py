@@ -89,9 +89,9 @@ def measured(label: str, value: Any, kind: str, system: str, remedy: str) -> Any
     Parameters
     ----------
     label : str
-        What it is, for messages.
+        Name of the number, for messages.
     value : str or any
-        A number with its unit. What is no text stays as it is.
+        A number with its unit. A value that is not a text is returned unchanged.
     kind, system : str
         As for `factor`.
     remedy : str
@@ -100,7 +100,7 @@ def measured(label: str, value: Any, kind: str, system: str, remedy: str) -> Any
     Raises
     ------
     InvalidValue
-        When the text is no number with a unit, or its unit is unknown or of another kind.
+        If the text is not a number with a unit, or the unit is unknown or of another kind.
     """
     if not isinstance(value, str):
         return value

@@ -29,7 +29,7 @@ def number(name: str, value: Any, remedy: str = "give a finite real number") -> 
     if type(value) is float and math.isfinite(value):  # nearly always: the rest takes a microsecond
         return value
     real = isinstance(value, Real) and not isinstance(value, bool)
-    with contextlib.suppress(OverflowError):  # of a whole number too great for a double
+    with contextlib.suppress(OverflowError):  # a whole number may be too great for a double
         if real and math.isfinite(value):
             return float(value)
     raise fail(name, "a finite number", value, remedy)
@@ -72,7 +72,7 @@ def integer(name: str, value: Any, minimum: int, remedy: str, maximum: float | N
 
 
 def truth(name: str, value: Any, remedy: str = "give a truth value") -> bool:
-    """`value` as a bool, Python's or NumPy's; numbers are none."""
+    """`value` as a bool, Python's or NumPy's; numbers are refused."""
     if type(value).__name__ in ("bool", "bool_"):  # NumPy has one of its own
         return bool(value)
     raise fail(name, "true or false", value, remedy)

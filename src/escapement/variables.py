@@ -1,4 +1,4 @@
-"""What a motion consists of, by the names that files, xarray and pandas have for it."""
+"""The data of a motion, by their names in files, in xarray and in pandas."""
 
 from typing import TYPE_CHECKING, Any
 
@@ -11,7 +11,7 @@ from escapement.validate import package
 if TYPE_CHECKING:
     from xarray import Dataset
 
-# of each dataset its key in `escapement.units`, its name for people and its type
+# for each dataset: its kind of unit in `escapement.units`, its description and its type
 Columns = dict[str, tuple[str, str, str]]
 SAMPLES: Columns = {
     "t": ("time", "time from the first pin entry", "<f8"),
@@ -26,24 +26,24 @@ SAMPLES: Columns = {
     "driver_bearing_reaction": ("force", "force that the driver's bearing carries", "<f8"),
     "follower_bearing_reaction": ("force", "force that the follower's bearing carries", "<f8"),
 }
-"""Columns over `t`, computed block by block."""
+"""Columns over the times `t`; they are computed block by block."""
 _HANDOFFS: Columns = {
     "handoff_times": ("time", "end of each engagement", "<f8"),
     "handoff_velocities": ("speed", "driver velocity at each handoff", "<f8"),
 }
 _EVENTS: Columns = {
-    "time": ("time", "time of each", "<f8"),
-    "engagement": ("ratio", "engagement, from 0", "<i8"),
+    "time": ("time", "time of each event", "<f8"),
+    "engagement": ("ratio", "number of the engagement, from 0", "<i8"),
     "theta": SAMPLES["theta"],
     "theta_dot": SAMPLES["theta_dot"],
 }
 _EXTREMA: Columns = {
     **_EVENTS,
-    "maximum": ("ratio", "kind of extremum of the driver velocity", "u1"),
+    "maximum": ("ratio", "whether the driver velocity has a maximum or a minimum", "u1"),
 }
 _PIECES: Columns = {
     "start": ("time", "start of each piece", "<f8"),
-    "engagement": ("ratio", "engagement, from 0", "<i8"),
+    "engagement": ("ratio", "number of the engagement, from 0", "<i8"),
     "sign": ("ratio", "side of the slot that carries the force, 0 while locked", "<f8"),
     **{
         f"{name}_loss": ("energy", f"work lost in {name.replace('_', ' ')} over each piece", "<f8")
@@ -57,27 +57,28 @@ GROUPS = (
     ("extrema", "extremum_", _EXTREMA),
     ("trajectory", "piece_", _PIECES),
 )
-"""Everything else: an attribute of the motion or itself, prefix and columns of its datasets."""
+"""All other datasets: the attribute of the motion that has them ("" for the motion itself), the
+prefix of their names, and their columns."""
 _IMPACTS: Columns = {
     **_EVENTS,
     "wall": ("ratio", "wall of the slot that is struck", "<f8"),
     "speed_before": ("speed", "driver velocity before each blow", "<f8"),
     "approach_speed": ("slip", "speed of approach", "<f8"),
     "impulse": ("impulse", "impulse of the normal force", "<f8"),
-    "energy": ("energy", "energy that each blow takes", "<f8"),
+    "energy": ("energy", "energy lost in each blow", "<f8"),
 }
 ATTRIBUTES = {"engine": str, "rtol": float, "end_time": float, "message": str}
-"""What is said of a motion as a whole, beside its status, and the types."""
+"""Attributes of a motion as a whole, besides its status, with their types."""
 
 
 def groups_of(motion: Any) -> tuple[tuple[str, str, Columns], ...]:
-    """`GROUPS`, and of a motion with clearance the blows."""
+    """`GROUPS`, and the blows if the motion has clearance."""
     own = getattr(motion.trajectory, "impacts", None) is not None
     return (*GROUPS, ("impacts", "impact_", _IMPACTS)) if own else GROUPS
 
 
 def attributes_of(key: str, column: tuple[str, str, str], units: str) -> dict[str, Any]:
-    """Attributes of a dataset, in a unit system."""
+    """Unit and description of a dataset, as its attributes, in a unit system."""
     quantity, long_name, _ = column
     found: dict[str, Any] = {"units": unit_name(quantity, units), "long_name": long_name}
     if key == "maximum":
@@ -116,5 +117,5 @@ def as_dataframe(motion: Any) -> Any:
 
 
 def attributes(motion: Any) -> dict[str, Any]:
-    """What is said of a motion as a whole."""
+    """Attributes of a motion as a whole, by name."""
     return {name: getattr(motion, name) for name in ATTRIBUTES} | {"status": motion.status.label}

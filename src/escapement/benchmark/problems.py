@@ -1,4 +1,4 @@
-"""The problem for every solver, its equation, and the solvers that are measured.
+"""The problems that all solvers solve, their equation, and the solvers that are measured.
 
 Four slots, four pins and Meyer's inertias (1973, Appendix E) under 0.10 in-lbf, twenty
 engagements from rest. The answer is the time and the driver speed at each handoff; the
@@ -51,7 +51,7 @@ class Problem:
     Parameters
     ----------
     name, title : str
-        In files, and in figures.
+        Its names in files and in figures.
     friction : float
         Coefficient of friction [-].
     slots : int
@@ -83,8 +83,7 @@ class Problem:
     def numbers(self) -> tuple[float, float, float, float]:
         """Centre distance, inertia ratio, friction and half the engagement angle [rad].
 
-        All a solver needs to know when the follower's inertia, the torque and
-        `clock` are its units.
+        A solver needs only these if the follower's inertia, the torque and `clock` are its units.
         """
         turn = math.pi / self.slots
         ratio = self.driver_inertia / self.follower_inertia
@@ -122,16 +121,16 @@ Answer = tuple[FloatArray, FloatArray]
 TimedRun = Callable[[], Answer]
 
 METHODS = ("RK23", "RK45", "DOP853", "Radau", "BDF", "LSODA")
-"""Those of solve_ivp."""
+"""Methods of solve_ivp."""
 
 
 SmoothPiece = tuple[tuple[float, float, float], float | None, float | None]
-"""Of a smooth piece of an engagement: a, rho and kappa, and the driver angles where it starts
-and ends, None at the reversal."""
+"""A smooth piece of an engagement: its a, rho and kappa, and the driver angles at which it starts
+and ends, None for the reversal, whose angle is not known before."""
 
 
 def pieces_of(problem: Problem) -> list[SmoothPiece]:
-    """Entry to dead centre, on to the reversal, on to the handoff."""
+    """The pieces of an engagement: to dead centre, to the reversal, and to the handoff."""
     a, rho, mu, end = problem.numbers
     return [((a, rho, -mu), -end, 0.0), ((a, rho, mu), 0.0, None), ((a, rho, -mu), None, end)]
 
@@ -150,7 +149,7 @@ def derivative(t, y, a, rho, kappa):
 
 
 def reversal(t, y, a, rho, kappa):
-    """A function that falls through zero at the pin reversal."""
+    """A function that falls through zero at the pin reversal: X times a positive number."""
     theta, speed = y[0], y[1]
     n = a * math.cos(theta) - 1.0
     q = a * a - 1.0
@@ -165,7 +164,7 @@ class MeasuredSolver(NamedTuple):
 
     solver : its name, unique.
     family : "energy", "ivp", "solve_ivp", or the package it comes from.
-    method, language : where a family has several.
+    method, language : given if a family has several of them.
     loosest, tightest : powers of ten of the tolerances it accepts.
     prepare : makes a run of a problem at a tolerance.
     """

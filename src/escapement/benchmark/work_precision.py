@@ -63,7 +63,7 @@ class Point(NamedTuple):
 
 
 class Standing(NamedTuple):
-    """A solver beside `energy` on one problem.
+    """A solver compared with `energy` on one problem.
 
     problem, solver : names.
     error : at which its time is taken; of `energy`, what a call without a
@@ -115,7 +115,7 @@ def run(
     quick : bool
         A version of ten seconds instead of many minutes.
     further : sequence of MeasuredSolver
-        Solvers to measure beside the package's engines and SciPy's; their families name
+        Solvers to measure besides the package's engines and SciPy's; their families name
         the packages they come from.
     note : callable
         Called with a description of each measurement.
@@ -222,7 +222,7 @@ def time_at(points: Sequence[Point], error: float) -> float:
 def work_precision_figure(points: Sequence[Point], machine: dict[str, Any]) -> Figure:
     """A panel for each problem: measured error to the right, run time upwards.
 
-    Of solve_ivp only the lines with a Numba right-hand side are drawn. The legend has the
+    For solve_ivp only the lines with a Numba right-hand side are drawn. The legend has the
     slowest solver first, which is at the top of a panel.
     """
     drawn = [point for point in points if point.language != "Python"]
@@ -230,7 +230,7 @@ def work_precision_figure(points: Sequence[Point], machine: dict[str, Any]) -> F
     problems = [problem for problem in PROBLEMS if problem.name in names]
     figure = style.new_figure(style.TWO_COLUMN, 0.6 + 2.9 * len(problems))
     panels = style.new_panels(figure, len(problems))
-    panels[0].invert_xaxis()  # of all panels, because they share it
+    panels[0].invert_xaxis()  # this inverts the axis of all panels, which share it
     for ax, problem in zip(panels, problems, strict=True):
         _plot_solvers([point for point in drawn if point.problem == problem.name], ax)
         ax.set_title(problem.title, fontsize=style.LABEL_SIZE)

@@ -13,7 +13,7 @@ import sys
 
 from escapement.errors import EscapementError, InvalidValue, StorageError
 
-# what takes time to load is imported within `main`, which ends in order after Ctrl-C
+# modules that take time to load are imported in `main`, which handles Ctrl-C
 TYPE_CHECKING = False
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -31,7 +31,7 @@ COMMANDS = {
     "export": "write parts as DXF or SVG, after a check of the motion",
     "drive-torque": "torque and pin reversals at constant driver speed",
     "measure": "measured positions against theory, with statistics",
-    "reproduce": "a source's printed numbers beside computed ones",
+    "reproduce": "a source's printed numbers compared with computed ones",
     "bench": "run time against error of all engines",
 }
 
@@ -91,7 +91,7 @@ def _answer(argv: Sequence[str]) -> int:
     except OSError as error:
         _drop_output()
         message = f"input or output failed: {error.strerror or error}; free space, or use another"
-        return _complain(f"{message} place", StorageError.exit_code)
+        return _complain(f"{message} disk", StorageError.exit_code)
     except MemoryError:
         message = "not enough memory; ask for a shorter motion or fewer cases"
         return _complain(message, StorageError.exit_code)
@@ -154,7 +154,7 @@ def _complain(message: str, code: int) -> int:
     """One line on stderr, whatever line breaks the message has."""
     import contextlib
 
-    with contextlib.suppress(OSError):  # of a reader that left, as in `escapement ... 2>&1 | head`
+    with contextlib.suppress(OSError):  # the reader may have left: `escapement ... 2>&1 | head`
         _tell("error", message)
     return code
 

@@ -105,8 +105,7 @@ def add_common(parser: Parser, own: str | None = None) -> None:
     text = "append events to FILE as JSON lines, for job scripts"
     parser.add_argument("--log", type=Path, metavar="FILE", help=text)
     text = own or (
-        "units of what goes in and what comes out (default: SI); a number may bring its own: "
-        "'5 mN m'"
+        "units of input and output (default: SI); a number may have a unit of its own: '5 mN m'"
     )
     default, rule = None if own else SYSTEMS[0], one_of("--units", SYSTEMS)
     shown = "|".join(SYSTEMS)
@@ -195,7 +194,7 @@ def add_mechanism(parser: Parser, file: str = "") -> None:
     that of `file`.
     """
     listing = "; ".join(f"{name}: {kind_of(name).summary}" for name in KINDS)
-    text = f"mechanism, {DEFAULT_KIND} where none is given. {listing}"
+    text = f"mechanism (default: {DEFAULT_KIND}). {listing}"
     rule, suffix, shown = one_of("KIND", [*KINDS]), Path(file).suffix, "KIND"
     if file:
         text, shown = f"{text}; or {file}, one case of a study", f"KIND|{file}"
@@ -246,17 +245,17 @@ def owners() -> dict[str, list[str]]:
 def add_output(group: ArgumentGroup, file: str, text: str) -> None:
     """Add a file to write; `_output.check_wanted` checks whether it may replace another."""
     group.add_argument("-o", "--output", type=Path, metavar=file, help=text)
-    group.add_argument("--force", action="store_true", help=f"replace {file} where it exists")
+    group.add_argument("--force", action="store_true", help=f"replace {file} if it exists")
 
 
 def add_folder(parser: Parser, what: str, otherwise: str = "") -> None:
     """Add a folder to fill; `_output.folder` makes it."""
-    text = f"folder for {what}; created, files in it replaced{otherwise}"
+    text = f"folder for {what}; it is created, and files in it are replaced{otherwise}"
     parser.add_argument("-o", "--output", type=Path, metavar="DIR", help=text)
 
 
 def add_plot(group: ArgumentGroup, text: str, film: str = "") -> None:
-    """Add a figure to draw; `_output.check_wanted` looks at its place."""
+    """Add a figure to draw; `_output.check_wanted` checks its place."""
     text += f"; {', '.join(FORMATS[:-1])} or {FORMATS[-1]}"
     if film:
         text += f"; {film}: {', '.join(FILMS[:-1])} or {FILMS[-1]}"

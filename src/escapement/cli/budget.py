@@ -1,15 +1,14 @@
-"""What the tolerances of a drawing do to figures of merit, and which to tighten."""
+"""Command `budget`: how tolerances scatter the figures of merit, and which of them to tighten."""
 
 from pathlib import Path
 from typing import Any
 
 import escapement as esc
-from escapement import validate
 from escapement.cli import SOME_FAILED, _arguments, _output
 from escapement.cli._arguments import Arguments, Parser
 from escapement.errors import InvalidValue
 from escapement.text import print_columns, words
-from escapement.units import factor, printed
+from escapement.units import factor, measured, printed
 
 UNITS = "units of the figures printed (default: those of the study)"
 
@@ -17,10 +16,13 @@ UNITS = "units of the figures printed (default: those of the study)"
 def configure(parser: Parser) -> None:
     """Add the command's arguments."""
     add = parser.add_argument
-    text = "a study with a [sample] of tolerances, and [limits] of figures"
+    text = "a study file with the tables [sample], of tolerances, and [limits], of figures"
     add("config", type=Path, metavar="CONFIG.toml", help=text)
     rule: dict[str, Any] = {"minimum": 0, "whole": True, "remedy": "give 0 for none"}
-    text = "cases for Sobol' indices, of which (numbers + 2) N are solved (default: 0)"
+    text = (
+        "cases N for Sobol' indices; (k + 2) N are solved for k numbers with a tolerance "
+        "(default: 0)"
+    )
     _arguments.add_number(parser, "indices", text, "N", **rule)
     output = parser.add_argument_group("output")
     _arguments.add_output(output, "OUT.h5", "write the sample, as sweep does")
@@ -29,24 +31,15 @@ def configure(parser: Parser) -> None:
 
 
 def execute(args: Arguments) -> int:
-    """Compute the budget, write and draw what was asked for, print it."""
+    """Compute the budget and print it; write and draw it where that was asked for."""
     from escapement.study.parse import load_tables
-    from escapement.study.plan import unit_kind
     from escapement.tolerance.budget import budget_of
 
     _output.check_wanted(args, file="OUT.h5")
     plan, tables = load_tables(args.config, "limits")
     system = plan.configuration["units"]
-    limits = {}
     try:
-        for name, ends in tables["limits"].items():
-            validate.choice("limits", name, tuple(x for x in plan.results if x != "status"))
-            scale = factor(unit_kind(name), system)
-            if not (isinstance(ends, list) and len(ends) == 2):
-                remedy = f"write {name} = [low, high]"
-                raise validate.fail(f"limits.{name}", "a list of two numbers", ends, remedy)
-            low, high = (scale * validate.number(f"limits.{name}", x, "correct it") for x in ends)
-            limits[name] = low, high
+        limits = {name: _limits(name, ends, system) for name, ends in tables["limits"].items()}
         options: Any = {"indices": args.indices or 0, "path": args.output}
         found = budget_of(plan, limits, **options)
     except InvalidValue as error:
@@ -60,10 +53,22 @@ def execute(args: Arguments) -> int:
     return SOME_FAILED if found.failed.value else 0
 
 
+def _limits(name: str, ends: Any, system: str) -> Any:
+    """Limits of a study file in SI; what is no pair of numbers stays as it is."""
+    from escapement.study.plan import unit_kind
+
+    if not isinstance(ends, list):
+        return ends
+    kind = unit_kind(name)
+    own = [measured(f"limits.{name}", x, kind, system, "give a number") for x in ends]
+    scale = factor(kind, system)
+    return [scale * x if type(x) in (int, float) else x for x in own]
+
+
 def _record(scatter: Any, name: str, system: str) -> dict[str, Any]:
     """The scatter of a figure by JSON key, in a system of units.
 
-    An estimate is a list of its value and the ends of its interval.
+    An estimate is a list of three numbers: its value and the ends of its interval.
     """
     from escapement.study.plan import unit_kind
 
@@ -112,16 +117,17 @@ def _print(found: "esc.Budget", system: str) -> None:
             rows += [("share within limits", *scatter.inside), ("C_pk", *scatter.capability)]
         print_columns([["", "value", "from", "to"]], rows)
         print()
-        header = ["tolerance", "share of variance", "factor for equal shares"]
         parts = scatter.contributions.items()
-        table: list[tuple[Any, ...]] = [
-            (key, share, scatter.balanced.get(key, "")) for key, share in parts
-        ]
-        print_columns([header], table)
-        print()
+        if parts:
+            header = ["tolerance", "share of variance", "factor for equal shares"]
+            table: list[tuple[Any, ...]] = [
+                (key, share, scatter.balanced.get(key, "")) for key, share in parts
+            ]
+            print_columns([header], table)
+            print()
         if scatter.first:
             header = ["Sobol' index", "first", "from", "to", "total", "from", "to"]
-            table = [(key, *scatter.first[key], *scatter.total[key]) for key, _ in parts]
+            table = [(key, *scatter.first[key], *scatter.total[key]) for key in scatter.first]
             print_columns([header], table)
             print()
     _output.note(f"{found.size} cases, seed {found.seed}; {found.message}")

@@ -1,4 +1,4 @@
-"""A page that shows an escapement in motion, and computes it anew while you drag a number."""
+"""Command `explore`: a page that shows a motion, and computes it anew while you drag a number."""
 
 import sys
 import threading
@@ -25,17 +25,19 @@ def configure(parser: Parser) -> None:
     output = parser.add_argument_group("output")
     _arguments.add_output(output, "page.html", "write the page")
     text = (
-        "show it in a browser of this machine until Ctrl-C, where the package computes what a page "
-        "cannot: every mechanism, clearance, tolerances, and all cases of a study"
+        "serve the page to a browser on this machine until Ctrl-C; the package then computes what "
+        "the page cannot: every mechanism, clearance, tolerances, and all cases of a study"
     )
     output.add_argument("--serve", action="store_true", help=text)
 
 
 def execute(args: Arguments) -> int:
-    """Write the page with the design that was asked for, or serve it."""
+    """Write a page with the given design, or serve it."""
     if isinstance(args.kind, Path):
         if args.study is not None:
-            raise UsageError(f"--from must not come with {args.kind}; leave one of them out")
+            raise UsageError(
+                f"--from must not come with the study {args.kind}, got both; leave one of them out"
+            )
         args.study, args.kind = args.kind, None
     if args.serve:
         return _serve(args)
@@ -61,7 +63,9 @@ def _serve(args: Arguments) -> int:
     """Serve the page until Ctrl-C."""
     for name in ("output", "force"):
         if getattr(args, name):
-            raise UsageError(f"--{name} must not come with --serve, which writes no file")
+            raise UsageError(
+                f"--{name} must not come with --serve, which writes no file; leave it out"
+            )
     from escapement.explorer.serve import serving
     from escapement.explorer.served_page import server_of
 
@@ -85,7 +89,7 @@ def _serve(args: Arguments) -> int:
 
 
 def _study(args: Arguments) -> dict[str, Any] | None:
-    """Plan and results of a study file that is to be shown as a whole, or None."""
+    """Plan and results of a study file if it is to be shown with all its cases, else None."""
     path = args.study
     if path is None or args.select is not None or path.suffix.lower() == ".toml":
         return None

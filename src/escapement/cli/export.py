@@ -23,6 +23,7 @@ _DISCS = {
         exclusive=True, required=True, metavar="RHO", remedy="give the density",
     ),
 }  # fmt: skip
+_ROUNDING = 1e-12  # gaps of so many crank radii are 0 but for rounding
 _KINDS = dict.fromkeys(("width", "height", "least_gap", "gap", "x", "y"), "length") | dict.fromkeys(
     ("driver_inertia", "follower_inertia"), "inertia"
 )
@@ -66,7 +67,9 @@ def execute(args: Arguments) -> int:
 
 def _summary(args: Arguments, mechanism: Any, fits: Fits, gaps: Any) -> dict[str, Any]:
     """What `export` reports, by JSON key, in SI."""
-    record: dict[str, Any] = {"kind": mechanism.kind, "least_gap": gaps[0].gap}
+    rounding = _ROUNDING * mechanism.crank_radius
+    wide = [0.0 if abs(pair.gap) < rounding else pair.gap for pair in gaps]
+    record: dict[str, Any] = {"kind": mechanism.kind, "least_gap": wide[0]}
     parts, discs = esc.parts_of(mechanism, fits), _arguments.typed(args, _DISCS)
     if discs:
         _arguments.require(args, _DISCS, ", both or none")
@@ -83,10 +86,10 @@ def _summary(args: Arguments, mechanism: Any, fits: Fits, gaps: Any) -> dict[str
     record["parts"] = rows
     record["least_gaps"] = [
         {
-            "bodies": " and ".join(pair.names), "gap": pair.gap,
+            "bodies": " and ".join(pair.names), "gap": gap,
             "angle_deg": math.degrees(pair.theta), "x": pair.place.real, "y": pair.place.imag,
         }
-        for pair in gaps
+        for pair, gap in zip(gaps, wide, strict=True)
     ]  # fmt: skip
     return record
 

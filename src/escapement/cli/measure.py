@@ -1,4 +1,4 @@
-"""Measured positions against theory, with statistics, and a measured motion against a model."""
+"""Command `measure`: compare encoder readings with theory, and a measured motion with a model."""
 
 import math
 from pathlib import Path
@@ -41,7 +41,7 @@ _MOTION_KEYS = {
 
 def configure(parser: Parser) -> None:
     """Add the command's arguments."""
-    text = "a column of the input, one of the output"
+    text = "a file with a column of the input's angles and one of the output's"
     parser.add_argument("data", type=Path, metavar="DATA.csv", help=text)
     _arguments.add_mechanism(parser)
     columns = parser.add_argument_group("columns of DATA.csv")
@@ -49,36 +49,42 @@ def configure(parser: Parser) -> None:
     columns.add_argument("--input-column", metavar="NAME", help=text)
     text = "of the output (default: output, out, follower, phi or phi3)"
     columns.add_argument("--output-column", metavar="NAME", help=text)
-    text = "of the times, in s unless its name ends in ms or us (default: time), read with --fit"
+    text = (
+        "of the times, which --fit needs; they are in s unless the name ends in ms or us "
+        "(default: time)"
+    )
     columns.add_argument("--time-column", metavar="NAME", help=text)
     unit = one_of("--angle-unit", ("deg", "rad", "counts"))
-    text = "unit of both, counts with --resolution (default: as in the columns' names, else deg)"
+    text = (
+        "unit of both angles; counts need --resolution (default: as in the columns' names, else "
+        "deg)"
+    )
     columns.add_argument("--angle-unit", type=unit, metavar="deg|rad|counts", help=text)
-    text, remedy = "lines to pass over before the names of columns", "give how many lines"
+    text, remedy = "how many lines to skip at the beginning of the file", "give how many lines"
     add_number(columns, "skip_rows", text, "N", minimum=0, whole=True, remedy=remedy)
-    zeros = parser.add_argument_group("zeros of the encoders, fitted where not given")
+    zeros = parser.add_argument_group("zeros of the encoders, which are fitted unless given")
     rule: dict[str, Any] = {"unit": "degrees", "minimum": -math.inf, "remedy": "give an angle"}
-    text = "driver angle from dead centre where the input reads zero"
+    text = "driver angle from dead centre at which the input reads zero"
     add_number(zeros, "phase", text, "DEG", **rule)
-    text = "reading of the output at follower angle zero"
+    text = "reading of the output at which the follower angle is zero"
     add_number(zeros, "offset", text, "DEG", **rule)
     statistics = parser.add_argument_group("statistics")
     text = (
-        "classes: a number, or sturges (default), scott, freedman-diaconis, square-root; "
-        "the chi-squared test takes no more than leave five errors in each"
+        "classes: a number, or sturges (default), scott, freedman-diaconis, square-root; the "
+        "chi-squared test uses fewer where that is needed to expect five errors in each"
     )
     statistics.add_argument("--bins", type=_class_rule, default="sturges", metavar="K", help=text)
-    text, remedy = "of the intervals (default: 0.99)", "give a share, as 0.99"
+    text, remedy = "level of the intervals (default: 0.99)", "give a share, as 0.99"
     add_number(statistics, "confidence", text, "P", exclusive=True, remedy=remedy)
-    text = "counts a turn of the encoders: adds what they explain"
-    rule = {"minimum": 2, "whole": True, "remedy": "give the counts of a turn, as 4096"}
+    text = "counts of the encoders in a turn; with it the errors that they cause are printed"
+    rule = {"minimum": 2, "whole": True, "remedy": "give the counts in a turn, as 4096"}
     add_number(statistics, "resolution", text, "N", **rule)
     text = "greatest deviation of the encoders as a share of a turn (default: 0)"
     add_number(statistics, "linearity", text, "SHARE", remedy="give a share, 0.003 for 0.3 %")
-    motion = parser.add_argument_group("motion from rest at pin entry, with a column of times")
+    motion = parser.add_argument_group("motion from rest at pin entry; it needs a column of times")
     text = (
-        "compare speeds with the motion of the model below and fit these of its numbers, as "
-        "friction,torque; 'none' only compares"
+        "compare speeds with the motion of the model below, and fit these numbers of the model, "
+        "as friction,torque; 'none' compares only"
     )
     motion.add_argument("--fit", metavar="NAME,...", help=text)
     _arguments.add_group(parser, "model", model_settings())
@@ -93,19 +99,19 @@ def _class_rule(text: str) -> int | str:
 
 
 def execute(args: Arguments) -> int:
-    """Print the statistics; write and draw what was asked for."""
+    """Print the statistics; write the files and draw the figures that were asked for."""
     _output.check_wanted(args, file="FILE.csv")
     if args.linearity is not None and args.resolution is None:
         raise UsageError(
             f"--linearity must come with --resolution N, got {args.linearity!r} alone; "
-            "give the counts of a turn too"
+            "give the counts in a turn too"
         )
     # both zeros are fitted together, so one of them alone cannot be held
     zeros = args.phase, args.offset
     if zeros.count(None) == 1:
         lacking, given = ("phase", "offset") if args.phase is None else ("offset", "phase")
         raise UsageError(
-            f"--{lacking} must be given beside --{given}, got that alone; give both or none"
+            f"--{lacking} must come with --{given}, got only --{given}; give both or neither"
         )
     options = {
         "encoder": args.resolution and esc.Encoder(args.resolution, args.linearity or 0.0),
@@ -120,7 +126,9 @@ def execute(args: Arguments) -> int:
     if readings.samples or escapement is None:
         result = esc.measure(readings, mechanism, **options)
     elif args.output is not None:
-        raise UsageError("--output must come with a column of the output, got none; leave it out")
+        raise UsageError(
+            "--output must come with a column of the output, got none; leave --output out"
+        )
     if escapement is not None:
         names = [] if args.fit == "none" else [name.strip() for name in args.fit.split(",")]
         shares = {} if args.confidence is None else {"confidence": args.confidence}
@@ -143,7 +151,7 @@ def execute(args: Arguments) -> int:
 
 
 def _read_model(args: Arguments) -> "esc.Escapement | None":
-    """The escapement whose motion is compared, None where that is not asked for."""
+    """The escapement whose motion is compared, None without --fit."""
     if args.fit is not None:
         escapement: esc.Escapement = _arguments.read_escapement(args)
         return escapement
@@ -152,16 +160,18 @@ def _read_model(args: Arguments) -> "esc.Escapement | None":
     for name, value in given.items():
         if value is not None:
             raise UsageError(
-                f"{name} must come with --fit, got it alone; add --fit friction,torque"
+                f"{name} must come with --fit, got {name} alone; add --fit friction,torque"
             )
     return None
 
 
 def _read(args: Arguments) -> "esc.Readings":
-    """The readings, with times where a motion is compared."""
+    """The readings, with times if a motion is compared."""
     counts = "--angle-unit counts"
     if args.angle_unit == "counts" and args.resolution is None:
-        raise UsageError(f"{counts} must come with --resolution N, got none; give counts of a turn")
+        raise UsageError(
+            f"{counts} must come with --resolution N, got none; give the counts in a turn"
+        )
     return esc.read_readings(
         args.data,
         input=args.input_column,
@@ -174,7 +184,7 @@ def _read(args: Arguments) -> "esc.Readings":
 
 
 def _joined(result: Any, fit: Any, units: str) -> dict[str, Any]:
-    """The verdict first, then the figures of what was compared."""
+    """What is reported: the verdict first, then the figures of both comparisons."""
     texts, messages, record = [], [], dict[str, Any]()
     if result is not None:
         texts.append(result.verdict.text)
@@ -216,7 +226,7 @@ def _summarise_motion(fit: Any, units: str) -> dict[str, Any]:
 
 
 def _print(record: dict[str, Any]) -> None:
-    """The verdict, and tables of what was compared."""
+    """Print the verdict, and tables of both comparisons."""
     print(record["verdict"])
     if "samples" in record:
         print()
@@ -283,7 +293,7 @@ def _attributes(owner: Any, *keys: str) -> dict[str, Any]:
 
 
 def _print_tables(record: dict[str, Any]) -> None:
-    """Results of one number each and the intervals, tests of normality, errors that come back."""
+    """Print single results with their intervals, tests of normality, and errors that repeat."""
     shown = {key: record[key] for key in _KEYS}
     share = f"{100.0 * record['confidence']:g} %"
     for name, key in (("errors", "interval_deg"), ("mean error", "mean_interval_deg")):
@@ -299,7 +309,7 @@ def _print_tables(record: dict[str, Any]) -> None:
     print("\nnormality")
     rows = [[name, *record[key].values()] for key, name in _TESTS.items()]
     print_columns([["test", "statistic", "degrees of freedom", "p"]], rows)
-    print("\nerrors that come back, and backlash")
+    print("\nerrors that repeat, and backlash")
     rows = []
     for error in record["shaft_errors"]:
         shaft, often = error["shaft"], "once" if error["order"] == 1 else "twice"

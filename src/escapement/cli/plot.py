@@ -73,7 +73,9 @@ def _gaps(study: "esc.Study", results: Iterable[str]) -> str:
     """How many cases have no number to draw, and why; "" if there are none."""
     import numpy as np
 
-    counts = {label: n for label, n in study.outcomes.items() if label != Status.OK.label}
+    counts = {
+        f"with status {label}": n for label, n in study.outcomes.items() if label != Status.OK.label
+    }
     answered = study.results["status"] == Status.OK
     for name in results:
         lost = np.isnan(study.results[name]) & answered

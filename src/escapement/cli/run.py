@@ -1,4 +1,4 @@
-"""One motion from pin entry, and its figures of merit."""
+"""Command `run`: one motion from pin entry, and its figures of merit."""
 
 import math
 from pathlib import Path
@@ -21,8 +21,8 @@ from escapement.units import SYSTEMS, printed
 if TYPE_CHECKING:
     from escapement.jamming import JamCycle
 
-# engagements from which writing them takes seconds, and shows its progress; more are not drawn,
-# as it would take minutes and a gigabyte, and nothing could be told apart
+# From so many engagements on, writing takes seconds and shows its progress. More are not drawn:
+# that would take minutes and a gigabyte, and single engagements would be too narrow to see.
 _LONG = 10_000
 _START = {"initial_speed": declared(Run)["initial_speed"]}
 
@@ -47,7 +47,10 @@ def configure(parser: Parser) -> None:
     _arguments.add_group(parser, "model", model())
     _arguments.add_group(parser, "length of the motion", length)
     _arguments.add_group(parser, "solver", declared(Solver))
-    text = "friction beyond the Painleve limit: approximate rigid bodies by the rule for jams"
+    text = (
+        "for friction beyond the Painleve limit: compute the terminal cycle of rigid bodies by an "
+        "approximate rule for their jams"
+    )
     parser.add_argument("--jam-rule", action="store_true", help=text)
     output = parser.add_argument_group("output")
     text = "write the motion: .h5, .hdf5 or .nc (HDF5), or .csv (the samples)"
@@ -63,17 +66,17 @@ def model() -> dict[str, Setting]:
 
 
 def execute(args: Arguments) -> int:
-    """Simulate, write what was asked for, print the figures."""
+    """Simulate and print the figures; write the files that were asked for."""
     _output.check_wanted(args, "FILE.h5", MOTIONS, FORMATS + FILMS)
     escapement, settings = read_case(args)
-    # what the rule refuses is told before anything is computed or written
+    # if the rule refuses the escapement, nothing is computed or written
     jammed = esc.jam_rule(escapement) if args.jam_rule else None
     motion = esc.simulate(escapement, args.engagements, duration=args.duration, **settings)
     count = motion.handoff_times.size
     if args.plot is not None and count > _LONG:
         raise UsageError(
             f"--plot must come with at most {_LONG} engagements, got {count}; "
-            "run fewer, or write the motion with --output"
+            "ask for fewer, or write the motion with --output"
         )
     # the figures belong to the terminal cycle and do not depend on the length of the motion
     figures = esc.terminal(escapement, **settings)
@@ -104,25 +107,27 @@ def execute(args: Arguments) -> int:
 
 
 def read_case(args: Arguments) -> "tuple[Escapement, dict[str, Any]]":
-    """What to simulate, and the settings of `simulate`: of the arguments or of a study."""
+    """The escapement and the settings of `simulate`, from the arguments or from a study."""
     given = _arguments.typed(args, declared(Solver))
     if args.study is None:
         if args.select is not None:
             raise UsageError(f"--select must come with --from, got {args.select!r}; add --from")
         start = {"initial_speed": 0.0} | _arguments.typed(args, _START)
         return _arguments.read_escapement(args), given | start
-    # nothing that the study sets may be typed as well
+    # an option must not change what the study sets
     twice = ["KIND"] if args.kind is not None else []
     names = [*model(), *_arguments.owners()]
     twice += [option(name) for name in names if getattr(args, name) is not None]
     if twice:
-        raise UsageError(f"{twice[0]} must not come with --from, which has its own; leave it out")
+        raise UsageError(
+            f"{twice[0]} must not come with --from, because the study sets it; leave it out"
+        )
     plan, case = load_case(args.study, args.select)
     try:
         escapement = plan.escapement(case)
     except InvalidValue as error:
         raise UsageError(
-            f"--select must name a case that can be built, got {args.select!r}: {error}"
+            f"--select must name a case with a possible mechanism, got {args.select!r}: {error}"
         ) from None
     # the tolerances of the study are not used for another engine
     own = {} if "engine" in given else plan.solver.given
@@ -133,7 +138,7 @@ def _write(motion: "esc.Motion", args: Arguments) -> None:
     if motion.end_time == 0.0:
         wanted = [str(path) for path in (args.output, args.plot) if path is not None]
         if wanted:
-            _output.note(f"there is no motion to write: no {' and no '.join(wanted)} was made")
+            _output.note(f"there is no motion to write, so no {' and no '.join(wanted)} was made")
         return
     if args.output is not None:
         from escapement.progress import Progress
@@ -182,7 +187,7 @@ def _summarise(motion: "esc.Motion", figures: "esc.Figures", units: str) -> dict
 
 
 def _by_rule(cycle: "JamCycle") -> dict[str, Any]:
-    """What the rule for jams gives, by JSON key."""
+    """Results of the rule for jams, by JSON key."""
     return {
         "jam_rule_period": cycle.period,
         "jam_rule_handoff_velocity": cycle.handoff_velocity,
@@ -193,7 +198,7 @@ def _by_rule(cycle: "JamCycle") -> dict[str, Any]:
 
 
 def _residual(motion: "esc.Motion") -> float:
-    """Residual of the energy balance as a share of the work; a long motion takes a while."""
+    """Residual of the energy balance as a share of the work; long motions show their progress."""
     from escapement.ledger import ledger_of
     from escapement.progress import Progress
 

@@ -59,6 +59,8 @@ def execute(args: Arguments) -> int:
         plan.check_mechanism()
     except InvalidValue as error:
         raise InvalidValue(f"{args.config}: {error}") from None
+    if plan.idle:
+        _output.note(plan.idle)
     tally = _run(plan, path, args)
     cases, units = some_cases(plan, path, args.units)
 

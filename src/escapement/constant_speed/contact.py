@@ -20,7 +20,7 @@ Load = float | Callable[[FloatArray], ArrayLike]
 """Load torque [N m], or a function that gives it at follower angles [rad]."""
 
 _LARGEST = 1e280  # N m: sums and slopes of torques need room
-_HAIR = 1e-12  # of a cell: what rounding may put an angle beyond its ends, or the exit
+_HAIR = 1e-12  # share of a cell by which rounding may put an angle beyond an end
 
 
 class TorqueState(NamedTuple):

@@ -215,8 +215,8 @@ def fewest_slots(inertia_ratio: float, internal: bool = False) -> int:
     )
     if fewest > MOST_SLOTS:
         raise InvalidValue(
-            f"inertia_ratio must be below the limit of any wheel, of {MOST_SLOTS:,} slots at "
-            f"most, got {ratio!r}; lower the speed or the inertia, or brake the follower"
+            f"inertia_ratio must be below the limit of all wheels with up to {MOST_SLOTS:,} "
+            f"slots, got {ratio!r}; lower the speed or the inertia, or brake the follower"
         )
     return fewest
 

@@ -22,7 +22,7 @@ from escapement.mechanism import FloatArray, Mechanism
 from escapement.mechanisms.slotted import transmission
 
 _PIECES = 512  # to begin with, of a load of any shape: a row in 5000 of a table is seen
-_ROUNDING = 64.0 * np.finfo(float).eps  # of the load: the moment carries that of the angle too
+_ROUNDING = 64.0 * np.finfo(float).eps  # share of the load; it includes the rounding of the angle
 _SAMPLES = 721
 
 

@@ -1,8 +1,8 @@
-"""The explorer: one page that shows an escapement move, and computes its motion while one drags.
+"""The explorer: a page that shows an escapement in motion, and computes it while numbers change.
 
-The page is a single file without requests. Its kernel, `kernel.js` with the modules that it
-imports, is the angle-domain method of `engines.energy` for Geneva wheels. It refuses what it cannot
-compute, and so does `design_of`.
+The page is a single file that makes no requests. Its kernel, `kernel.js` with the modules that it
+imports, is the angle-domain method of `engines.energy` for Geneva wheels. The kernel and
+`design_of` refuse designs that it cannot compute.
 """
 
 import html
@@ -25,9 +25,9 @@ MODULES = (
     *("polynomial", "law", "bodies", "panels", "march", "figures", "rules", "kernel", "dom"),
     *("design", "picture", "plots", "charts", "report", "played", "fields", "page"),
 )
-"""Files of the page's script, in the order in which they follow each other."""
+"""Files of the page's script, in their order."""
 SERVED = ("served", "cloud", "study")
-"""Those of a page that is served, before the last."""
+"""Further files of a served page; they stand before the last one."""
 GROUPS = {
     "Mechanism": ("slots", "pins", "internal", "crank_radius", "pin_radius"),
     "Drive, inertia and load": (
@@ -40,9 +40,9 @@ GROUPS = {
     ),
     "Air": ("driver_drag", "follower_drag"),
 }
-"""Fields of the page, by the words over them."""
+"""Fields of the page, by the titles of their groups."""
 MOST_SLOTS, MOST_ENGAGEMENTS = 40, 1000
-"""What the page computes while one drags."""
+"""Figures that the page computes while a number is dragged."""
 COMPUTED = (
     *("slots", "pins", "internal", "crank_radius", "pin_radius", "driver_inertia"),
     *("follower_inertia", "torque", "friction", "load_torque", "driver_bearing_friction"),
@@ -63,7 +63,7 @@ def design_of(
     Raises
     ------
     InvalidValue
-        When the escapement has what the page does not compute.
+        If the page cannot compute the escapement.
     """
     wheel, remedy = escapement.mechanism, "serve it: escapement explore --serve"
     if not isinstance(wheel, Geneva):
@@ -89,12 +89,12 @@ def design_of(
 
 
 def page(escapement: Escapement, initial_speed: float = 0.0, engagements: int = 20) -> str:
-    """The explorer as the text of an HTML file that needs no other.
+    """The explorer as the text of an HTML file that needs no other file.
 
     Parameters
     ----------
     escapement : Escapement
-        The design it begins with, of a Geneva wheel.
+        The design that is shown first, with a Geneva wheel.
     initial_speed : float
         Driver speed at the first pin entry [rad/s].
     engagements : int
@@ -103,7 +103,7 @@ def page(escapement: Escapement, initial_speed: float = 0.0, engagements: int = 
     Raises
     ------
     InvalidValue
-        When the escapement has what the page does not compute.
+        If the page cannot compute the escapement.
     """
     data = explored(GROUPS, settings())
     design = design_of(escapement, initial_speed, engagements)
@@ -117,17 +117,18 @@ _TITLES = {"explore": "Geneva escapement explorer", "play": "Motion of an escape
 
 
 def player(motion: Motion) -> str:
-    """A page that plays a motion, as the text of an HTML file that needs no other.
+    """A page that plays a motion, as the text of an HTML file that needs no other file.
 
     Parameters
     ----------
     motion : Motion
-        Of any engine and mechanism; a table has no bodies, so that its plots are shown alone.
+        A motion of any engine and mechanism. For a table only plots are shown, because it has no
+        bodies.
 
     Raises
     ------
     InvalidValue
-        For a motion without length, or one that is too long to be played.
+        If the motion has no duration, or is too long to be played.
     """
     if not motion.end_time > 0.0:
         got = f"none ({motion.message})"
@@ -141,7 +142,7 @@ def player(motion: Motion) -> str:
 
 
 def explored(groups: Mapping[str, Sequence[str]], entries: Mapping[str, Setting]) -> dict[str, Any]:
-    """What a page needs whose design may be changed: its fields, their words and units."""
+    """Data of a page whose design can be changed: its fields, their labels and units."""
     names = [name for group in groups.values() for name in group]
     fields = {name: _told(entries[name]) for name in names}
     return {"fields": fields, "groups": groups, "systems": systems(), "stops": stops()}
@@ -158,7 +159,7 @@ def systems() -> dict[str, Any]:
 
 
 def filled(mode: str, lead: str, data: Mapping[str, Any], served: str = "") -> str:
-    """The page with its data; `served` is what the page of a server has beside."""
+    """The page with its data; `served` is HTML that only the page of a server has."""
     modules = [*MODULES[:-1], *(SERVED if served else ()), MODULES[-1]]
     parts = {
         "MODE": f"{mode} served" if served else mode,
@@ -167,7 +168,7 @@ def filled(mode: str, lead: str, data: Mapping[str, Any], served: str = "") -> s
         "CONNECT": "; connect-src 'self'" if served else "",
         "SERVED": served,
         "STYLE": read("page.css"),
-        # nothing in the data may end the element that holds it
+        # no text in the data may end its script element
         "DATA": json.dumps(data, ensure_ascii=False, allow_nan=False).replace("<", "\\u003c"),
         "SCRIPT": "\n".join(_MODULE.sub("", read(f"{name}.js")) for name in modules),
     }
@@ -181,12 +182,12 @@ def stops() -> list[dict[str, Any]]:
 
 
 def settings() -> dict[str, Setting]:
-    """Everything that a Geneva wheel and its motion may be given, by name."""
+    """Declarations of all numbers of a Geneva wheel and its motion, by name."""
     return declared(Geneva) | declared(Inertia) | declared(Escapement) | declared(Run)
 
 
 def _told(entry: Setting) -> dict[str, Any]:
-    """What the page says of a number: its words, its kind of unit, and how it is typed."""
+    """Properties of a number for its field: label, kind of unit, default and type."""
     own = entry.name in ("crank_radius", "fixed_radius", "sun_radius", "planet_radius")
     told = {
         "label": entry.long_name[0].upper() + entry.long_name[1:],

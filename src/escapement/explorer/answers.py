@@ -1,4 +1,4 @@
-"""What the served page asks of the package: the motion of any design, and a cloud of cases."""
+"""Answers to the served page's questions: the motion of any design, and a cloud of cases."""
 
 import math
 import time
@@ -29,21 +29,21 @@ EXAMPLES: dict[str, dict[str, Any]] = {
     "gear-driven": {"stations": 4, "lobes": 1, "curve": "epicycloid", "fixed_radius": 0.02},
     "elliptical-planetary": {"sun_radius": 0.03, "planet_radius": 0.02},
 }
-"""With what the page begins where another kind of mechanism is chosen."""
+"""Numbers with which the page begins if another kind of mechanism is chosen."""
 TOLERANCES = ("friction", "torque", "driver_inertia", "follower_inertia")
 CLOUD = ("period", "velocity_mean", "velocity_max", "velocity_min", "handoff_velocity")
 MOST_CASES = 100_000
 _BINS = (64, 40)
 _BLOCK = 5000  # cases that are drawn and solved at a time
-_LONGEST = 3.0  # seconds after which no further block is begun: a hand does not wait longer
+_LONGEST = 3.0  # seconds after which no further block is begun, so that the user need not wait
 
 
 @dataclass
 class Answers:
-    """What a served page may ask.
+    """Answers to the questions of a served page.
 
     plan : StudyPlan, optional
-        The study whose cases it shows.
+        The study whose cases the page shows.
     """
 
     plan: StudyPlan | None = None
@@ -54,21 +54,21 @@ class Answers:
         Parameters
         ----------
         question : Mapping
-            `text`, a study of one case in TOML, or `case` of the study, or the `kind` of another
-            mechanism with the numbers of the text; `change`, numbers in SI by name that replace
-            its own; and `engagements`.
+            Either `text`, a study of one case in TOML, or `case`, the index of a case of the study.
+            With `kind` the mechanism is replaced by an example of another kind. `change` has
+            numbers in SI by name that replace its own; `engagements` is their number.
 
         Returns
         -------
         dict
-            `text` of the changed design, its `kind` and `design`, numbers by name; `motion`, see
-            `played`; `plain`, the design where the page itself computes it, or None, and then no
-            motion.
+            `text`, `kind` and `design` (numbers by name) of the changed design. If the page can
+            compute it, `plain` has the design for the page and `motion` is None; otherwise `plain`
+            is None, and `motion` is as `played` gives it.
 
         Raises
         ------
         InvalidValue
-            Where the question cannot be understood, or the design breaks a rule.
+            If the question cannot be understood, or the design breaks a rule.
         """
         count = question.get("engagements") or 20
         change = dict(self._table(question, "change"))
@@ -78,7 +78,7 @@ class Answers:
 
     @staticmethod
     def shown(escapement: Escapement, speed: float, count: int) -> dict[str, Any]:
-        """What `motion` answers of an escapement."""
+        """The answer of `motion` for an escapement."""
         found: dict[str, Any] = {
             "kind": getattr(escapement.mechanism, "kind", ""),
             "plain": None,
@@ -95,20 +95,21 @@ class Answers:
         return found
 
     def cloud(self, question: Mapping[str, Any]) -> dict[str, Any]:
-        """How a figure scatters where numbers lie anywhere between their tolerances.
+        """Scatter of a figure if numbers are uniformly distributed between their tolerances.
 
         Parameters
         ----------
         question : Mapping
-            `text` as of `motion`; `tolerances`, shares of numbers by their names; `figure`, one of
-            `CLOUD`; and `size`, how many cases.
+            `text`, as for `motion`; `tolerances`, by name, as shares of the numbers; `figure`, one
+            of `CLOUD`; and `size`, the number of cases.
 
         Returns
         -------
         dict
-            `counts` of cases over the first number and the figure, the axes `x` and `y`, three
-            `quantiles` of the figure, how many cases there are and `failed`, and the time it took.
-            There are fewer cases than asked for where they take longer than a hand waits.
+            `counts` of cases in classes of the first number and the figure, the axes `x` and `y`,
+            three `quantiles` of the figure, the number of `cases` and of `failed` ones, and the
+            `seconds` that they took. If all cases would take more than three seconds, there are
+            fewer.
         """
         start = time.perf_counter()
         escapement, speed = self._escapement(question, {})
@@ -122,7 +123,7 @@ class Answers:
                 sample[name] = {"relative_tolerance": share}
         names = [name for name in TOLERANCES if name in sample]
         if not names:
-            remedy = "give one of them a tolerance"
+            remedy = "give one of these numbers a tolerance"
             raise validate.fail("tolerances", f"of {', '.join(TOLERANCES)}", "none", remedy)
         blocks = []
         for seed in range(math.ceil(size / _BLOCK)):
@@ -135,7 +136,10 @@ class Answers:
         across, values = (np.concatenate(columns) for columns in zip(*blocks, strict=True))
         known, size = np.isfinite(values), values.size
         if not known.any():
-            raise InvalidValue(f"{figure} must have a value in some case, got none of {size}")
+            raise InvalidValue(
+                f"{figure} must have a value in some case, got none in {size}; choose another "
+                "design or smaller tolerances"
+            )
         counts, x, y = np.histogram2d(across[known], values[known], _BINS)
         return {
             "cases": size,
@@ -152,7 +156,7 @@ class Answers:
     def _escapement(
         self, question: Mapping[str, Any], change: dict[str, Any]
     ) -> tuple[Escapement, float]:
-        """The escapement that a question is about, and its initial speed."""
+        """The escapement in a question, and its initial speed."""
         plan, case = self._plan(question)
         values = plan.values(case)
         for name in change:
@@ -178,7 +182,7 @@ class Answers:
         try:
             plan = parse_plan(tomllib.loads(text))
         except tomllib.TOMLDecodeError as error:
-            raise InvalidValue(f"the text must be TOML, got an error: {error}") from None
+            raise InvalidValue(f"the text must be TOML, got: {error}; correct it there") from None
         if plan.cases != 1:
             rule = "a study of one case"
             raise validate.fail("text", rule, f"{plan.cases} cases", "give each axis one value")
@@ -193,7 +197,7 @@ class Answers:
 
 
 def _has(escapement: Escapement, name: str) -> bool:
-    """Whether a number is there to be varied."""
+    """Whether an escapement has a number that can vary."""
     meshed = bool(getattr(escapement.mechanism, "meshed", False))
     curve = isinstance(escapement.torque, TorqueCurve)
     return not (name == "friction" and meshed) and not (name == "torque" and curve)
@@ -212,7 +216,7 @@ def another_kind(escapement: Escapement, kind: str) -> Escapement:
         own["friction"] = 0.0
         return Escapement(wheel, escapement.inertia, **own, efficiency=0.9)
     made = Escapement(wheel, escapement.inertia, **own | {"friction": 0.0})
-    # a wheel of another kind may jam sooner
+    # a wheel of another kind may jam at a smaller friction
     most = 0.5 * friction_limits(made)[0]
     own["friction"] = min(own["friction"] or 0.1, float(f"{most:.2g}"))
     return Escapement(wheel, escapement.inertia, **own)

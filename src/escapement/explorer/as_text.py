@@ -1,4 +1,4 @@
-"""A design as the served page holds it: its numbers by name, and a study of one case in TOML."""
+"""A design in the served page's form: its numbers by name, and a study of one case in TOML."""
 
 import json
 from collections.abc import Mapping, Sequence
@@ -30,7 +30,7 @@ def text_of(escapement: Escapement, initial_speed: float = 0.0) -> str:
     axis = "load_torque" if isinstance(escapement.torque, TorqueCurve) else "torque"
     axes = {axis: [getattr(escapement, axis)]}
     found = plan_from(escapement, axes, initial_speed=initial_speed).configuration
-    # the scene chooses its engine, also when it is changed
+    # the engine is not written: it follows from the design, also after a change
     plain = _told(
         found | {"title": "a design of the explorer"}, declared(Escapement) | declared(Run)
     )
@@ -39,7 +39,7 @@ def text_of(escapement: Escapement, initial_speed: float = 0.0) -> str:
 
 
 def _told(table: Mapping[str, Any], entries: Mapping[str, Setting]) -> dict[str, Any]:
-    """What a table says beside defaults."""
+    """The entries of a table that differ from their defaults."""
     idle = {entry.key: entry.default for entry in entries.values() if not entry.required}
     return {k: v for k, v in table.items() if k != "solver" and not (k in idle and v == idle[k])}
 

@@ -15,7 +15,7 @@ const spread = (low, high, count) =>
   Array.from({ length: count }, (_, i) => low + ((high - low) * i) / (count - 1));
 const arc = (radius, start, stop, count) => spread(start, stop, count).map((a) => polar(radius, a));
 
-/** Proportions of a drive; `pin` is the pin's radius, 0 where none was given. */
+/** Proportions of a drive; `pin` is the pin's radius, 0 if none was given. */
 export function proportionsOf(wheel, pin) {
   const { sigma, centre, slots, dwell, step } = wheel;
   const internal = sigma > 0;
@@ -61,7 +61,7 @@ export function followerEdge(shape) {
   return Array.from({ length: slots }, (_, k) => sector.map((p) => turned(p, k * step))).flat();
 }
 
-/** How far a point of the follower's plane lies outside its body, at least. */
+/** Lower bound of the distance of a point in the follower's plane from its body. */
 function clearance({ step, slotEnd, internal, halfSlot, sigma, rim, locks, lock, centre }, [x, y]) {
   const [u, v] = turned([x, y], -step * Math.round(Math.atan2(y, x) / step));
   const nearest = internal ? Math.min(u, slotEnd) : Math.max(u, slotEnd);
@@ -78,8 +78,8 @@ const RAYS = 90; // from the pin to the far side, on either half
 const POSITIONS = 121;
 
 /**
- * Edge of the driver's locking disc about its axis, pin 0 at dead centre; empty where there is
- * none. Every ray is followed until the turning wheel, in any position, comes within the gap.
+ * Edge of the driver's locking disc about its axis, pin 0 at dead centre; empty if it has no disc.
+ * Each ray is followed until the turning wheel, in any position, comes within the gap.
  */
 export function lockingDisc(shape) {
   const { wheel, sigma, centre, gap, lock, internal } = shape;
@@ -122,8 +122,8 @@ const pathOf = (edge) =>
   edge.length ? `M${edge.map(([x, y]) => `${x.toFixed(4)} ${y.toFixed(4)}`).join("L")}Z` : "";
 
 /**
- * What a picture draws of a wheel whose pins have the radius r_p, 0 where none was given, in the
- * form that `bodies.py` describes.
+ * The bodies of a wheel whose pins have the radius r_p, 0 if none was given, in the form that
+ * `bodies.py` describes.
  */
 export function bodiesOf(wheel) {
   const shape = proportionsOf(wheel, wheel.r_p);
@@ -135,7 +135,7 @@ export function bodiesOf(wheel) {
   const bodies = [
     body("crank-disc", circle(crankDisc), axis),
     body("follower", pathOf(followerEdge(shape)) + (internal ? circle(reach) : ""), [], follower),
-    // slot 0 is marked, so that the eye can follow the wheel
+    // slot 0 has a mark, which makes the wheel's turning visible
     body("mark", circle(Math.min(0.045, 0.25 * mark), mark), [], follower),
     ...(internal ? [] : [body("shaft", circle(shape.followerShaft))]),
     body("hidden", circle(crankDisc), axis),

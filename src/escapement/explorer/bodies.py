@@ -1,8 +1,8 @@
 """The bodies of a mechanism as the page draws them: paths that turn with driver and follower.
 
 Each body is a path of SVG about its own origin, y upwards, in the mechanism's unit of length. With
-the driver angle theta and the follower angle phi its origin stands at the sum of the vectors
-z exp(i rate theta), and it is turned by a theta + b phi.
+the driver angle theta and the follower angle phi its origin is at the sum of the vectors
+z exp(i rate theta), and the body is turned by a theta + b phi.
 """
 
 import math
@@ -18,7 +18,7 @@ from escapement.outlines.gears import EllipticalOutline, GearDrivenOutline, pitc
 from escapement.outlines.geneva import GenevaOutline, locking_disc
 
 Vector = tuple[complex, float]
-"""A vector and how often it turns in a turn of the driver."""
+"""A vector, and the number of its turns in one turn of the driver."""
 _STILL = (0.0, 0.0)
 _MOST_POINTS = 4000
 
@@ -36,9 +36,9 @@ def bodies_of(mechanism: Any) -> dict[str, Any] | None:
     -------
     dict or None
         `bodies` with `name`, `path`, `at` (rows of x, y and rate) and `turn` (a, b); `contact`,
-        rows as of `at`, for the driver angle from dead centre, or None; `step`, by what angle that
-        place turns from engagement to engagement, 0 where it is left out; `box`, left, right,
-        bottom and top. None where a mechanism has no bodies.
+        rows like those of `at` for the place of the contact, or None; `step`, the angle by which
+        that place turns from engagement to engagement, 0 without it; `box`, the left, right, lower
+        and upper limit. None if a mechanism has no bodies.
     """
     return None
 
@@ -83,7 +83,7 @@ def _(mechanism: GearDriven) -> dict[str, Any]:
     phases = 2.0 * np.pi * np.arange(mechanism.pins) / mechanism.pins * np.sign(1.0 - rate)
     arms = [complex(arm) for arm in second * np.exp(1j * phases)]
     found += [_line("arm", [0.0, arm], carrier, (rate, 0.0)) for arm in arms]
-    # pins of no given radius are drawn large enough to be seen
+    # pins without a given radius are drawn large enough to be seen
     least = 0.0 if mechanism.contact_radius else 0.018 * outline.reach
     radius = max(outline.pin_radius, least)
     found += _pins(mechanism, radius, [[*carrier, (arm, rate)] for arm in arms])

@@ -47,7 +47,7 @@ export function drawCharts(plots, motion, columns, choice, torque, kept = null) 
   phase.axes([(start * 180) / Math.PI, ((start + cell) * 180) / Math.PI], bounds(theta_dot, 0, t.length),
     "driver angle from dead centre [°]", "velocity [rad/s]");
   if (kept) {
-    // of a long motion what is beyond the axes is cut off
+    // the part of a long motion that lies beyond the axes is cut off
     velocity.line(kept.t, kept.theta_dot, { colour: "muted", dash: [2, 3] });
     phase.line(kept.angle, kept.theta_dot, { colour: "muted", dash: [2, 3], kx,
       lifts: (i) => i > 0 && kept.angle[i] < kept.angle[i - 1] - 0.01 });

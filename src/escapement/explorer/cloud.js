@@ -1,11 +1,11 @@
-/** What tolerances do to a figure: a cloud of many cases, by the package. */
+/** Effect of tolerances on a figure: a cloud of many cases, computed by the package. */
 
 import { byId, digits, element } from "./dom.js";
 import { Plot } from "./plots.js";
 import { Line } from "./served.js";
 
-const WAIT = 300; // ms without a change, after which all cases are computed
-const FEW = 10; // while a hand drags, one case in so many
+const WAIT = 300; // ms after the last change until all cases are computed
+const FEW = 10; // during a drag, one of so many cases is computed
 
 export class Cloud {
   constructor({ token, figures, sizes }, fields, served) {
@@ -37,7 +37,7 @@ export class Cloud {
   }
 
   hear(answer) {
-    // what waits is about a newer design
+    // the question that waits concerns a newer design
     if (!this.line.waiting) byId("cloud").classList.remove("old");
     this.found = answer.error ? null : answer;
     byId("cloud-told").textContent = answer.error ?? this.saying(answer);
@@ -46,7 +46,7 @@ export class Cloud {
 
   saying({ cases, failed, figure, kind, quantiles, seconds }) {
     const [low, middle, high] = quantiles.map((value) => this.fields.shown(value, kind));
-    const none = failed ? ` ${failed} cases have no answer.` : "";
+    const none = failed ? ` ${failed} cases have no result.` : "";
     return `${cases} cases in ${digits(seconds, 2)} s. ${figure}: half of them are below ${middle}, `
       + `nine in ten lie from ${low} to ${high}.${none}`;
   }

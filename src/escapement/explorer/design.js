@@ -1,11 +1,11 @@
-/** A design as text: in the address, and as a study in TOML; and its numbers in the user's units. */
+/** A design as text: in the page's address, and as a study in TOML. */
 
 import { NUMBERS, checkDesign } from "./rules.js";
 
 const MECHANISM = ["slots", "pins", "internal", "crank_radius", "pin_radius"];
 const INERTIA = { driver: "driver_inertia", follower: "follower_inertia" };
 const OF_RUN = ["initial_speed", "engagements"];
-/** Numbers of the package that this page does not compute with, and why. */
+/** Numbers that only the package can compute with, and the effects to which they belong. */
 export const BEYOND = {
   driver_viscous: "viscous drag", follower_viscous: "viscous drag", roller_radius: "rollers",
   efficiency: "a mesh", barrel: "trains", load_train: "trains", clearance: "clearance",
@@ -16,14 +16,14 @@ export const BEYOND = {
   slot_offsets: "unequal parts",
 };
 
-/** A number as short as it can be said with ten digits. */
+/** A number in its shortest form with at most ten digits. */
 export function short(value) {
   const rounded = Number(value.toPrecision(10));
   const size = Math.abs(rounded);
   return size !== 0 && (size < 1e-3 || size >= 1e6) ? rounded.toExponential() : String(rounded);
 }
 
-/** All digits of a number, without a row of zeros. */
+/** A number with all its digits, in its shortest form. */
 function exact(value) {
   const size = Math.abs(value);
   return size !== 0 && (size < 1e-3 || size >= 1e6) ? value.toExponential() : String(value);
@@ -31,7 +31,7 @@ function exact(value) {
 
 const isDefault = (name, value) => value === null || value === (NUMBERS[name]?.[2] ?? false);
 
-/** The design as the fragment of an address: what is not its default. */
+/** The design as the fragment of an address: all numbers that differ from their defaults. */
 export const asFragment = (design) =>
   Object.entries(design)
     .filter(([name, value]) => ["slots", "pins", "torque"].includes(name) || !isDefault(name, value))
@@ -48,7 +48,7 @@ const number = (name, text) => {
 
 function assign(design, name, text) {
   if (name in BEYOND) {
-    throw new RangeError(`this page does not compute ${BEYOND[name]} (${name}); use the package`);
+    throw new RangeError(`this page does not compute ${BEYOND[name]} (${name}); use the Python package`);
   }
   if (name === "internal") {
     if (!["true", "false"].includes(text)) {
@@ -57,17 +57,17 @@ function assign(design, name, text) {
     design.internal = text === "true";
   } else if (name in NUMBERS) design[name] = number(name, text);
   else {
-    throw new RangeError(`'${name.slice(0, 40)}' is no number of a design; leave it out`);
+    throw new RangeError(`'${name.slice(0, 40)}' is not the name of a number of a design; leave it out`);
   }
 }
 
-/** The design of a fragment; RangeError with one line where it cannot be understood. */
+/** The design in a fragment; a fragment with a mistake gives a RangeError with one line. */
 export function fromFragment(fragment) {
   const design = {};
   for (const part of fragment.replace(/^#/, "").split("&").filter(Boolean)) {
     const [name, value, more] = part.split("=");
     if (value === undefined || more !== undefined) {
-      throw new RangeError(`the address must hold name=value, got '${part.slice(0, 40)}'; correct it`);
+      throw new RangeError(`the address must consist of name=value, got '${part.slice(0, 40)}'; correct it`);
     }
     assign(design, name, value);
   }

@@ -4,15 +4,15 @@ import { digits, element } from "./dom.js";
 import { short } from "./design.js";
 import { mostPins } from "./law.js";
 
-// a slider of a number without an upper end runs over four decades about where it was taken up
+// the slider of a number without an upper limit covers four decades around its first value
 const WIDE = ["torque", "driver_inertia", "follower_inertia", "crank_radius", "fixed_radius",
   "stiffness", "damping", "slip_speed", "sun_radius", "planet_radius"];
 
 export class Fields {
   /**
-   * told : words of each number, by name: label, unit, whole, optional, needs, choices and truth.
+   * told : properties of each number, by name: label, unit, whole, optional, needs, choices, truth.
    * units : () => the units in use, name and factor by kind.
-   * on : what to do with numbers that were changed, and with a line of complaint.
+   * on : functions that take changed numbers (change), and a message about a mistake (complain).
    */
   constructor(form, told, units, on) {
     Object.assign(this, { form, told, units, on, inputs: {}, centres: {}, design: {}, figures: {} });
@@ -66,7 +66,7 @@ export class Fields {
       if (WIDE.includes(name) && (this.design[name] ?? null) === null) return;
       this.changed(name, this.fromSlider(name, Number(slider.value)));
     });
-    // arrow keys move a slider by a hundredth of its way, or by one
+    // arrow keys move a slider by a hundredth of its range, or by one for whole numbers
     slider.addEventListener("keydown", (event) => {
       const way = { ArrowRight: 1, ArrowUp: 1, ArrowLeft: -1, ArrowDown: -1 }[event.key];
       if (!way || slider.disabled) return;
@@ -84,7 +84,7 @@ export class Fields {
   }
 
   changed(name, value) {
-    // the most pins follow from the slots
+    // the greatest number of pins follows from the slots
     const more = ["slots", "internal"].includes(name) ? { pins: null } : {};
     this.on.change({ [name]: value, ...more }, name);
   }
@@ -110,7 +110,7 @@ export class Fields {
     input.text.setAttribute("aria-invalid", "true");
   }
 
-  /** Length that others are compared with. */
+  /** The length with which others are compared. */
   get crank() {
     return this.design.crank_radius ?? this.design.fixed_radius ?? this.design.planet_radius ?? 0;
   }
@@ -121,7 +121,7 @@ export class Fields {
     if (WIDE.includes(name)) return [0, 1];
     const critical = figures.critical_friction;
     const small = 0.1 * design.follower_inertia;
-    // without a speed of the cycle, that which the torque gives the follower in a radian
+    // if the cycle has no speed, use the one that the torque gives the follower in a radian
     const speed = figures.velocity_mean || Math.sqrt(design.torque / design.follower_inertia);
     const limits = {
       slots: [3, 12], pins: [1, design.slots ? mostPins(design.slots, design.internal) : 4],
@@ -151,7 +151,7 @@ export class Fields {
     return this.told[name].whole ? Math.round(value) : Number(value.toPrecision(4));
   }
 
-  /** Show a design in all fields but the one that has the focus. */
+  /** Show a design in all fields except the one that has the focus. */
   refresh(design, figures, active = null) {
     Object.assign(this, { design, figures });
     for (const [name, { slider, text, after, box, list }] of Object.entries(this.inputs)) {
@@ -168,7 +168,7 @@ export class Fields {
     const busy = document.activeElement;
     const held = active === name && (busy === text || busy === slider);
     const position = value === null ? 0 : this.toSlider(name, value);
-    // an element that is left alone costs nothing
+    // elements that do not change are left alone, which saves time
     const said = [value, position, lacks, this.units()[kind].name].join();
     if (!held && this.inputs[name].said === said && busy !== text) return;
     this.inputs[name].said = said;
@@ -176,8 +176,9 @@ export class Fields {
     if (busy !== text || active !== name) text.value = value === null ? "" : short(value / factor);
     text.removeAttribute("aria-invalid");
     slider.disabled = lacks || (WIDE.includes(name) && !(value > 0));
-    after.textContent = lacks ? "needs crank" : unit;
+    const length = this.design.slots ? "crank radius" : "fixed gear's radius";
+    after.textContent = lacks ? `needs the ${length}` : unit;
     if (busy !== slider || active !== name) slider.value = position;
-    slider.setAttribute("aria-valuetext", value === null ? "none" : this.shown(value, kind));
+    slider.setAttribute("aria-valuetext", value === null ? "not given" : this.shown(value, kind));
   }
 }

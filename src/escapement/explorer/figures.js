@@ -1,4 +1,4 @@
-/** Motions in natural units, the terminal cycle, and the figures that are read off it. */
+/** Motions in natural units, the terminal cycle, and its figures of merit. */
 
 import { March, NotConverged, Stopped } from "./march.js";
 import { N, POINTS } from "./polynomial.js";
@@ -61,7 +61,7 @@ function peaksOf(runs) {
         if (top) tops.push([value, run, i]);
       });
     }
-    // a top between two points rises little above them
+    // a maximum between two points is little higher than the points
     for (const [value, run, i] of tops.filter((top) => top[0] > 0.9 * best)) {
       let [a, b] = [POINTS[Math.max(i - 1, 0)], POINTS[Math.min(i + 1, N)]];
       while (b - a > 1e-6) {
@@ -75,7 +75,7 @@ function peaksOf(runs) {
   });
 }
 
-/** Figures of the terminal cycle in SI; its status and message say why there are none. */
+/** Figures of the terminal cycle in SI; if there are none, status and message say why. */
 export function figuresOf({ design, scene, chain, status }, limits, w, out) {
   const base = { critical_friction: limits.critical, uniqueness_friction: limits.unique,
     critical_angle: limits.theta, jam_margin: 1 - design.friction / limits.critical,
@@ -95,7 +95,7 @@ export function figuresOf({ design, scene, chain, status }, limits, w, out) {
     const gain = (1 - scene.bearing) * scene.cell - scene.load * scene.step;
     if (!(gain > 0)) return stalls;
     return { ...base, status: "no_terminal",
-      message: "no terminal velocity exists: nothing takes more work at a higher speed" };
+      message: "no terminal velocity exists: no loss grows with the speed" };
   }
   const cycle = terminalCycle(held, chain, first.out.handoffs[0].w);
   if (cycle.status === "stall") return stalls;
@@ -127,7 +127,7 @@ export function figuresOf({ design, scene, chain, status }, limits, w, out) {
 
 export const emptyRecord = () => ({ handoffs: [], events: [], runs: [] });
 
-/** March engagements from w; `out` gets handoffs, events and runs. */
+/** Compute engagements from w; `out` receives handoffs, events and runs. */
 export function marchAll(scene, chain, w, count, out) {
   const march = new March(scene, chain);
   let [time, status] = [0, "ok"];

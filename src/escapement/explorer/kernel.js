@@ -19,8 +19,8 @@ import { checkDesign } from "./rules.js";
  * A design has the names of the Python package, in SI: slots, pins, internal, crank_radius,
  * driver_inertia, follower_inertia, torque, friction, load_torque, pin_radius,
  * driver_bearing_friction, driver_bearing_radius, the same of the follower, driver_bearing_torque,
- * driver_drag, follower_drag, spring_rate, initial_speed and engagements. RangeError where one of
- * them breaks its rule.
+ * driver_drag, follower_drag, spring_rate, initial_speed and engagements. A number that breaks its
+ * rule gives a RangeError.
  */
 export function simulate(given) {
   const design = checkDesign(given);
@@ -66,7 +66,7 @@ export function simulate(given) {
   return motion;
 }
 
-/** What every motion offers to the page, `Played` as well. */
+/** The methods and data that the page uses of a motion; `Played` has the same. */
 function offered(design, scene) {
   const motion = { design, scene, engine: "this page", initial_speed: design.initial_speed,
     entry: -scene.exit, cell: scene.cell, at: (t) => stateAt(motion, t),

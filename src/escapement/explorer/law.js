@@ -116,7 +116,7 @@ export function leastMargin(scene, low, high) {
   return [x, y].reduce((least, one) => (one.value < least.value ? one : least), best);
 }
 
-/** Friction at which no motion exists (behind dead centre), or another one exists beside it. */
+/** Friction at which no motion exists (after dead centre), or a second one exists (before it). */
 function frictionLimit(design, behind) {
   const least = (friction) => {
     const scene = sceneOf({ ...design, friction });
@@ -134,7 +134,7 @@ function frictionLimit(design, behind) {
 }
 
 /**
- * The Painleve limits. Of a thin pin both are min (rho + g^2)/(g |u|), in closed form: with
+ * The Painleve limits. For a thin pin both are min (rho + g^2)/(g |u|), in closed form: with
  * u^2 = (g1 - g)(g - g2), S = g1 + g2 and P = g1 g2 the minimum is at the root of
  * S g^3 + (4 rho - 2 P) g^2 - 3 rho S g + 2 rho P between 0 and g1.
  */
@@ -144,7 +144,7 @@ export function frictionLimits(design) {
   return known.limits;
 }
 
-// they change with the numbers of this list alone, and not while friction or torque is dragged
+// the limits depend only on these numbers, so they stay while friction or torque is dragged
 const GEOMETRY = ["slots", "internal", "crank_radius", "driver_inertia", "follower_inertia",
   "pin_radius", "driver_bearing_friction", "driver_bearing_radius", "follower_bearing_friction",
   "follower_bearing_radius"];

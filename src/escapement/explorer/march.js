@@ -5,18 +5,18 @@ import { Panel, Run, START, STOP } from "./panels.js";
 import { N, POINTS, interpolate, root } from "./polynomial.js";
 
 const DEEPEST = 60;
-/** A driver with so small a share of the energy that a panel adds is at rest but for its lead. */
+/** If a driver has less than this share of the energy that a panel adds, it counts as at rest. */
 const REST_SHARE = 1e-14;
 /** An engagement takes some dozens of panels; one that takes more than this does not converge. */
 const MOST_PANELS = 2000;
 
-/** Thrown where the motion ends, and where halving panels does not end. */
+/** Thrown if the motion ends, or if panels are halved too often. */
 export class Stopped extends Error {}
 export class NotConverged extends Error {}
 
-/** The state that is carried through an engagement, and what is met on the way. */
+/** The state that is carried through an engagement, and the events on the way. */
 export class March {
-  /** A hurried march finds w alone: neither times nor extrema. */
+  /** A hurried march computes only w, neither times nor extrema. */
   constructor(scene, chain, hurried = false) {
     this.hurried = hurried;
     this.scene = scene;
@@ -25,7 +25,7 @@ export class March {
     this.time = 0;
   }
 
-  /** Torque less that of the bearing, and its slope, behind a driver angle of the engagement. */
+  /** Torque minus that of the bearing, and its slope, after a driver angle of the engagement. */
   drive(theta) {
     const { scene } = this;
     const torque = 1 - scene.rate * (this.turned + theta + scene.exit);
@@ -122,8 +122,8 @@ export class March {
   }
 
   /**
-   * Whether the driver is nearly at rest before a panel. It is then taken for one at rest that was
-   * let go sqrt(w)/theta_ddot earlier.
+   * Whether the driver is nearly at rest before a panel. It is then replaced by a driver that was
+   * released from rest sqrt(w)/theta_ddot earlier.
    */
   restsBefore(panel) {
     const { fine, beta, bend } = panel.solution(this.side);
@@ -148,7 +148,7 @@ export class March {
     this.events.push({ kind, theta, time, w });
   }
 
-  /** Note the extrema of the driver speed in a panel, and step to its right end. */
+  /** Record the extrema of the driver speed in a panel, and step to its right end. */
   keep(run) {
     const { alpha, beta, exponent } = run.solution;
     const b = beta[0][N] + run.pull * beta[1][N] + run.fall * beta[2][N];

@@ -25,7 +25,7 @@ let kept = null;
 let time = 0;
 let playing = false;
 let units = "SI";
-/** What asks the package, where the page is served. */
+/** The connection to the package if the page is served. */
 let server = null;
 const picture = new Picture(byId("picture"));
 const plots = Object.fromEntries(["velocity", "moment", "phase", "map"].map((id) => [id, new Plot(byId(id))]));
@@ -39,7 +39,7 @@ const complain = (line) => {
   byId("problem").textContent = line;
 };
 
-/** Take some numbers into the design; a design that breaks a rule leaves the last good one. */
+/** Change some numbers of the design; if a number breaks a rule, the last good design stays. */
 function change(numbers, active = null) {
   if (server?.takes(numbers)) {
     server.ask({ change: numbers }, active);
@@ -61,7 +61,7 @@ function take(next, active = null) {
   show(found, found.design, active);
 }
 
-/** Show a motion, and the design that it is of. */
+/** Show a motion and its design. */
 function show(found, numbers, active = null) {
   motion = found;
   design = numbers;
@@ -72,11 +72,11 @@ function show(found, numbers, active = null) {
   picture.layOut(motion);
   byId("scrub").max = motion.end_time || 1;
   clearTimeout(show.later);
-  // browsers bound how often an address may change
+  // browsers limit how often an address may change
   show.later = setTimeout(() => {
     const fragment = `#${server?.text ? `toml=${encodeURIComponent(server.text)}` : asFragment(design)}`;
     if (!data.fields) return;
-    // the frame of a notebook has no address, and is told
+    // the frame of a notebook has no address; it receives a message
     if (parent !== window) parent.postMessage({ explorer: design }, "*");
     else if (location.hash !== fragment) history.replaceState(null, "", fragment);
   }, 250);
@@ -144,7 +144,7 @@ function stepTo(direction) {
   if (ahead) byId("now").textContent = `${ahead.kind[0].toUpperCase()}${ahead.kind.slice(1)}: ${byId("now").textContent}`;
 }
 
-/** Seconds of the motion in a second of the reader. */
+/** Seconds of the motion that are shown in one second. */
 function rate() {
   const choice = byId("speed").value;
   if (!["auto", "slow"].includes(choice)) return Number(choice);
@@ -197,7 +197,7 @@ function save(name, text, type) {
   setTimeout(() => URL.revokeObjectURL(address), 1000);
 }
 
-/** Take a design from a text; what this page cannot compute goes to the package, if it is there. */
+/** Take a design from a text; if this page cannot compute it, the package is asked, if connected. */
 function readText(text) {
   try {
     take(fromToml(text, data.fields, systems));
@@ -216,12 +216,12 @@ function readAddress() {
     else take(fromFragment(fragment));
   } catch (error) {
     if (!(error instanceof URIError || error instanceof RangeError)) throw error;
-    const line = error instanceof URIError ? "the address holds a broken % sign; correct it" : error.message;
+    const line = error instanceof URIError ? "the address has a % sign that is not followed by two hexadecimal digits; correct it" : error.message;
     complain(`${line}; the last good design stays`);
   }
 }
 
-/** Connect what a page has whose design may be changed. */
+/** Connect the fields and buttons of a page whose design can be changed. */
 function connectDesign() {
   fields.lay(data.groups);
   for (const name of Object.keys(systems)) byId("units").append(element("option", { value: name, textContent: name }));
@@ -288,11 +288,11 @@ function connect() {
   matchMedia("(prefers-color-scheme: dark)").addEventListener("change", measure);
   for (const [id, words] of Object.entries({ velocity: "velocities over time", moment: "contact moment over time",
     phase: "driver velocity over its angle", map: "handoff map" })) {
-    byId(id).querySelector("[role=img]").setAttribute("aria-label", `Plot of ${words}; the text above the sliders tells the values at the playhead`);
+    byId(id).querySelector("[role=img]").setAttribute("aria-label", `Plot of ${words}; the text above the sliders gives the values at the playhead`);
   }
 }
 
-/** Connect a page that is served to the program that serves it. */
+/** Connect a served page to the program that serves it. */
 function connectServer({ reply, study, ...told }) {
   server = new Served(told, { design: () => design, take, show, complain,
     refuse: (name) => fields.refuse(name), lay: (groups) => fields.lay(groups) });

@@ -15,9 +15,9 @@ export const STOP = 2;
 export const FINE = 1e-12;
 
 /**
- * A stretch of driver angle on which all is smooth, with its geometry at the points. At rest
- * 1/sqrt(w) is singular: a panel that begins so (START), or ends so (STOP), takes the root of the
- * angle from there for its coordinate.
+ * A range of driver angles in which everything is smooth, with its geometry at the points. At rest
+ * 1/sqrt(w) is singular: the coordinate of a panel that begins at rest (START), or ends at rest
+ * (STOP), is the square root of the angle from there.
  */
 export class Panel {
   constructor(scene, left, right, { shape = 0, locked = false } = {}) {
@@ -67,8 +67,8 @@ export class Panel {
   }
 
   /**
-   * E = alpha E_left + beta of the side s. In beta the load, the torque at the left end and its
-   * slope by the angle each have a share, so that one solution serves all engagements.
+   * E = alpha E_left + beta of the side s. Load, torque at the left end and the slope of the torque
+   * each contribute a term to beta, so that one solution serves all engagements.
    */
   solution(s) {
     return (this.sides[s > 0 ? 0 : 1] ??= this.solve(s));
@@ -105,7 +105,7 @@ export class Panel {
     return { bend, exponent, alpha, beta, fine: rough <= noise };
   }
 
-  /** Both halves of a panel, which are kept. */
+  /** Both halves of a panel, which are computed once. */
   get halves() {
     if (!this.pair) {
       const middle = 0.5 * (this.left + this.right);
@@ -147,7 +147,7 @@ export class Run {
     this.slowest = Infinity;
     this.reverses = false;
     const { alpha, beta } = this.solution;
-    // where the motion stops E is zero, and not its rounding error
+    // where the motion stops, E is set to zero in place of its rounding error
     const stopped = -(beta[0][N] + pull * beta[1][N] + fall * beta[2][N]) / alpha[N];
     this.fill(panel.shape === STOP ? stopped : E_left);
   }
@@ -168,7 +168,7 @@ export class Run {
       const X = rho * F + g * D;
       energy[i] = E;
       square[i] = w;
-      // X is rounding where it is so small against its parts
+      // X counts as rounding error if it is so small against its terms
       const rounding = 4e-15 * (rho * (Math.abs(k) * w + load) + g * (Math.abs(pull) + c_d * w));
       push[i] = Math.abs(X) > rounding ? s * X : 0;
       Q[i] = D - (g + bend[i]) * F;

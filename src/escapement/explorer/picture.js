@@ -74,7 +74,7 @@ export class Picture {
     this.parts = bodies.map(({ name, path, at, turn }) => ({ at, turn,
       element: this.add(up, "path", { d: path, class: name.replace(/-\d+$/, ""), "fill-rule": "evenodd" }) }));
     this.place({ theta: 0, phi: 0 });
-    // what stands still is placed once
+    // bodies at rest are placed once
     this.parts = this.parts.filter(({ at, turn }) => turn.some(Boolean) || at.some(([, , rate]) => rate));
     this.add(up, "path", { class: "centres", d: `M${left - 0.8 * room} 0L${right + 0.8 * room} 0` });
     this.jam = this.add(svg, "g", { class: "jam" });
@@ -82,7 +82,7 @@ export class Picture {
     this.jamText = this.add(this.jam, "text", { "text-anchor": "middle" });
     this.jamText.textContent = "jams here first";
     this.force = this.add(up, "path", { class: "force" });
-    // what takes a while to compute comes behind the picture
+    // parts that take time to compute are added after the picture is shown
     clearTimeout(this.later);
     this.later = setTimeout(() => later?.(([name, path]) =>
       up.querySelector(`.${name}`).setAttribute("d", path)), 0);
@@ -110,12 +110,12 @@ export class Picture {
     if (!this.drawn.contact || state.side === 0 || !(greatest > 0)) return;
     const [[x, y]] = this.touch(state.angle, state.engagement);
     const size = 0.9 * this.half;
-    // the moment over the lever, as far as there is room
+    // its length is the moment over the lever, limited by the room
     const share = ((0.7 * state.contact_moment) / greatest) * Math.min(1 / Math.hypot(x, y), 3);
     const length = Math.max(-size, Math.min(size, share));
     if (Math.abs(length) < 0.02) return;
     const along = Math.atan2(y, x);
-    // the force stands across the slot, in the sense in which the follower turns or against it
+    // the force acts across the slot, in the sense in which the follower turns or against it
     const [a, b] = [-Math.sin(along), Math.cos(along)];
     const s = Math.sign(length);
     const tip = [x + length * a, y + length * b];

@@ -1,4 +1,4 @@
-"""A motion as the page plays it: polynomials in time that leave the exact pieces by 1e-10.
+"""A motion as the page plays it: polynomials in time that are within 1e-10 of the exact motion.
 
 Within a piece everything is analytic in time. Each piece is cut until polynomials through
 Chebyshev points follow the states; both its ends are among the points, so that jumps stay jumps.
@@ -19,13 +19,13 @@ from escapement.painleve import painleve_limit
 from escapement.text import plain
 
 DEGREE = 16
-"""Of the polynomials, as of those in `polynomial.js`."""
+"""Degree of the polynomials, the same as in `polynomial.js`."""
 COLUMNS = ("theta", "theta_dot", "phi", "phi_dot", "contact_moment")
-"""What is played of a motion, in this order."""
+"""Columns of a motion that are played, in this order."""
 MOST_SPANS = 20_000
-"""More of them are more than a browser draws."""
+"""A browser does not draw more spans."""
 FINE = {"contact": np.array([1e-8, 1e-7, 1e-8, 1e-7, 1e-4])}
-"""What polynomials may leave of a motion, as shares of each column's greatest value, by engine."""
+"""Greatest error of the polynomials, as a share of each column's greatest value, by engine."""
 _DEEPEST = 12  # halvings of a piece
 _NOISE = 0.5
 _POINTS = -np.cos(np.pi * np.arange(DEGREE + 1) / DEGREE)
@@ -38,14 +38,14 @@ def played(motion: Motion, figures: Figures | None = None) -> dict[str, Any]:
     Parameters
     ----------
     motion : Motion
-        Of any engine, or read from a file.
+        A motion of any engine, or one read from a file.
     figures : Figures, optional
-        Of its terminal cycle. Default: none are shown.
+        Figures of its terminal cycle. Default: no figures are shown.
 
     Raises
     ------
     InvalidValue
-        For a motion of more than 20 000 spans, which a browser would not draw.
+        If the motion has more than 20 000 spans, which a browser would not draw.
     """
     mechanism = motion.escapement.mechanism
     drawn = bodies_of(mechanism)
@@ -100,7 +100,7 @@ def _spans(motion: Motion) -> tuple[np.ndarray, FloatArray, FloatArray, FloatArr
         if depth == 0:
             scale = np.maximum(np.abs(values).max(axis=(0, 2)), scale)
         rest = np.abs(values @ _TO_LAST.T).sum(axis=2)
-        # what a halving hardly lessens is the noise of the engine
+        # an error that a halving hardly reduces is the noise of the engine
         rough = ((rest > fine * scale) & ((rest < _NOISE * before) | (depth < 4))).any(axis=1)
         rough &= depth < _DEEPEST
         found.append((pieces[~rough], low[~rough], high[~rough], values[~rough]))
@@ -121,7 +121,7 @@ def _spans(motion: Motion) -> tuple[np.ndarray, FloatArray, FloatArray, FloatArr
 
 
 def _events(motion: Motion) -> list[dict[str, Any]]:
-    """Kinds and times of all that happens, ascending in time."""
+    """Kinds and times of all events, ascending in time."""
     if not motion.end_time > 0.0:
         return []
     extrema = motion.extrema

@@ -36,7 +36,7 @@ export class Plot {
     const style = getComputedStyle(this.figure);
     const known = {};
     this.colour = (name) => (known[name] ??= style.getPropertyValue(`--${name}`).trim());
-    // to set a font takes longer than to draw a plot
+    // setting a font takes longer than drawing a plot
     this.lower.getContext("2d").font = `12px ${style.fontFamily}`;
   }
 
@@ -99,8 +99,8 @@ export class Plot {
   }
 
   /**
-   * A line through columns, which are multiplied by kx and ky; `lifts(i)` tells where the pen is
-   * lifted before point i.
+   * A line through columns, which are multiplied by kx and ky; `lifts(i)` says whether the line is
+   * interrupted before point i.
    */
   line(xs, ys, { colour, width = 1.5, dash = [], lifts = null, from = 0, to = xs.length, kx = 1, ky = 1 }) {
     this.within((pen) => {
@@ -122,7 +122,7 @@ export class Plot {
     });
   }
 
-  /** Fill between the zero line and what has a sign of a column that is multiplied by ky. */
+  /** Fill between the zero line and the values with one sign of a column, multiplied by ky. */
   fill(xs, ys, { colour, sign, from, to, ky }) {
     this.within((pen) => {
       pen.fillStyle = this.colour(colour);
@@ -159,7 +159,7 @@ export class Plot {
     }
   }
 
-  /** Driver of the pointer: calls back with the value under it. */
+  /** Call `callback` with the value under the pointer. */
   onPoint(callback) {
     const told = (event) => {
       if (event.buttons === 0 && event.type === "pointermove") return;

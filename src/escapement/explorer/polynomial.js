@@ -1,10 +1,10 @@
-/** A polynomial through Chebyshev points: its integral, its value, how coarse it is, and roots. */
+/** A polynomial through Chebyshev points: its integral, values, error estimate and roots. */
 
 export const N = 16;
 const indices = [...Array(N + 1).keys()];
 /** The points x_i, from -1 to 1. */
 export const POINTS = indices.map((i) => -Math.cos((Math.PI * i) / N));
-// a plain array of doubles is made faster than a typed one
+// creating a plain array of doubles is faster than creating a typed one
 const ROW = indices.map(() => 0.5);
 export const blank = () => ROW.slice();
 const ends = (i) => (i === 0 || i === N ? 0.5 : 1);
@@ -52,7 +52,7 @@ export function interpolate(values, x) {
   return above / below;
 }
 
-/** Size of the last two coefficients over the greatest value: how coarse the polynomial is. */
+/** Size of the last two coefficients over the greatest value: an estimate of the error. */
 export function tail(values) {
   let most = 0;
   for (let i = 0; i <= N; i++) most = Math.max(most, Math.abs(values[i]));

@@ -1,4 +1,4 @@
-/** The figures of a motion in words, beside those that were kept. */
+/** The table of figures of a motion, beside those of the kept design. */
 
 import { byId, digits, element } from "./dom.js";
 
@@ -15,8 +15,8 @@ const REASONS = {
   painleve: "At or above the Painlevé limit no rigid motion exists: the pin jams in its slot.",
   stall: "The drive cannot carry the load and the mechanism stops.",
   spent: "The spring is spent and nothing moves any more.",
-  no_terminal: "No terminal velocity exists: nothing takes more work at a higher speed.",
-  not_converged: "The search for the terminal cycle did not end; no figures are shown.",
+  no_terminal: "No terminal velocity exists: no loss grows with the speed.",
+  not_converged: "The search for the terminal cycle did not converge, so no figures are shown.",
 };
 
 /** Show the figures of a motion beside those that were kept, and its margin to jamming. */
@@ -27,7 +27,7 @@ export function report(motion, kept, shown) {
     const has = (value) => value !== undefined && value !== null && !Number.isNaN(value);
     const told = (value) => {
       if (has(value)) return value === Infinity ? "none" : shown(value, kind);
-      return name === "contact_force_max" && design.slots && !design.crank_radius ? "needs crank radius" : "–";
+      return name === "contact_force_max" && design.slots && !design.crank_radius ? "needs the crank radius" : "–";
     };
     const gain = has(now) && has(before) && before !== 0 ? 100 * (now / before - 1) : NaN;
     const change_ = Number.isFinite(gain) ? `${gain > 0 ? "+" : ""}${gain.toFixed(2)}\u00a0%` : "–";
@@ -45,7 +45,7 @@ export function report(motion, kept, shown) {
   showMargin(motion);
   const outcomes = [motion.status, figures.status].filter((status) => status !== "ok");
   byId("outcome").textContent = [...new Set(outcomes.map((status) => REASONS[status]))].join(" ")
-    + (design.spring_rate > 0 && figures.status === "ok" ? " The figures are those of the full spring." : "");
+    + (design.spring_rate > 0 && figures.status === "ok" ? " The figures are those with the full torque of the spring." : "");
   byId("forget").disabled = !kept;
   byId("figures").className = kept ? "" : "alone";
 }
@@ -59,8 +59,8 @@ function showMargin(motion) {
     ? ` It jams first ${digits((figures.critical_angle * 180) / Math.PI, 4)}° from dead centre, marked in the picture.` : "";
   const beside = figures.uniqueness_friction;
   const unique = motion.status !== "painleve" && !motion.unique
-    ? ` From friction ${digits(beside)} on another motion exists beside this one: a blow could jam the pin.` : "";
+    ? ` At friction ${digits(beside)} and above, a second motion is possible: a blow could jam the pin.` : "";
   byId("margin").textContent = Number.isFinite(figures.critical_friction)
     ? `Friction is ${digits(100 * share, 3)} % of the Painlevé limit ${digits(figures.critical_friction)}.${where}${unique}`
-    : motion.meshed ? "A mesh of gears has no Painlevé limit." : "This pin cannot jam.";
+    : motion.meshed ? "Gears have no Painlevé limit." : "This pin cannot jam at any friction.";
 }

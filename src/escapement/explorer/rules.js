@@ -1,8 +1,8 @@
-/** What the numbers of a design may be. */
+/** The rules for the numbers of a design. */
 
 import { mostPins, pose, wheelOf } from "./law.js";
 
-/** What a design may hold: the least and the greatest value, and the default. */
+/** The least and greatest value of each number, and its default. */
 export const NUMBERS = {
   slots: [3, 40, 4], pins: [1, 6, null], crank_radius: [0, 1e3, null],
   driver_inertia: [0, 1e6, 3.39e-7], follower_inertia: [0, 1e6, 5.65e-6], torque: [0, 1e9, 0.0113],
@@ -18,7 +18,7 @@ const refuse = (name, rule, value, remedy) => {
   throw new RangeError(`${name} must be ${rule}, got ${value}; ${remedy}`);
 };
 
-/** A design with its defaults filled in; RangeError with one line where a number breaks its rule. */
+/** A design with its defaults filled in; a number that breaks its rule gives a RangeError. */
 export function checkDesign(given) {
   const design = { internal: false };
   for (const name of Object.keys(given)) {
@@ -50,7 +50,7 @@ export function checkDesign(given) {
   }
   for (const name of LENGTHS) {
     if (design[name] > 0 && design.crank_radius === null) {
-      refuse(name, "0 without a crank radius", design[name], "give the crank radius first");
+      refuse(name, "0 without a crank radius", design[name], "give the crank radius too");
     }
   }
   const wheel = wheelOf(design);

@@ -1,7 +1,7 @@
-"""The explorer served on this machine: the page, and what it asks of the package.
+"""The explorer served on this machine: the page, and the answers to its questions.
 
-Nobody else is to reach it: it listens on 127.0.0.1 alone, and answers those alone who know its
-token, name its own address as their host, and send little.
+Nobody else can use it. It listens only on 127.0.0.1 and answers only requests that have its token,
+name its own address as their host, and are short.
 """
 
 import contextlib
@@ -18,9 +18,9 @@ from urllib.parse import parse_qs, urlsplit
 from escapement.errors import EscapementError
 
 MOST_BYTES = 1_000_000
-"""A longer question is refused: a table of measured angles is shorter."""
-_WAITING = 200  # connections that the system keeps until they are taken up
-_PATIENCE = 20.0  # seconds that a connection may take to send what it wants
+"""A longer question is refused; a table of measured angles is shorter."""
+_WAITING = 200  # connections that the system keeps waiting
+_PATIENCE = 20.0  # seconds that a connection may take to send its request
 _HEADERS = {
     "Cache-Control": "no-store",
     "Referrer-Policy": "no-referrer",
@@ -36,9 +36,9 @@ class Server(ThreadingHTTPServer):
     Parameters
     ----------
     page : callable
-        Makes the page of the server's token.
+        Returns the page for the server's token.
     asked : dict of callable
-        What answers a question, by the path that it is sent to.
+        Functions that answer a question, by the path to which it is sent.
     """
 
     daemon_threads = True
@@ -49,12 +49,12 @@ class Server(ThreadingHTTPServer):
         self.token = secrets.token_urlsafe(24)
         self.page = page(self.token).encode()
         self.asked = asked
-        # of each kind one question at a time is answered, the others wait for it
+        # questions to the same path are answered one at a time
         self.turns = {path: threading.Lock() for path in asked}
 
     @property
     def url(self) -> str:
-        """Where a browser finds the page."""
+        """Address of the page."""
         return f"http://127.0.0.1:{self.server_port}/?token={self.token}"
 
     def knows(self, token: str) -> bool:
@@ -62,7 +62,7 @@ class Server(ThreadingHTTPServer):
         return hmac.compare_digest(token.encode(), self.token.encode())
 
     def handle_error(self, request: Any, client_address: Any) -> None:
-        """A reader that left in the middle is no error of the server."""
+        """Ignore a browser that closed its connection early."""
 
 
 class _Handler(BaseHTTPRequestHandler):
@@ -77,7 +77,7 @@ class _Handler(BaseHTTPRequestHandler):
         if self._refused(token):
             return
         if place.path != "/":
-            self._tell(HTTPStatus.NOT_FOUND, "there is nothing here but the page at /")
+            self._tell(HTTPStatus.NOT_FOUND, "the page is at /; open that address")
             return
         self._send(HTTPStatus.OK, "text/html; charset=utf-8", self.server.page)
 
@@ -87,15 +87,17 @@ class _Handler(BaseHTTPRequestHandler):
             return
         ask = self.server.asked.get(self.path)
         if ask is None:
-            self._tell(HTTPStatus.NOT_FOUND, "there is nothing here to be asked")
+            known = " or ".join(self.server.asked)
+            self._tell(HTTPStatus.NOT_FOUND, f"a question must be sent to {known}")
             return
         length = self.headers.get("Content-Length", "")
         if not length.isdecimal():
-            self._tell(HTTPStatus.LENGTH_REQUIRED, "a question must tell its length")
+            rule = "a question must have a Content-Length header, got none; add it"
+            self._tell(HTTPStatus.LENGTH_REQUIRED, rule)
         elif int(length) > MOST_BYTES:
-            # a browser hears an answer only when it has sent all
+            # a browser reads an answer only after it has sent everything
             self.rfile.read(min(int(length), 4 * MOST_BYTES))
-            rule = f"a question must have at most {MOST_BYTES} bytes, got {int(length)}"
+            rule = f"a question must have at most {MOST_BYTES} bytes, got {int(length)}; shorten it"
             self._tell(HTTPStatus.REQUEST_ENTITY_TOO_LARGE, rule)
         else:
             self._answer(ask, self.rfile.read(int(length)))
@@ -106,7 +108,7 @@ class _Handler(BaseHTTPRequestHandler):
             if not isinstance(question, dict):
                 raise ValueError
         except (ValueError, RecursionError):
-            self._tell(HTTPStatus.BAD_REQUEST, "a question must be an object of JSON")
+            self._tell(HTTPStatus.BAD_REQUEST, "a question must be a JSON object; correct it")
             return
         try:
             with self.server.turns[self.path]:
@@ -116,23 +118,26 @@ class _Handler(BaseHTTPRequestHandler):
             self._tell(HTTPStatus.UNPROCESSABLE_ENTITY, line)
             return
         except Exception as error:
-            # whatever went wrong, the page that waits is to know
+            # the page waits for an answer, whatever went wrong
             line = f"the package failed ({type(error).__name__}: {error}); please report it"
             self._tell(HTTPStatus.INTERNAL_SERVER_ERROR, " ".join(line.split()))
             return
         self._send(HTTPStatus.OK, "application/json", text.encode())
 
     def _refused(self, token: str) -> bool:
-        """Whether a request comes from elsewhere, or from somebody without the token."""
+        """Refuse a request from another site or without the token; True if it was refused."""
         port = self.server.server_port
         hosts = {f"127.0.0.1:{port}", f"localhost:{port}"}
         if self.headers.get("Host", "") not in hosts:
-            # a page of another site may let its own name point to this machine
-            self._tell(HTTPStatus.FORBIDDEN, "the host must be this server's own address")
+            # another site may let its own name point to this machine
+            rule = f"the host must be 127.0.0.1:{port}; open the address that the command printed"
+            self._tell(HTTPStatus.FORBIDDEN, rule)
         elif self.headers.get("Origin", "null") not in {"null", *(f"http://{x}" for x in hosts)}:
-            self._tell(HTTPStatus.FORBIDDEN, "questions must come from the page of this server")
+            rule = "questions must come from this server's page; open the printed address"
+            self._tell(HTTPStatus.FORBIDDEN, rule)
         elif not self.server.knows(token):
-            self._tell(HTTPStatus.FORBIDDEN, "the token must be that of this server")
+            rule = "the token must be this server's; open the address that the command printed"
+            self._tell(HTTPStatus.FORBIDDEN, rule)
         else:
             return False
         return True
@@ -151,12 +156,12 @@ class _Handler(BaseHTTPRequestHandler):
         self.wfile.write(body)
 
     def log_message(self, format: str, *args: Any) -> None:
-        """Say nothing: the terminal belongs to whoever started the command."""
+        """Print nothing: requests must not disturb the terminal."""
 
 
 @contextlib.contextmanager
 def serving(server: Server) -> Iterator[None]:
-    """The server at work in a thread, until the block ends."""
+    """Run the server in a thread until the block ends."""
     thread = threading.Thread(target=server.serve_forever, daemon=True)
     thread.start()
     try:

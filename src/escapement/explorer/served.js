@@ -1,13 +1,13 @@
-/** What the served page adds: the package computes what the page's own kernel does not. */
+/** Additions of the served page: the package computes what the page's own kernel cannot. */
 
 import { asToml } from "./design.js";
 import { byId, element } from "./dom.js";
 import { Played } from "./played.js";
 import { NUMBERS } from "./rules.js";
 
-const PATIENCE = 500; // ms behind which the reader is told that it takes a while
+const PATIENCE = 500; // ms after which a text says that the package is computing
 
-/** Questions to one address: one at a time, and of those that wait the latest alone. */
+/** Questions to one address: one at a time; only the latest of those that wait is sent. */
 export class Line {
   constructor(path, token, heard) {
     Object.assign(this, { path, token, heard, busy: false, waiting: null });
@@ -27,7 +27,7 @@ export class Line {
         headers: { "Content-Type": "application/json", "X-Token": this.token } });
       answer = await found.json();
     } catch {
-      answer = { error: "the program that serves this page does not answer; start it again" };
+      answer = { error: "the program that serves this page does not answer; start escapement explore --serve again" };
     }
     clearTimeout(slow);
     this.busy = false;
@@ -57,7 +57,7 @@ export class Served {
       || Object.keys(numbers).some((name) => !(name in NUMBERS) && name !== "internal");
   }
 
-  /** The page computes on its own again. */
+  /** Let the page compute by itself again. */
   leave() {
     this.text = null;
     this.lay("geneva");
@@ -70,7 +70,7 @@ export class Served {
     this.page.lay(this.kinds[kind] ?? {});
   }
 
-  /** What describes the design to the package. */
+  /** The description of the design that the package is sent. */
   get question() {
     const design = this.page.design();
     return { text: this.text ?? asToml(design), engagements: design.engagements };

@@ -1,4 +1,4 @@
-"""The page as a server sends it: every mechanism, tolerances, and the cases of a study."""
+"""The page that a server sends, with every mechanism, tolerances, and the cases of a study."""
 
 from collections.abc import Callable
 from itertools import chain
@@ -24,11 +24,11 @@ FURTHER = {
     "Air": ("driver_viscous", "follower_viscous"),
     "Clearance and contact": ("restitution", "stiffness", "damping", "contact_law", "slip_speed"),
 }
-"""Fields that the served page has beside those of every page."""
+"""Fields that the served page has in addition to those of every page."""
 MOST_SHOWN = 200_000
 _LEAD = (
-    "Drag a number: the motion is computed anew, by this page or, where it is said so, by the "
-    "package on this machine."
+    "Drag a number: the motion is computed anew by this page, or by the package on this machine if "
+    "the page cannot compute it."
 )
 
 
@@ -45,17 +45,16 @@ def server_of(
     Parameters
     ----------
     escapement : Escapement
-        Of any mechanism.
+        The design, with any mechanism.
     initial_speed, engagements : float, int
-        As of `explorer.page`.
+        As for `explorer.page`.
     plan, study : StudyPlan and Study, optional
         A study on a grid, whose cases the page shows.
 
     Raises
     ------
     InvalidValue
-        For a design without motion for a reason that is no status, or a study that is a sample or
-        has more than 200 000 cases.
+        If the design breaks a rule, or the study is a sample or has more than 200 000 cases.
     """
     answers = Answers(plan)
     shown = None if plan is None or study is None else shown_study(plan, study)
@@ -85,7 +84,7 @@ def server_of(
 
 
 def groups_of(kind: str) -> dict[str, list[str]]:
-    """Fields of a kind of mechanism, by the words over them."""
+    """Names of the fields for a kind of mechanism, by the titles of their groups."""
     wheel = kind_of(kind)
     own = [name for name, entry in declared(wheel).items() if _has_field(entry)]
     entries = _entries()
@@ -98,8 +97,8 @@ def groups_of(kind: str) -> dict[str, list[str]]:
 
 
 def _entries() -> dict[str, Setting]:
-    """Everything that has a field in some page, by name."""
-    # where two kinds have a number of the same name, the words are the first kind's
+    """The declarations of all numbers that have a field, by name."""
+    # if two kinds have a number of the same name, its words are those of the first kind
     owners: list[Any] = [*map(kind_of, reversed(EXAMPLES)), Inertia, Escapement, Run]
     return {name: entry for owner in owners for name, entry in declared(owner).items()}
 
@@ -121,11 +120,11 @@ def _tolerances() -> str:
 def shown_study(plan: StudyPlan, study: Study) -> dict[str, Any]:
     """Axes and results of a study for the page, in the study's units."""
     if study.sampled:
-        remedy = "name a case of it with --select"
+        remedy = "choose one of its cases with --select"
         raise validate.fail("study", "on a grid to be explored as a whole", "a sample", remedy)
     if study.cases > MOST_SHOWN:
         rule = f"of at most {MOST_SHOWN} cases to be explored as a whole"
-        raise validate.fail("study", rule, study.cases, "name a case of it with --select")
+        raise validate.fail("study", rule, study.cases, "choose one of its cases with --select")
     answered = study.results["status"] == Status.OK
 
     def row(name: str, values: Any) -> dict[str, Any]:

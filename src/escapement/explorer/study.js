@@ -1,4 +1,4 @@
-/** Cases of a study, which its axes choose. */
+/** The cases of a study, chosen by its axes. */
 
 import { byId, digits, element } from "./dom.js";
 import { Plot } from "./plots.js";
@@ -6,7 +6,7 @@ import { Plot } from "./plots.js";
 const named = (words, unit) => (unit && unit !== "1" ? `${words} [${unit}]` : words);
 
 export class StudyView {
-  /** study : axes, rows of name, words, unit and values; results, the same with their values. */
+  /** study : axes and results, each a list of objects with name, words, unit and values. */
   constructor(study, served) {
     Object.assign(this, study, { served, place: study.axes.map(() => 0) });
     this.plot = new Plot(byId("study-plot"));
@@ -51,7 +51,7 @@ export class StudyView {
     return apart.indexOf(Math.min(...apart));
   }
 
-  /** A result over the first axis, at the others' present values. */
+  /** A result over the first axis, at the chosen values of the others. */
   draw() {
     this.plot.measure();
     if (!this.plot.width) return;

@@ -46,9 +46,9 @@ def explore(
     subject : Escapement or Motion
         A design of a Geneva wheel, or a motion of any mechanism.
     initial_speed, engagements : float, int
-        Of a design, as of `explorer.page`.
+        For a design, as in `explorer.page`.
     height : int
-        Of the frame [pixels].
+        Height of the frame [pixels].
 
     Returns
     -------
@@ -59,16 +59,16 @@ def explore(
     Raises
     ------
     MissingPackage
-        Where anywidget is not installed.
+        If anywidget is not installed.
     InvalidValue
-        As of `explorer.page` and `explorer.player`.
+        As raised by `explorer.page` and `explorer.player`.
     """
     if isinstance(subject, Motion):
         text = player(subject)
     elif isinstance(subject, Escapement):
         text = page(subject, initial_speed, engagements)
     else:
-        remedy = "give what is to be shown"
+        remedy = "give the design or motion to be shown"
         raise validate.fail("subject", "an Escapement or a Motion", subject, remedy)
     tall = validate.integer("height", height, 200, "900 shows the mechanism and its figures")
     return _widget()(page=text, height=tall)
@@ -76,12 +76,12 @@ def explore(
 
 @cache
 def _widget() -> Any:
-    """The class of the widget, which only a notebook needs."""
+    """The widget's class; it is made when a notebook needs it."""
     anywidget: Any = validate.package("anywidget", "the explorer in a notebook", "notebook")
     traitlets: Any = validate.package("traitlets", "the explorer in a notebook", "notebook")
 
     class Explorer(anywidget.AnyWidget):  # type: ignore[misc]
-        """The page in a frame of its own, which reaches nothing beyond its own script."""
+        """The page in a frame, whose script has no access to the rest of the notebook."""
 
         _esm = _FRAME
         page = traitlets.Unicode().tag(sync=True)

@@ -1,8 +1,9 @@
 """The figures of a kind of wheel over the ratio of its inertias, in natural units and in SI.
 
 Period, force, size and mass of an escapement without a load follow from those of one with the
-follower inertia, the torque and the crank radius 1, by similarity: the period goes as the root of
-inertia over torque, the force as torque over radius. None of these three is ever searched for.
+follower inertia, the torque and the crank radius 1, by similarity: the period is proportional
+to the root of inertia over torque, the force to torque over radius. So these three numbers need
+no search.
 """
 
 from __future__ import annotations
@@ -28,15 +29,15 @@ RATIOS = 24
 """Ratios of the inertias at which the figures are computed."""
 _SAMPLED = ("period", "contact_force_max", "rise_time_98", "critical_friction")
 NATURAL = ("period", "scatter", "force", "rise", "jam_margin")
-"""Figures of a wheel in natural units, of one ratio of the inertias."""
+"""Figures of a wheel in natural units for one ratio of the inertias."""
 Values = dict[str, Any]
 
 
 @dataclass(frozen=True)
 class Body:
-    """What a wheel of crank radius 1 is made of.
+    """The discs of a wheel of crank radius 1.
 
-    size : length over both discs. driver, follower : area and polar second moment of either.
+    size : length over both discs. driver, follower : area and polar second moment of each disc.
     """
 
     size: float
@@ -170,8 +171,8 @@ def in_si(
 def period_of(wish: Wish, slots: int, internal: bool) -> float:
     """Period of an engagement at the torque of the start that a wish needs [s].
 
-    Over a run the period goes as one over the root of a torque that falls evenly; what the start
-    from rest adds is made up for in `designs`.
+    Over a run the period is inversely proportional to the root of the torque, which falls linearly.
+    The additional time of a start from rest is corrected when a design is simulated.
     """
     if wish.period is not None:
         return wish.period

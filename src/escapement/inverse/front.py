@@ -1,4 +1,4 @@
-"""Designs of which none is better than another in everything: a Pareto front."""
+"""The Pareto front: designs of which none is better than another in every objective."""
 
 import numpy as np
 
@@ -11,7 +11,7 @@ def undominated(costs: FloatArray) -> np.ndarray:
     Parameters
     ----------
     costs : ndarray, shape (n, k)
-        What is to be small.
+        Costs of each design, which should be small.
 
     Returns
     -------

@@ -44,7 +44,8 @@ class Designs(Shown):
     """Result of `design`.
 
     wish : the given wish.
-    designs : none better than another in all objectives, in the order of the first objective.
+    designs : the Pareto front: no design is better than another in all objectives. They are in
+        the order of the first objective.
     tried : number of points that were evaluated.
     message : the reason if there is no design.
     """
@@ -60,8 +61,7 @@ def design(wish: Wish, *, count: int = 40, seed: int = 0) -> Designs:
 
     Every wheel that the wish allows is evaluated at a Sobol' sequence of inertia ratios, crank
     radii and torques. The points that satisfy the bounds and are not dominated are improved and
-    then simulated. The
-    follower's inertia follows from the period, by similarity.
+    then simulated. The follower's inertia follows from the period, by similarity.
 
     Parameters
     ----------
@@ -77,8 +77,8 @@ def design(wish: Wish, *, count: int = 40, seed: int = 0) -> Designs:
         If no design satisfies all bounds, its message names the bound that prevents it, and by
         how much.
 
-    Validity: escapements without a load, with pins of the wish's width and otherwise without
-    losses but friction in the slots.
+    Validity: escapements without a load, with pins of the wish's width and without
+    losses other than friction in the slots.
     """
     wheels = wheels_for(wish)
     if not wheels:

@@ -20,7 +20,8 @@ _NUMBER = "give a number, or [low, high]"
 
 
 def _quantity(name: str, long_name: str, unit: str = "ratio", **rule: Any) -> Quantity:
-    return Quantity(name=name, key=name, long_name=long_name, unit=unit, **rule)
+    remedy = "give a number in this range"
+    return Quantity(name=name, key=name, long_name=long_name, unit=unit, remedy=remedy, **rule)
 
 
 NUMBERS = {
@@ -50,9 +51,9 @@ RANGES = {
 BOUNDS = {
     entry.name: entry
     for entry in (
-        _quantity("scatter", "half the range of the period over the friction, of the period"),
+        _quantity("scatter", "half the relative change of the period over the friction range"),
         _quantity("contact_force_max", "greatest force on a pin", "force"),
-        _quantity("size", "length over driver and follower along the line of centres", "length"),
+        _quantity("size", "length of both discs together along the line of centres", "length"),
         _quantity("mass", "mass of driver and follower discs", "mass"),
         _quantity("rise_time_98", "time to 98 % of the terminal speed", "time"),
         _quantity("driver_inertia", "moment of inertia of the driver", "inertia"),
@@ -74,9 +75,10 @@ class Wish(Shown):
     Parameters
     ----------
     period : float, optional
-        Time of one engagement at the middle of the friction [s]; either it or
+        Time of one engagement at the middle friction [s]. Give either `period`, or both
+        `total_time` and `turns`.
     total_time, turns : float, optional
-        time of a whole run from rest [s], and how often the driver turns in it.
+        Time of a whole run from rest [s], and the number of turns of the driver in it.
     torque : float or (low, high)
         Torque on the driver [N m]; for a spring that at the start.
     torque_lost : float
@@ -94,10 +96,10 @@ class Wish(Shown):
     pin : float
         Radius of the pins over the crank radius [-].
     density : float
-        Of the discs [kg/m^3], which have the outlines of `parts_of`.
+        Density of the discs [kg/m^3], which have the outlines of `parts_of`.
     bounds : Mapping
-        (least, greatest) for names in `BOUNDS`; a single number is the greatest, for the jam
-        margin the least.
+        (least, greatest) value of figures, by names in `BOUNDS`. A single number is the greatest
+        value, but for the jam margin the least.
     objectives : sequence of str
         Names in `OBJECTIVES`, the figures to minimise.
     """
@@ -127,14 +129,14 @@ class Wish(Shown):
         for name, entry in RANGES.items():
             own[name] = _ends(entry, name, own[name])
         if (self.period is None) == (self.total_time is None):
-            rule, remedy = "given, or else total_time with turns", "give one of the two"
+            rule, remedy = "given, or total_time with turns in its place", "give one of the two"
             raise validate.fail("period", rule, self.period, remedy)
         if (self.total_time is None) != (self.turns is None):
             remedy = "give total_time and turns, or the period"
-            raise validate.fail("turns", "given with total_time alone", self.turns, remedy)
+            raise validate.fail("turns", "given just if total_time is", self.turns, remedy)
         if self.torque_lost and self.turns is None:
             remedy = "give total_time and turns"
-            raise validate.fail("torque_lost", "0 without a run", self.torque_lost, remedy)
+            raise validate.fail("torque_lost", "0 without total_time", self.torque_lost, remedy)
         if self.internal is not None:
             validate.truth("internal", self.internal)
         validate.known_keys(self.bounds, BOUNDS, "in bounds")
@@ -154,7 +156,7 @@ def _ends(entry: Quantity, label: str, given: Any) -> Range:
         raise validate.fail(label, "a number or two ends", given, _NUMBER)
     low, high = (float(entry.check(label, x)) for x in pair)
     if low > high:
-        raise validate.fail(label, "[low, high], low not above high", given, "swap them")
+        raise validate.fail(label, "[low, high] with low at most high", given, "swap them")
     return low, high
 
 

@@ -12,19 +12,19 @@ import numpy as np
 
 from escapement.mechanism import FloatArray
 
-_ENGAGED = 10  # so many samples at either end of the play tell its width
-_ROOM = 0.1  # a start is a smaller share of the travel, or nothing would ever cross the play
-_WIDE = 4.0  # of normal errors and half a play, so many deviations are more than the play
+_ENGAGED = 10  # the width is fitted if so many samples are at either end of the play
+_ROOM = 0.1  # the first estimate is at most this share of the travel, so that the play is crossed
+_WIDE = 4.0  # a play is narrower than this many standard deviations of errors that it causes
 
 
 class Backlash(NamedTuple):
-    """Free play of a shaft, fitted beside all errors that are significant.
+    """Free play of a shaft, fitted together with all errors that are significant.
 
     shaft : "input" or "output".
-    width : of the play, as an angle of that shaft [rad]. Below zero the output leads, as it does
-        where the input's encoder itself has play.
-    standard_error : of the width [rad].
-    p_value : probability that independent normal errors show as much (F test).
+    width : width of the play, as an angle of that shaft [rad]. If it is negative, the output
+        leads, as it does if the input's encoder is loose.
+    standard_error : standard error of the width [rad].
+    p_value : probability that independent normal errors cause this width or more (F test).
     """
 
     shaft: str
@@ -34,21 +34,21 @@ class Backlash(NamedTuple):
 
 
 def with_play(angle: FloatArray, width: float) -> FloatArray:
-    """Angle of a shaft behind a free play, whose middle it begins in [rad]."""
+    """Angle of a shaft that is driven through a free play, beginning in its middle [rad]."""
     play = 0.5 * width
     followed = accumulate(angle.tolist(), lambda at, end: min(max(at, end - play), end + play))
     return np.array([*followed])
 
 
 def lag(angle: FloatArray, width: float) -> FloatArray:
-    """What a shaft leads by over the free play, from -1/2 to 1/2, shape (n,) [-]."""
+    """By how much a shaft leads, as a share of its free play, -1/2 to 1/2, shape (n,) [-]."""
     return np.asarray((with_play(angle, width) - angle) / width)
 
 
 def first_engaged(share: FloatArray) -> int | None:
-    """Where a shaft has first come to an end of its play: where it is before, nothing tells.
+    """First sample at which a shaft is at an end of its play; before it the place is unknown.
 
-    None where samples at both ends are too few to tell the width.
+    None if there are too few samples at both ends to fit the width.
     """
     ends = share > 0.499, share < -0.499
     if min(map(np.count_nonzero, ends)) < _ENGAGED:
@@ -57,7 +57,7 @@ def first_engaged(share: FloatArray) -> int | None:
 
 
 def first_width(angle: FloatArray, errors: FloatArray, slope: float) -> float:
-    """A width to begin with, which errors allow: rather too wide than too narrow [rad]."""
+    """A first estimate of the width from the size of the errors, rather too wide [rad]."""
     room = _ROOM * float(np.ptp(angle))
     return min(_WIDE * float(errors.std()) / slope, room) if slope > 0.0 else room
 
@@ -65,5 +65,5 @@ def first_width(angle: FloatArray, errors: FloatArray, slope: float) -> float:
 def next_width(found: tuple[float, float, float], last: float) -> float:
     """The width for the next fit from amplitude, standard error and p-value of this one."""
     width = max(abs(found[0]), 3.0 * found[1])
-    # one that is not told keeps its last width
+    # a width that could not be fitted stays as it was
     return width if math.isfinite(width) and width > 0.0 else last

@@ -20,9 +20,11 @@ class BeatLine(NamedTuple):
     frequency : cycles a turn of the driver [-].
     culprit : "pins" if it repeats every turn of the driver, "slots" if it repeats every turn of
         the follower, "pins or slots" if both, and "pairs" if neither.
-    amplitude : of the sinusoid, or half the difference of two sides if it only alternates [s].
-    standard_error : of the amplitude, NaN without a second round to estimate the noise [s].
-    p_value : probability that noise alone causes such an amplitude; NaN in the same case.
+    amplitude : amplitude of the sinusoid; half the difference of the two values if beats only
+        alternate [s].
+    standard_error : standard error of the amplitude, NaN if no pair of pin and slot was measured
+        twice, so that the noise is unknown [s].
+    p_value : probability that noise alone causes this amplitude or more; NaN in the same case.
     """
 
     frequency: float
@@ -34,11 +36,11 @@ class BeatLine(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class BeatSpectrum:
-    """Lines of beats, by their frequency.
+    """Spectrum of beats.
 
-    lines : all lines that the pattern can have, except the mean.
-    mean : beat [s].
-    rounds : the beats.
+    lines : all lines that the pattern can have, except the mean, by their frequency.
+    mean : mean beat [s].
+    rounds : the measured beats.
     """
 
     lines: tuple[BeatLine, ...]
@@ -70,7 +72,7 @@ def beat_spectrum(beats: ArrayLike, mechanism: Mechanism) -> BeatSpectrum:
     rounds, pins = rounds_of(beats, wheel), wheel.pins or 1
     size, mean = rounds.pattern, float(rounds.means.mean())
     within = rounds.samples - size
-    # of the amplitudes along and across, for independent noise of each beat
+    # standard deviation of a beat's noise, which is taken to be independent
     noise = math.sqrt(rounds.scatter / within) if within > 0 else math.nan
     lines = []
     for k in range(1, size // 2 + 1):

@@ -47,7 +47,7 @@ class BeatFit:
         Estimates [rad]; NaN if pins and slots cannot be distinguished. For a slot with only
         bounds, the middle of its interval.
     pin_half_widths, slot_half_widths : ndarray, shapes (m,) and (n,)
-        Of the intervals [rad].
+        Half the widths of the intervals [rad].
     combinations : tuple of Combination
         Other angles that are determined; empty if all single errors are.
     rate, rate_half_width : float
@@ -62,7 +62,7 @@ class BeatFit:
         Probability that noise alone causes such a difference of the mean beats and `computed`;
         NaN if this cannot be judged.
     confidence : float
-        Of the intervals.
+        Confidence level of the intervals [-].
     message : str
         Warnings about these figures, "" if there are none.
     """
@@ -117,7 +117,7 @@ def fit_beats(
     parts : str
         Which of them may have errors: "both", "pins" or "slots".
     confidence : float
-        Of the intervals, in (0, 1).
+        Confidence level of the intervals, in (0, 1) [-].
 
     Returns
     -------

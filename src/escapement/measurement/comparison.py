@@ -1,4 +1,4 @@
-"""The comparison of readings with theory: errors, and what they tell."""
+"""The comparison of readings with theory: errors, their statistics and their causes."""
 
 import math
 from dataclasses import dataclass, field
@@ -27,19 +27,19 @@ from escapement.measurement.verdict import Verdict, remarks_on, verdict_on
 from escapement.mechanism import FloatArray, Mechanism
 
 special = Lazy("scipy.special")
-_EXPECTED = 5  # the chi-squared law needs so many errors in a class on average
+_EXPECTED = 5  # the chi-squared distribution holds for so many errors in a class on average
 
 
 @dataclass(frozen=True, eq=False)
 class Measurement:
-    """Errors of measured positions, and what they tell.
+    """Errors of measured positions, their statistics and their causes.
 
     Attributes
     ----------
     mechanism, readings, encoder, confidence :
         As given to `measure`.
     input, output : ndarray, shape (n,)
-        Complete samples, the input counting on [rad].
+        The samples in which both were read; the input grows over the turns [rad].
     fit : Fit
         Zeros of the encoders, theory, errors and transmission at each sample.
     bins : int
@@ -62,17 +62,17 @@ class Measurement:
 
     @cached_property
     def mean(self) -> float:
-        """Mean error [rad]; zero but for rounding where the offset was fitted."""
+        """Mean error [rad]; zero except for rounding if the offset was fitted."""
         return float(self.errors.mean())
 
     @cached_property
     def standard_deviation(self) -> float:
-        """Standard deviation of the errors about their mean, n - 1 [rad]."""
+        """Standard deviation of the errors about their mean, with divisor n - 1 [rad]."""
         return float(self.errors.std(ddof=1))
 
     @cached_property
     def histogram(self) -> normality.Histogram:
-        """Errors in classes of equal width, and what a normal law expects."""
+        """Numbers of errors in classes of equal width, found and expected of normal errors."""
         return normality.histogram(self.errors, self.bins)
 
     @cached_property
@@ -84,7 +84,7 @@ class Measurement:
     def chi_squared_test(self) -> normality.NormalityTest:
         """Normality by a chi-squared test that keeps its level; see `chi_squared`.
 
-        With the same number of classes, or as many as leave five errors in each.
+        It uses the same number of classes, or fewer, so that five errors are expected in each.
         """
         return normality.chi_squared(self.errors, min(self.bins, self.errors.size // _EXPECTED))
 
@@ -95,17 +95,17 @@ class Measurement:
 
     @property
     def interval(self) -> tuple[float, float]:
-        """Where a normal law with this mean and deviation has its errors [rad].
+        """Interval that contains the share `confidence` of normal errors [rad].
 
-        mean -+ m sd with Phi(m) - Phi(-m) = confidence, the paper's eq. 19 and
-        there called the confidence interval of the mean, which it is not.
+        mean -+ m sd with Phi(m) - Phi(-m) = confidence, eq. 19 of the paper. The paper calls it
+        the confidence interval of the mean, which is `mean_interval`.
         """
         half = special.ndtri(0.5 + 0.5 * self.confidence) * self.standard_deviation
         return self.mean - float(half), self.mean + float(half)
 
     @property
     def mean_interval(self) -> tuple[float, float]:
-        """Confidence interval of the mean error, by Student's law [rad]."""
+        """Confidence interval of the mean error, by Student's distribution [rad]."""
         n, deviation = self.errors.size, self.standard_deviation
         half = special.stdtrit(n - 1, 0.5 + 0.5 * self.confidence) * deviation / math.sqrt(n)
         return self.mean - float(half), self.mean + float(half)
@@ -128,10 +128,7 @@ class Measurement:
 
     @property
     def rest_autocorrelation(self) -> float:
-        """`autocorrelation` of what phase, offset, shaft errors and backlash leave [-].
-
-        Of the latter two what is significant.
-        """
+        """`autocorrelation` after all significant shaft errors and backlash are removed [-]."""
         return self._found.correlation
 
     @cached_property
@@ -151,12 +148,12 @@ class Measurement:
 
     @cached_property
     def verdict(self) -> Verdict:
-        """Whether it is good, what is wrong, and with which shaft."""
+        """Whether the mechanism is good, what is wrong with it, and on which shaft."""
         return verdict_on(self)
 
     @cached_property
     def message(self) -> str:
-        """What a reader of these figures must know beside, "" where there is nothing."""
+        """Warnings that a user of these figures must know, "" if there are none."""
         return "; ".join(remarks_on(self))
 
 
@@ -182,25 +179,25 @@ def measure(
         Number of classes, >= 4, or a rule: "sturges", "scott",
         "freedman-diaconis" or "square-root".
     confidence : float
-        Of the intervals, in (0, 1).
+        Share of the errors, or level of the mean's interval, for both intervals, in (0, 1) [-].
     encoder : Encoder, optional
-        Data sheet of the encoders, both alike: adds what they explain.
+        Data of the encoders, which are equal; with it the result has `sensor_share`.
     zeros : (float, float), optional
-        Phase and offset where they are known [rad]: driver angle from dead centre
+        Phase and offset if they are known [rad]: driver angle from dead centre
         at which the input reads zero, and reading of the output at follower angle
-        zero. Default: fitted, which makes the mean error zero.
+        zero. Default: both are fitted, which makes the mean error zero.
 
     Returns
     -------
     Measurement
-        The fit at once; statistics when they are asked for.
+        Its fit is computed at once, its statistics when they are read.
 
     Raises
     ------
     InvalidValue
-        When an argument breaks its rule, or the errors are all the same.
+        If an argument breaks its rule, or all errors are equal.
     MissingInput, InputFileError
-        When the file is not there, or cannot be understood.
+        If the file does not exist, or cannot be understood.
 
     Source: Prikhodko (2020), section 3.
     """
@@ -222,10 +219,11 @@ def measure(
     starts = (0.0,) if known is None else dict.fromkeys([0.0, turns * TURN])
     fits = [(fit_zeros(mechanism, angle + start, output, known), angle + start) for start in starts]
     found, angle = min(fits, key=lambda tried: tried[0].errors @ tried[0].errors)
-    # errors that rounding alone makes are no measurement
+    # errors as small as rounding come from computed angles
     if not np.ptp(found.errors) > 1e-13 * max(1.0, float(np.abs(output).max())):
         raise InvalidValue(
-            "readings must differ from theory in some way, got theory itself; give measured ones"
+            "readings must be measured, got angles that equal theory to all digits; give the "
+            "angles that the encoders showed"
         )
     count = normality.class_count(found.errors, bins)
     return Measurement(mechanism, taken, encoder, share, count, angle, output, found)

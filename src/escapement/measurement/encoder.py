@@ -1,4 +1,4 @@
-"""Encoders: the errors in their data sheet, and readings that two of them would give."""
+"""Encoders: their errors according to the data sheet, and synthetic readings of two of them."""
 
 import math
 from dataclasses import dataclass
@@ -12,19 +12,19 @@ from escapement.measurement.fit import position
 from escapement.measurement.readings import FARTHEST, LEAST_SAMPLES, TURN, WITHIN, Readings
 from escapement.mechanism import FloatArray, Mechanism, checked
 
-_HARMONICS = range(2, 6)  # an error once a turn is that of eccentricity
+_HARMONICS = range(2, 6)  # an error that repeats once a turn is left to the eccentricity
 
 
 @dataclass(frozen=True)
 class Encoder:
-    """An absolute angle sensor, one of its kind on each shaft.
+    """An absolute angle sensor; both shafts have one of this type.
 
     Parameters
     ----------
     resolution : int
-        Counts a turn, >= 2; an angle is rounded to the next one.
+        Counts in a turn, >= 2; an angle is rounded to the nearest count.
     linearity : float
-        Greatest deviation from a straight line as a share of a turn [-], >= 0.
+        Greatest deviation from a straight line as a share of a turn [-], >= 0 and < 0.5.
 
     Source: Prikhodko (2020), Table 1: 4096 and 0.3 %.
     """
@@ -33,7 +33,7 @@ class Encoder:
     linearity: float = 0.0
 
     def __post_init__(self) -> None:
-        counts = validate.integer("resolution", self.resolution, 2, "give the counts of a turn")
+        counts = validate.integer("resolution", self.resolution, 2, "give the counts in a turn")
         remedy = "give a share of a turn, 0.003 for 0.3 %"
         share = validate.non_negative("linearity", self.linearity, remedy)
         if share >= 0.5:
@@ -47,21 +47,21 @@ class Encoder:
 
     @property
     def greatest_deviation(self) -> float:
-        """Angle the linearity allows, to either side [rad]."""
+        """Greatest error that the linearity allows, in either direction [rad]."""
         return TURN * self.linearity
 
 
 class SensorShare(NamedTuple):
-    """Errors of the position function that the encoders alone explain [rad].
+    """Errors of the position function that the encoders alone can cause [rad].
 
-    An input encoder's error reaches the output multiplied by the transmission g.
-    Within its limits every error is taken to be as likely as any other, so a limit
-    of h has the standard uncertainty h/sqrt(3) (JCGM 100, 4.3.7).
+    An error of the input's encoder reaches the output multiplied by the transmission g.
+    All errors within a limit h are assumed to be equally likely, so the standard
+    uncertainty is h/sqrt(3) (JCGM 100, 4.3.7).
 
     output_resolution, input_resolution, output_linearity, input_linearity : root
         mean square of each contribution over the samples.
-    standard : all four together.
-    bound : greatest error they can make at the sample where g is greatest.
+    standard : root of the sum of their squares.
+    bound : greatest error that all together can cause, at the sample where g is greatest.
     """
 
     output_resolution: float
@@ -75,8 +75,8 @@ class SensorShare(NamedTuple):
 def sensor_share(encoder: Encoder, slope: FloatArray) -> SensorShare:
     """Contribution of the encoders at samples with the transmission `slope` [-].
 
-    To first order in the input's error: through a stop, where g = 0, the second
-    order remains and is left out.
+    It is of first order in the input's error: terms of second order, which remain where g = 0,
+    are left out.
     """
     limits = 0.5 * encoder.quantum, encoder.greatest_deviation
     through = math.sqrt(float(np.mean(slope * slope)))
@@ -87,13 +87,13 @@ def sensor_share(encoder: Encoder, slope: FloatArray) -> SensorShare:
 
 
 def sensor_uncertainty(encoder: Encoder, slope: FloatArray) -> FloatArray:
-    """Standard uncertainty of the error at each sample, both encoders [rad]."""
+    """Standard uncertainty of the error at each sample, from both encoders [rad]."""
     one = math.hypot(0.5 * encoder.quantum, encoder.greatest_deviation) / math.sqrt(3.0)
     return one * np.hypot(1.0, slope)
 
 
 def check_drive(mechanism: Any, encoder: Any) -> None:
-    """Refuse what is no mechanism, and what is no encoder and not None."""
+    """Raise InvalidValue unless these are a mechanism, and an encoder or None."""
     checked(mechanism)
     if encoder is not None and not isinstance(encoder, Encoder):
         raise validate.fail("encoder", "an Encoder", encoder, "give Encoder(4096, 0.003)")
@@ -102,7 +102,7 @@ def check_drive(mechanism: Any, encoder: Any) -> None:
 def checked_zeros(zeros: Any) -> tuple[float, float]:
     """Phase and offset, the zeros of two encoders [rad]."""
     if not hasattr(zeros, "__len__") or len(zeros) != 2:
-        remedy = "give both, or leave it out"
+        remedy = "give both angles, or leave zeros out"
         raise validate.fail("zeros", "a phase and an offset in rad", zeros, remedy)
     for name, angle in zip(("phase", "offset"), zeros, strict=True):
         if abs(validate.number(name, angle, "give an angle in rad")) > FARTHEST:
@@ -128,7 +128,7 @@ def synthetic_readings(
     sense: int = 1,
     missing: float = 0.0,
 ) -> Readings:
-    """Synthetic readings of a drive whose input turns evenly, one way or there and back.
+    """Synthetic readings of a drive whose input turns at constant speed.
 
     Parameters
     ----------
@@ -137,37 +137,38 @@ def synthetic_readings(
     seed : int
         The same seed gives the same readings.
     samples : int
-        How many, >= 20.
+        Number of samples, >= 20.
     turns : float
-        Of the input; negative ones turn it back.
+        Turns of the input; it turns backwards if they are negative.
     encoder : Encoder, optional
-        Its linearity gives each shaft a smooth error with two to five periods a
-        turn and that greatest value; its resolution rounds readings, which then
-        start again each turn. Default: neither.
+        Its linearity gives each shaft a smooth error with two to five periods a turn and the
+        greatest value that it allows; its resolution rounds the readings, which then start
+        again at zero each turn. Default: readings without errors of encoders.
     noise : float
         Standard deviation of independent normal errors of the output [rad].
     input_eccentricity, output_eccentricity : float
-        Amplitude of an error once a turn of the shaft [rad].
+        Amplitude of an error that repeats once a turn of the shaft [rad].
     backlash, input_backlash : float
         Free play of the output, and of the input behind its encoder [rad].
     both_ways : bool
-        Whether the input turns back after so many turns, to where it began.
+        Whether the input turns back to its first angle after `turns`, in the second half of the
+        samples.
     phase, offset : float
         Zeros of the encoders, as in `measure` [rad].
     sense : int
-        1, or -1 for an output encoder that counts the other way.
+        1, or -1 for an output encoder whose readings fall while the input's grow.
     missing : float
-        Share of the samples in which the output is not there [-], below 1.
+        Share of the samples without a reading of the output [-], below 1.
 
     Returns
     -------
     Readings
-        Marked as synthetic.
+        They are marked as synthetic.
 
     Raises
     ------
     InvalidValue
-        When an argument breaks its rule.
+        If an argument breaks its rule.
     """
     check_drive(mechanism, encoder)
     start, zero = checked_zeros((phase, offset))
@@ -203,7 +204,7 @@ def synthetic_readings(
 def _shaft(
     random: np.random.Generator, angle: FloatArray, eccentricity: float, deviation: float
 ) -> FloatArray:
-    """Error of a shaft: once a turn, and a smooth one of known greatest value."""
+    """Error of a shaft: one that repeats once a turn, and a smooth one with a greatest value."""
     start = random.uniform(0.0, TURN)
     weights = random.standard_normal((len(_HARMONICS), 2)) @ [1.0, -1.0j]
 
@@ -215,5 +216,5 @@ def _shaft(
 
 
 def _digital(angle: FloatArray, encoder: Encoder) -> FloatArray:
-    """Nearest count, from zero on in each turn."""
+    """Nearest count, which starts again at zero in each turn, as an angle [rad]."""
     return encoder.quantum * np.mod(np.round(angle / encoder.quantum), encoder.resolution)

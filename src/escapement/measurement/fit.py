@@ -1,7 +1,7 @@
 """Position function over any number of cells, and the fit of readings to it.
 
-Nobody can set the zeros of two encoders exactly, so least squares finds the phase and the
-offset of  sense * phi(input + phase) + offset,  the model of the output's reading.
+The zeros of two encoders cannot be set exactly. Therefore the output's reading is modelled as
+sense * phi(input + phase) + offset,  and least squares finds the phase and the offset.
 """
 
 import math
@@ -20,17 +20,16 @@ from escapement.mechanisms.slotted import transmission
 optimize = Lazy("scipy.optimize")
 _START_SAMPLES = 1000
 _START_PHASES = 120
-# the fit is over where a step changes phase or sum of squares by such a share
+# the fit ends if a step changes the phase or the sum of squares by such a share
 _NEAR = dict.fromkeys(("ftol", "xtol", "gtol"), 1e-12)
 Zeros = tuple[int, float, float]
 _GOLDEN = 0.5 * (5.0**0.5 - 1.0)
 
 
 def spread_samples(count: int, most: int) -> np.ndarray:
-    """Indices of at most `most` of `count` samples, in step with no period of theirs.
+    """Indices of at most `most` of `count` samples, spread evenly but without a period.
 
-    Every tenth sample of an even motion could always meet the same pin; steps of the
-    golden ratio cannot.
+    Every tenth sample could always show the same pin; steps of the golden ratio cannot.
     """
     if count <= most:
         return np.arange(count)
@@ -52,7 +51,7 @@ def position(mechanism: Mechanism, theta: FloatArray) -> FloatArray:
     phi = np.empty_like(theta)
     for part in blocks(theta.size):
         cell, local = _split(mechanism, theta[part])
-        # rounding may have moved the angle out of the cell by a hair
+        # rounding may have moved the angle out of the cell
         local = np.clip(local, mechanism.breaks[0], mechanism.breaks[-1])
         phi[part] = mechanism.follower_angle(local) + cell * mechanism.follower_step
     return phi
@@ -61,9 +60,9 @@ def position(mechanism: Mechanism, theta: FloatArray) -> FloatArray:
 def slope(mechanism: Mechanism, theta: FloatArray) -> FloatArray:
     """Transmission g = dphi/dtheta at driver angles over any number of cells [-].
 
-    Zero in the dwell.
+    It is zero in the dwell.
     """
-    # a follower that turns back has no path, only a transmission of its own
+    # a follower that turns back has no pin's path, but a method for its transmission
     read = getattr(mechanism, "transmission", None) or partial(transmission, mechanism.path)
     g, exit_ = np.empty_like(theta), mechanism.breaks[-1]
     for part in blocks(theta.size):
@@ -80,17 +79,18 @@ def _split(mechanism: Mechanism, theta: FloatArray) -> tuple[FloatArray, FloatAr
 
 @dataclass(frozen=True, eq=False)
 class Fit:
-    """Zeros of the encoders and what remains of the readings.
+    """Zeros of the encoders, and the errors of the readings.
 
     phase : driver angle from dead centre where the input reads zero [rad].
     offset : reading of the output where the follower angle is zero [rad].
-    phase_error, offset_error : their standard errors if the errors are independent
-        of each other [rad]; 0 where they were given, NaN where the readings do not
-        tell: the output never changes its speed.
-    sense : 1 where the output counts up while the driver does, else -1.
-    theory : output the mechanism should have shown, shape (n,) [rad].
+    phase_error, offset_error : their standard errors if the errors of the samples are
+        independent of each other [rad]. They are 0 if the zeros were given, and NaN if the
+        output turns at a constant ratio, so that the readings do not determine the phase.
+    sense : 1 if the readings of both encoders grow together, -1 if one grows while the other
+        falls.
+    theory : reading of the output that the mechanism should give, shape (n,) [rad].
     errors : measured less theory, shape (n,) [rad].
-    slope : rate of theory over input, shape (n,) [-].
+    slope : derivative of theory by input, shape (n,) [-].
     """
 
     phase: float
@@ -104,9 +104,10 @@ class Fit:
 
 
 class _Task(NamedTuple):
-    """What is to be fitted; the input counts on, the output may start again each turn.
+    """The readings to be fitted. The input grows over the turns.
 
-    Zeros are a sense, a phase and an offset, the latter two in rad.
+    Zeros are a sense, a phase and an offset, the latter two in rad. `wraps` says whether the
+    output starts again at zero each turn.
     """
 
     mechanism: Mechanism
@@ -115,20 +116,20 @@ class _Task(NamedTuple):
     wraps: bool
 
     def residual(self, sense: int, phase: float, offset: float) -> FloatArray:
-        """Output less theory; of an output that starts again, the nearest."""
+        """Output less theory, to the nearest turn if the output starts again each turn."""
         rest = self.output - sense * position(self.mechanism, self.input + phase) - offset
         if self.wraps:
             rest -= TURN * np.round(rest / TURN)
         return rest
 
     def squares(self, zeros: Zeros) -> float:
-        """How badly these zeros fit: the sum of the squares they leave."""
+        """Sum of the squared errors with these zeros."""
         return float(np.square(self.residual(*zeros)).sum())
 
     def improved(self, zeros: Zeros) -> Zeros:
-        """Zeros nearby that leave the least squares, by Levenberg's and Marquardt's method.
+        """Zeros nearby with the least sum of squares, by Levenberg and Marquardt's method.
 
-        The offset is the one that makes the mean error zero, so the phase alone is sought.
+        The offset follows from the phase, because it makes the mean error zero.
         """
         sense, start, offset = zeros
 
@@ -138,7 +139,7 @@ class _Task(NamedTuple):
         def rate(at: FloatArray) -> FloatArray:
             return -sense * _centred(slope(self.mechanism, self.input + at[0]))[:, None]
 
-        # an even output has no rate beyond rounding, and keeps its phase
+        # if the output turns at a constant ratio, the rate is only rounding: the phase stays
         found = optimize.least_squares(rest, start, rate, method="lm", **_NEAR)
         phase = float(found.x[0])
         return sense, phase, offset + float(self.residual(sense, phase, offset).mean())
@@ -146,8 +147,8 @@ class _Task(NamedTuple):
     def starts(self) -> Iterator[Zeros]:
         """For each sense the best phase on a grid over one cell.
 
-        The mean direction of the residuals on a circle tells the offset, and its length
-        how well they agree, whether the turns of the output are counted or not.
+        The residuals are points on a circle. The direction of their mean is the offset, and its
+        length says how well they agree, whether the turns of the output are counted or not.
         """
         phases = np.arange(_START_PHASES) / _START_PHASES * self.mechanism.cell_angle
         angles = np.add.outer(phases, self.input)
@@ -171,10 +172,10 @@ def fit_zeros(
     mechanism : Mechanism
         Geometry.
     angle, output : ndarray, shape (n,)
-        Readings [rad]; the input counts on, and so does the output unless it stays within
-        a turn.
+        Readings [rad]; the input grows over the turns, and so does the output unless it stays
+        within a turn.
     zeros : (float, float), optional
-        Phase and offset where they are known [rad].
+        Phase and offset if they are known [rad].
     """
     task = _Task(mechanism, angle, output, wraps(output))
     if zeros is None:
@@ -199,7 +200,7 @@ def _standard_errors(g: FloatArray, errors: FloatArray) -> tuple[float, float]:
     """Standard errors of phase and offset, from the inverse of the normal equations."""
     varying = _centred(g)
     spread = float(varying @ varying)
-    # rounding alone: the output turns evenly, and no phase can be told
+    # the output turns at a constant ratio except for rounding: no phase can be found
     if spread <= 1e-12 * float(g @ g):
         return math.nan, math.nan
     variance = float(errors @ errors) / (g.size - 2)

@@ -1,7 +1,7 @@
-"""A measured run-up against a simulated motion: speeds, and the numbers of the model behind them.
+"""Fit of a simulated motion to a measured run-up.
 
-Recorded is the driver angle over time from rest at pin entry. Speeds alone tell ratios of torques
-and inertias, so at least one of these is held as given.
+The readings give the driver angle over time, from rest at pin entry. A motion depends on torques
+and inertias only through their ratios, so at least one of them must be known.
 """
 
 import math
@@ -28,44 +28,44 @@ from escapement.torque_curve import TorqueCurve
 from escapement.units import SYSTEMS, printed
 
 optimize, special = Lazy("scipy.optimize"), Lazy("scipy.special")
-_SHARES = (1.0, 0.5, 2.0, 0.7, 1.4)  # of the numbers given, from which the search may begin
-_CELLS = 10_000  # of longer recordings the first cells tell where to begin
-_MOVING = 0.02  # before such a share of the travel noise hides the time of an angle
+_SHARES = (1.0, 0.5, 2.0, 0.7, 1.4)  # the search tries to begin at these multiples of each number
+_CELLS = 10_000  # where the search begins is computed from at most this many cells
+_MOVING = 0.02  # below this share of the travel, noise hides the time at which an angle is reached
 _STEP = 1e-4  # share of a number by which it is changed for a derivative
 _EXACT = {"xtol": 1e-9, "ftol": 1e-12, "gtol": 1e-12, "max_nfev": 60}
-_SINGULAR = (
-    1e-4  # of directions of the unknowns, one that acts less than this share acts not at all
-)
-_INVOLVED = 0.1  # a number with a smaller share in such a direction is not to blame
-_ALIKE = 0.05  # a smaller correlation of neighbours spoils no interval
+# a combination of unknowns with a smaller effect, relative to the strongest, is not determined
+_SINGULAR = 1e-4
+_INVOLVED = 0.1  # numbers with a smaller share in such a combination are not named in the message
+_ALIKE = 0.05  # a smaller correlation of neighbouring residuals hardly changes an interval
 
 
 @dataclass(frozen=True, eq=False)
 class MotionFit:
-    """A motion that explains a measured one.
+    """The simulated motion that is nearest to a measured one.
 
     Attributes
     ----------
     escapement : Escapement
-        What was given, with the numbers that were found.
+        The given escapement with the fitted numbers.
     parameters : tuple of str
-        Names of the numbers that were fitted; all others are held as given.
+        Names of the numbers that were fitted; all others keep their given values.
     values, half_widths : ndarray, shape (m,)
-        What was found, and half of each interval, in SI.
+        Estimates, and half the widths of their confidence intervals, in SI units.
     confidence : float
-        Of the intervals.
+        Confidence level of the intervals [-].
     start : float
         Time of the release from rest [s].
     time, residuals : ndarray, shape (n,)
-        Samples that count [s], and measured less computed driver angle [rad].
+        Times of the samples that were used [s], and measured less computed driver angle [rad].
     noise : float
         Standard deviation of the residuals [rad].
     mid_time, speeds, computed_speeds : ndarray, shape (n - 1,)
-        Mean driver speeds between neighbouring samples, as measured and of the motion [rad/s].
+        Middle of each interval between two samples [s], and the mean driver speed in it, measured
+        and computed [rad/s].
     autocorrelation : float
-        Of each residual with the next one [-].
+        Correlation of each residual with the next one [-].
     message : str
-        What a reader of these figures must know, "" where there is nothing.
+        What a user of these numbers must know, "" if there is nothing.
     """
 
     escapement: Escapement
@@ -85,12 +85,12 @@ class MotionFit:
 
     @property
     def explained(self) -> bool:
-        """Whether the residuals are noise, whose neighbours do not depend on each other."""
+        """Whether neighbouring residuals are independent of each other, as noise is."""
         return self.autocorrelation <= max(3.3 / math.sqrt(self.residuals.size), _ALIKE)
 
     @property
     def verdict(self) -> Verdict:
-        """Whether the motion is that of the model, and what was found."""
+        """Whether the model explains the motion, and the estimates with their intervals."""
         found = [
             f"{words(name)} {value:.4g} ({100.0 * self.confidence:g} % interval "
             f"{value - half:.4g} to {value + half:.4g}{_unit(name)})"
@@ -98,14 +98,14 @@ class MotionFit:
                 self.parameters, self.values, self.half_widths, strict=True
             )
         ]
-        told = f" with {' and '.join(found)}, all else held as given" if found else ""
+        told = f" with {' and '.join(found)}; all other numbers are as given" if found else ""
         if self.explained:
-            return Verdict(True, f"The motion is that of the model{told}.")
+            return Verdict(True, f"The model explains the motion{told}.")
         return Verdict(
             False,
-            f"The model does not explain the motion, even{told}."
+            f"The model does not explain the motion, not even{told}."
             if found
-            else "The motion is not that of the model.",
+            else "The model does not explain the motion.",
         )
 
 
@@ -116,32 +116,38 @@ def fit_motion(
     *,
     confidence: float = 0.95,
 ) -> MotionFit:
-    """Find numbers of an escapement from a measured run-up, with confidence intervals.
+    """Fit numbers of an escapement to a measured run-up.
 
     Parameters
     ----------
     readings : Readings
-        With times; of the angles the input's count alone. The driver stands at pin entry until
-        it is released, in the first sample or later.
+        Times and angles of the input; the angles of the output are not used. The driver stands at
+        pin entry until it is released, at the first sample or later.
     escapement : Escapement
-        The design. Its numbers are held, those to be found being where the search begins, > 0.
+        The design. The search begins at its values of `parameters`, which must be above 0, and
+        keeps all its other numbers.
     parameters : sequence of str
-        Names of what is to be found, as studies have them: "friction", "torque",
-        "driver_inertia", .. Those that cannot be told apart are refused. None: the motion is
-        compared as it is.
+        Names of the numbers to be fitted, as in a study: "friction", "torque", "driver_inertia",
+        .. If it is empty, the given escapement is compared with the readings.
     confidence : float
-        Of the intervals, in (0, 1).
+        Confidence level of the intervals, in (0, 1) [-].
+
+    Returns
+    -------
+    MotionFit
+        The estimates, their intervals and the residuals.
 
     Raises
     ------
     InvalidValue
-        When an argument breaks its rule, the escapement does not run, or the motion cannot tell
-        the numbers apart.
+        If an argument breaks its rule, the escapement does not run, or the motion depends only on
+        a combination of the numbers, as it does on the ratio of torque and inertia.
 
     Notes
     -----
-    Least squares of the driver angle, with the time of the release and the zero of the encoder
-    unknown. The noise of each sample is taken to be normal and independent of the others.
+    The fit minimises the sum of the squared residuals of the driver angle; the time of the release
+    and the zero of the encoder are unknowns too. The intervals come from the fit linearised at its
+    solution, for normal noise that is independent from sample to sample.
     """
     task = _task(readings, escapement, tuple(parameters))
     share = validate.number("confidence", confidence, remedy := "give a share, as 0.95")
@@ -172,9 +178,12 @@ def fit_motion(
 
 @dataclass(frozen=True)
 class _Task:
-    """What is to be fitted; unknowns are the numbers as shares of those given, and the start [s].
+    """The problem of least squares.
 
-    time, angle : of the samples that count, shape (n,) [s, rad].
+    Its unknowns are the fitted numbers, divided by their given values, and the time of the release
+    [s].
+
+    time, angle : of the samples that are used, shape (n,) [s, rad].
     """
 
     escapement: Escapement
@@ -184,29 +193,29 @@ class _Task:
     angle: FloatArray
 
     def changed(self, unknowns: FloatArray) -> Escapement:
-        """The escapement with other numbers."""
+        """The escapement that belongs to the unknowns."""
         found = self.escapement
         for name, share in zip(self.parameters, unknowns, strict=False):
             found = with_number(found, name, float(share) * self.numbers[name])
         return found
 
     def motion(self, unknowns: FloatArray) -> Motion:
-        """From the release to the last sample."""
+        """The motion from the release to the last sample."""
         duration = max(float(self.time[-1] - unknowns[-1]), 1e-3 * float(np.ptp(self.time)))
         return simulation.simulate(self.changed(unknowns), duration=duration)
 
     def angles(self, unknowns: FloatArray) -> FloatArray:
-        """Driver angle at each sample, from pin entry on; before the release it stands."""
+        """Driver angle at each sample, counted from pin entry; before the release it is 0 [rad]."""
         motion = self.motion(unknowns)
         since = np.clip(self.time - unknowns[-1], 0.0, motion.end_time)
         return np.asarray(motion.at(since).theta)
 
     def residuals(self, unknowns: FloatArray) -> FloatArray:
-        """Measured less computed angle, with the zero that makes their mean zero [rad]."""
+        """Measured less computed angle, with the encoder's zero that makes their mean 0 [rad]."""
         try:
             return self.centred(self.angle - self.angles(unknowns))
         except InvalidValue:
-            # numbers without a motion explain none
+            # without a motion for these numbers, the computed angle counts as constant
             return self.centred(self.angle)
 
     @staticmethod
@@ -214,10 +223,10 @@ class _Task:
         return np.asarray(values - values.mean())
 
     def begin(self) -> FloatArray:
-        """Where the search begins: the best of some numbers about those given.
+        """Unknowns at which the search begins: the best of several near the given numbers.
 
-        A torque is a clock: of each motion a straight line through the measured times over its
-        own at the same angles tells the torque and the release.
+        The torque only changes the scale of time. A straight line through the measured times,
+        plotted over the computed times of the same angles, therefore gives torque and release.
         """
         cells = math.ceil(float(self.angle[-1]) / self.escapement.mechanism.cell_angle) + 1
         moving = self.angle > _MOVING * self.angle[-1]
@@ -245,22 +254,28 @@ class _Task:
             if rate > 0.0:
                 tries.append((miss, *trial, start))
         if not tries:
-            raise InvalidValue(f"escapement must run, to be fitted: {message}")
+            raise InvalidValue(
+                f"escapement must run to be fitted, got one that does not: {message}; change the "
+                "values of parameters, at which the search begins"
+            )
         return np.array(min(tries)[1:])
 
     def bounds(self) -> tuple[FloatArray, FloatArray]:
-        """Numbers are above zero, and the release is within the recording, or as long before."""
+        """Least and greatest unknowns: positive numbers, and a release during the recording.
+
+        The release may also come before it, by at most the length of the recording.
+        """
         count, span = len(self.parameters), float(np.ptp(self.time))
         low = np.array([*np.full(count, 1e-6), self.time[0] - span])
         return low, np.array([*np.full(count, np.inf), self.time[-1]])
 
     def check_told(self, slopes: FloatArray) -> None:
-        """Refuse numbers that this motion cannot tell apart."""
+        """Raise an error if these readings do not determine each of the numbers."""
         lengths = np.linalg.norm(slopes, axis=0)
         for name, length in zip(self.parameters, lengths, strict=False):
             if not length > _SINGULAR * _STEP:
                 raise InvalidValue(
-                    f"parameters must change the motion, got {name!r}, which does not; leave it out"
+                    f"parameters must affect the motion, got {name!r}, which does not; leave it out"
                 )
         _, sizes, directions = np.linalg.svd(slopes / lengths, full_matrices=False)
         if sizes[-1] < _SINGULAR * sizes[0]:
@@ -268,8 +283,9 @@ class _Task:
             named = zip(self.parameters, shares / shares.max(), strict=True)
             names = [name for name, part in named if part > _INVOLVED]
             raise InvalidValue(
-                f"parameters must be told apart by the motion, got {', '.join(names)}, of which it "
-                "tells ratios only; hold one of them as given"
+                "parameters must each be determined by the motion, got "
+                f"{', '.join(names)}, of which it shows only a combination; leave one of them out "
+                "and give its value in escapement"
             )
 
 
@@ -287,7 +303,7 @@ def _task(readings: Readings, escapement: Escapement, parameters: tuple[str, ...
             remedy = validate.nearest(name, numbers, f"for example {', '.join([*numbers][:4])}")
             raise validate.fail("parameters", "numbers of the escapement", name, remedy)
         if not numbers[name] > 0.0:
-            remedy = "give a guess to begin with"
+            remedy = "give an estimate, at which the search begins"
             raise validate.fail(name, "above 0 to be fitted", numbers[name], remedy)
     if len({*parameters}) < len(parameters):
         raise validate.fail("parameters", "different numbers", parameters, "name each once")
@@ -295,7 +311,7 @@ def _task(readings: Readings, escapement: Escapement, parameters: tuple[str, ...
     time, angle = readings.time[known], readings.counted_input[known]
     # an encoder may count against the driver, which never turns back
     angle = (angle - angle[0]) * (1.0 if angle[-1] > angle[0] else -1.0)
-    # of the samples at rest the last one tells all
+    # the last of the samples at rest says as much as all of them
     first = max(int(np.argmax(angle != 0.0)) - 1, 0)
     return _Task(escapement, parameters, numbers, time[first:], angle[first:])
 
@@ -307,14 +323,17 @@ def _unit(name: str) -> str:
 
 def _remarks(fit: MotionFit, readings: Readings) -> Iterator[str]:
     if readings.synthetic:
-        yield "synthetic data, computed and not measured"
+        yield "these are synthetic data, computed and not measured"
     if readings.remark:
         yield readings.remark
     for name, value, half in zip(fit.parameters, fit.values, fit.half_widths, strict=True):
         if half > 0.5 * value:
-            yield f"{name} is hardly told: its interval is as wide as itself; measure longer"
+            yield (
+                f"the readings hardly determine {name}: its interval is wider than its value; "
+                "measure longer"
+            )
     if not fit.explained:
         yield (
             f"neighbouring residuals are alike (correlation {fit.autocorrelation:.2f}): the model "
-            "does not explain the motion, and intervals are too narrow"
+            "does not explain the motion, and the intervals are too narrow"
         )

@@ -1,6 +1,6 @@
 """Are errors normally distributed? Classes of errors, and three tests.
 
-Sets of errors may be tested many at once: leading axes are sets. All tests assume
+Many sets of errors may be tested at once; they are the leading axes. All tests assume
 errors that are independent of each other.
 """
 
@@ -20,12 +20,13 @@ _MOST_CLASSES = 1000
 
 
 class Histogram(NamedTuple):
-    """Errors counted in k classes of equal width; leading axes: sets of errors.
+    """Numbers of errors in k classes of equal width; leading axes are sets of errors.
 
-    edges : of the classes, shape (..., k + 1) [rad].
-    observed : errors in each, shape (..., k).
-    expected : errors in each by the normal law with mean and standard deviation of the class
-        midpoints weighted by frequency, shape (..., k). Nothing is expected outside the classes.
+    edges : edges of the classes, shape (..., k + 1) [rad].
+    observed : number of errors in each class, shape (..., k).
+    expected : number of errors in each class expected of a normal distribution, shape (..., k).
+        Its mean and standard deviation are those of the class midpoints, weighted by `observed`.
+        What it expects outside the classes is left out.
     """
 
     edges: FloatArray
@@ -63,14 +64,14 @@ def class_count(errors: FloatArray, bins: int | str = "sturges") -> int:
     errors : ndarray, shape (n,)
         Errors, not all equal.
     bins : int or str
-        A number, or a rule: "sturges", rounded up; "scott" and
-        "freedman-diaconis", which fit the width to the spread; "square-root".
+        A number, or a rule whose result is rounded up: "sturges", "square-root", or "scott"
+        and "freedman-diaconis", which choose the width of a class by the spread of the errors.
 
     Raises
     ------
     InvalidValue
-        When the rule is unknown or the number below 4: two moments and the sum
-        leave such a test no degree of freedom.
+        If the rule is unknown or the number is below 4: such a test would have no degree of
+        freedom left.
     """
     if not isinstance(bins, str):
         remedy = "a chi-squared test needs 4 classes or more"
@@ -115,13 +116,13 @@ def counts(classes: np.ndarray, bins: int) -> np.ndarray:
 
 
 class NormalityTest(NamedTuple):
-    """A test of the hypothesis that errors follow a normal law.
+    """A test of the hypothesis that errors are normally distributed.
 
-    statistic : its value, the greater the less normal [-].
-    degrees_of_freedom : of the chi-squared law it is compared with; 0 where it is
-        compared with another.
+    statistic : value of the test's statistic; it is greater if the errors are less normal [-].
+    degrees_of_freedom : degrees of freedom of the chi-squared distribution with which the
+        statistic is compared; 0 if it is compared with another one.
     p_value : probability that normal errors give a statistic at least as great. It
-        is not the probability that the law is normal.
+        is not the probability that the errors are normal.
     """
 
     statistic: FloatArray
@@ -132,9 +133,9 @@ class NormalityTest(NamedTuple):
 def published_chi_squared(classes: Histogram) -> NormalityTest:
     """Pearson's test as in the paper, with bins - 1 - 2 degrees of freedom.
 
-    At a level of 5 % it rejects normal errors 1.6 to 4.6 times as often, in 11 of
-    100 cases with 148 errors in 9 classes: the errors themselves choose the
-    outermost classes, where next to nothing is expected. See `chi_squared`.
+    At a level of 5 % it rejects normal errors 1.6 to 4.6 times as often as it should, for
+    example in 11 of 100 cases with 148 errors in 9 classes. The reason is that the outermost
+    classes depend on the errors, and almost none are expected there. See `chi_squared`.
 
     Source: Prikhodko (2020), eqs. 15 and 16.
     """
@@ -149,11 +150,11 @@ def published_chi_squared(classes: Histogram) -> NormalityTest:
 def chi_squared(errors: ArrayLike, bins: int) -> NormalityTest:
     """Chi-squared test that keeps its level: Rao, Robson and Nikulin's.
 
-    Classes are equally probable under the law with the mean and standard deviation
-    of the sample. Taken from the errors and not from the counts, these two take up
-    less of Pearson's statistic than two degrees of freedom (Chernoff and Lehmann
-    1954). What they take up is known to first order and put back, so that
-    bins - 1 degrees remain.
+    The classes are equally probable for a normal distribution with the mean and standard
+    deviation of the sample. Because these two are computed from the errors and not from the
+    counts, they reduce Pearson's statistic by less than two degrees of freedom (Chernoff and
+    Lehmann 1954). The test adds this reduction, known to first order, to the statistic, which
+    then has bins - 1 degrees of freedom.
 
     Parameters
     ----------
@@ -193,7 +194,7 @@ def anderson_darling(errors: ArrayLike) -> NormalityTest:
     Returns
     -------
     NormalityTest
-        With A^2 as statistic; p below 3.7e-24 is given as that.
+        Its statistic is A^2. A p-value below 3.7e-24 is given as 3.7e-24.
 
     Source: D'Agostino and Stephens (1986), Goodness-of-fit techniques, table 4.9.
     """

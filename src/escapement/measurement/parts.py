@@ -55,7 +55,7 @@ class Parts:
     Parameters
     ----------
     escapement : Escapement
-        With a Geneva wheel, whose own angle errors are ignored.
+        The design, with a Geneva wheel; angle errors that the wheel has are ignored.
     pins, slots : bool
         Which of them may have errors.
     last : int

@@ -1,7 +1,7 @@
 """The generalised Lomb-Scargle periodogram, which looks for errors at any frequency.
 
-It has at each frequency the share of the variance that a sinusoid with a free mean explains, for
-samples at any angles.
+At each frequency it gives the share of the variance that a sinusoid with a free mean explains. The
+samples may be at any angles.
 """
 
 import math
@@ -16,25 +16,25 @@ from escapement.mechanism import FloatArray
 
 optimize, special = Lazy("scipy.optimize"), Lazy("scipy.special")
 MOST_TURNS = 1000.0
-"""Turns that a periodogram looks at; later ones tell nothing new of errors that come back."""
-_PER_TURN = 12.0  # this is the highest frequency unless the samples are fewer
-_FINE = 64  # a period of the highest frequency has so many nodes
+"""Greatest number of turns in a periodogram; more of them change an error that repeats little."""
+_PER_TURN = 12.0  # the highest frequency, unless there are too few samples
+_FINE = 64  # nodes of the grid in a period of the highest frequency
 _OVERSAMPLING = 6
 _SINGULAR = 4e-3  # the determinant is at most 1, and its error far below this
 
 
 @dataclass(frozen=True, eq=False)
 class Periodogram:
-    """Share of the variance of errors that comes back at a frequency.
+    """Share of the variance of errors that a sinusoid explains, at each frequency.
 
-    frequency : cycles a turn of the angle, ascending, shape (m,) [-].
-    power : share of the variance that a sinusoid explains, 0 to 1, shape (m,); NaN
-        where the samples cannot tell a sinusoid from its mean: below about a fifth of
-        a cycle over all of them, or where they lie at one phase or two opposite ones.
-    amplitude : of that sinusoid, shape (m,), in the unit of the errors; NaN likewise.
+    frequency : cycles in one turn of the angle, ascending, shape (m,) [-].
+    power : share of the variance that a sinusoid explains, 0 to 1, shape (m,). It is NaN
+        where the samples cannot separate a sinusoid from its mean: if they cover less than
+        about a fifth of its period, or lie at one phase or at two opposite ones.
+    amplitude : amplitude of that sinusoid, shape (m,), in the unit of the errors, or NaN.
     samples : number of errors.
-    turns : of the angle from the first of them to the last.
-    bandwidth : frequencies that can be told apart, W of Baluev (2008) [-].
+    turns : turns of the angle from the first error to the last.
+    bandwidth : number of independent frequencies, W of Baluev (2008) [-].
     """
 
     frequency: FloatArray
@@ -47,7 +47,7 @@ class Periodogram:
     def false_alarm_probability(self, power: ArrayLike) -> FloatArray:
         """Probability that white noise has a peak of at least `power` somewhere.
 
-        An upper bound, and close where it is small.
+        This is an upper bound; where it is small, it is close to the probability.
 
         Source: Baluev (2008), Mon. Not. R. Astron. Soc. 385, eqs. 5 and 6.
         """
@@ -60,7 +60,7 @@ class Periodogram:
         return np.asarray(-np.expm1(-many) + one * np.exp(-many))
 
     def level(self, probability: float) -> float:
-        """Power that white noise exceeds anywhere with a probability in (0, 1)."""
+        """Power that the greatest peak of white noise exceeds with a given probability."""
 
         def excess(power: ArrayLike) -> FloatArray:
             return self.false_alarm_probability(power) - probability
@@ -78,10 +78,10 @@ class Periodogram:
 
 
 def periodogram(angle: FloatArray, errors: FloatArray) -> Periodogram:
-    """Periodogram of errors over an angle that counts on.
+    """Periodogram of errors over an angle.
 
-    It reaches up to 12 cycles a turn, or half as many as there are samples a turn where
-    that is less. Of many samples over more than 1000 turns those of the first 1000 are used.
+    It reaches up to 12 cycles a turn, or up to half the number of samples a turn if that is
+    less. Of many samples over more than 1000 turns only those of the first 1000 are used.
 
     Parameters
     ----------
@@ -93,9 +93,8 @@ def periodogram(angle: FloatArray, errors: FloatArray) -> Periodogram:
     Returns
     -------
     Periodogram
-        Powers are accurate to 0.2 % of themselves at the highest frequency, and
-        better below: sums run over a fine grid of angles, in which each error is
-        shared between its neighbours.
+        Powers have a relative error of 0.2 % at the highest frequency and less at lower
+        ones, because each error is divided between two neighbours in a fine grid of angles.
 
     Source: Zechmeister and Kuerster (2009), Astron. Astrophys. 496, eqs. 4 to 16.
     """

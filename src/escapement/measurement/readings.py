@@ -1,4 +1,4 @@
-"""What two encoders read, sample by sample, with times where they are kept, and their files."""
+"""Readings of two encoders, sample by sample, with their times if known, and their files."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -16,10 +16,10 @@ from escapement.mechanism import FloatArray
 
 TURN = 2.0 * np.pi
 FARTHEST = 1e10 * TURN
-"""Angle beyond which a double soon no longer tells a thousandth of a degree [rad]."""
-WITHIN = "within 1e10 turns of zero, where a double tells a thousandth of a degree"
+"""Greatest angle; rounding of much greater ones is above a thousandth of a degree [rad]."""
+WITHIN = "within 1e10 turns of zero, so that rounding stays below a thousandth of a degree"
 LEAST_SAMPLES = 20
-"""Fewer leave nothing to test once a fit and the classes have taken their share."""
+"""Of fewer samples, too few degrees of freedom would be left for tests."""
 _SYNTHETIC = "# synthetic"
 _BLOCK = 1 << 17  # so many samples are worked on at once, which keeps temporary arrays small
 
@@ -32,22 +32,23 @@ class Readings:
     ----------
     input, output : array_like, shape (n,)
         Angles in the order in which they were taken [rad]; NaN or masked where a
-        reading is missing. A column that stays within one turn is taken for one that
-        starts again at zero each turn, any other as counting on.
+        reading is missing. If a column stays within one turn, it is taken to start again
+        at zero each turn; any other is taken to count over all turns.
     line : array_like of int, shape (n,), optional
         Line of each sample in its file. Default: 1, 2, ...
     synthetic : bool
         Whether the readings were computed and not measured.
     remark : str
-        A sentence that a reader of the figures must know.
+        A warning that becomes part of the message of each result.
     time : array_like, shape (n,), optional
-        When each sample was taken, increasing [s]. Beside times there may be no output: NaN.
+        When each sample was taken, increasing [s]. With times, all outputs may be NaN.
 
     Raises
     ------
     InvalidValue
-        When the columns do not match, hold infinite angles or ones beyond 1e10 turns,
-        have fewer than 20 complete samples, the input does not turn, or time does not increase.
+        If the columns have different lengths, contain infinite angles or ones beyond 1e10
+        turns, have fewer than 20 complete samples, the input does not turn, or time does not
+        increase.
     """
 
     input: FloatArray
@@ -81,16 +82,16 @@ class Readings:
 
     @cached_property
     def complete(self) -> np.ndarray:
-        """Where both readings are there: bool, shape (n,)."""
+        """Which samples have both readings: bool, shape (n,)."""
         return np.isfinite(self.input) & np.isfinite(self.output)
 
     @cached_property
     def counted_input(self) -> FloatArray:
-        """Input that counts on over turns, NaN where it is missing, shape (n,) [rad].
+        """Input that counts over all turns, NaN where it is missing, shape (n,) [rad].
 
-        Neighbouring samples are taken to be less than half a turn apart, the first to lie
-        within half a turn of zero. Across samples without an input the latter is taken to have
-        gone on at its usual pace meanwhile.
+        Neighbouring samples are assumed to be less than half a turn apart, and the first one less
+        than half a turn from zero. Where inputs are missing, the median step between neighbours
+        is assumed for them.
         """
         known = np.flatnonzero(np.isfinite(self.input))
         angle = self.input[known]
@@ -147,7 +148,7 @@ def _times(values: ArrayLike, lines: np.ndarray, where: str) -> FloatArray:
 
 
 def check_samples(count: int, size: int) -> None:
-    """Refuse readings with too few samples to tell anything."""
+    """Raise InvalidValue if there are too few complete samples."""
     if count < LEAST_SAMPLES:
         raise InvalidValue(
             f"readings must have at least {LEAST_SAMPLES} complete samples, got {count} of {size}; "
@@ -156,7 +157,7 @@ def check_samples(count: int, size: int) -> None:
 
 
 def wraps(angle: FloatArray) -> bool:
-    """Whether angles [rad] stay within a turn, as of an encoder that starts again at zero."""
+    """Whether angles [rad] stay within a turn, as those of an absolute encoder do."""
     return bool(np.ptp(angle) <= TURN * (1.0 + 1e-9))
 
 
@@ -181,12 +182,12 @@ def read_readings(
     Parameters
     ----------
     path : path
-        Text in UTF-8, columns apart by comma, semicolon, tab or blanks; lines that
-        begin with # are comments. Where commas do not part columns they may stand
-        for decimal points. An empty field, NaN or NA is a missing reading.
+        Text in UTF-8, with columns separated by comma, semicolon, tab or blanks; lines that
+        begin with # are comments. If commas do not separate columns, they may be decimal
+        points. An empty field, NaN or NA is a missing reading.
     input, output : str, optional
         Names of the columns in the header, with or without their unit. Default:
-        those called input or driver and output or follower, or without a header
+        those called input or driver, and output or follower; in a file without a header
         the first and the second of two columns.
     time : str, optional
         Name of the column of times, in s unless its name ends in ms or us. Default:
@@ -195,33 +196,33 @@ def read_readings(
         "deg", "rad" or "counts". Default: the unit in a column's name, as in input_rad
         or "input (rad)", else degrees.
     resolution : int, optional
-        Counts of a turn, >= 2, of angles in counts.
+        Counts in a turn, >= 2, for angles in counts.
     skip_rows : int
-        Lines before the line of names, or the first row, that are passed over.
+        How many lines to ignore at the beginning of the file.
 
     Returns
     -------
     Readings
-        Marked as synthetic where a comment begins with "# synthetic".
+        They are marked as synthetic if a comment begins with "# synthetic".
 
     Raises
     ------
     MissingInput
-        When there is no such file.
+        If there is no such file.
     InputFileError
-        When it cannot be read as such; the message has the line.
+        If the file is not such a table; the message gives the line.
     InvalidValue
-        When there is no column of the name given, or the unit is unknown.
+        If there is no column with a given name, or the unit is unknown.
     """
     if resolution is not None:
-        validate.integer("resolution", resolution, 2, "give the counts of a turn")
-    validate.integer("skip_rows", skip_rows, 0, "give how many lines to pass over")
+        validate.integer("resolution", resolution, 2, "give the counts in a turn")
+    validate.integer("skip_rows", skip_rows, 0, "give how many lines to skip")
     names = input, output, time
     found = read_columns(
         path, "measurement", names, angle_unit, resolution=resolution, skip=skip_rows
     )
     synthetic = any(comment.startswith(_SYNTHETIC) for comment in found.comments)
-    remark = "angles without a unit are taken for degrees" if None in found.units else ""
+    remark = "the angles have no unit and are taken as degrees" if None in found.units else ""
     try:
         return Readings(*found.angles, found.line, synthetic, remark, found.time)
     except InvalidValue as error:
@@ -236,18 +237,18 @@ def write_readings(
     Parameters
     ----------
     readings : Readings
-        What to write; synthetic ones say so in the first line.
+        What to write; the first line says whether they are synthetic.
     path : path
-        Where.
+        The file.
     note : str
-        A comment for the head of the file.
+        A comment for the beginning of the file.
     force : bool
         Whether an existing file may be replaced.
 
     Raises
     ------
     CannotCreate, StorageError
-        When it cannot be created, or writing fails half-way.
+        If the file cannot be created, or writing fails.
     """
     columns = {"input_deg": readings.input, "output_deg": readings.output}
     write_table(path, columns, readings.synthetic, note, force)

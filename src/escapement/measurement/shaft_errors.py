@@ -1,7 +1,7 @@
-"""Errors that come back with a shaft, and backlash, each with its test.
+"""Errors that repeat with a shaft, and backlash, each with its test.
 
-An eccentric gear or encoder disc shows once a turn of its shaft, a tilted one twice, and a free
-play where a shaft turns back.
+An eccentric gear or encoder disc causes an error that repeats once a turn of its shaft, a tilted
+one an error that repeats twice. Backlash shows where a shaft turns back.
 """
 
 import math
@@ -19,27 +19,28 @@ from escapement.mechanism import FloatArray, Mechanism
 
 special = Lazy("scipy.special")
 _ORDERS = (1, 2)  # cycles a turn: of an eccentric disc, and of a tilted or an oval one
-_FITS = 4  # the width of a play moves its column, and settles in so many fits
-SURE = 1e-3  # chance of taking anything for real that is not
-_IN_95 = 1.96  # standard errors to either side that hold 95 % of a normal law
-_TELLING = 3.0  # an amplitude of fewer standard errors is all but hidden
+_FITS = 4  # the width of a backlash changes its column in the fit; it converges in so many fits
+SURE = 1e-3  # a smaller probability that noise alone causes an error counts as certainty
+_IN_95 = 1.96  # standard errors to either side of the mean, for 95 % of a normal distribution
+_TELLING = 3.0  # the size of an error with fewer standard errors than this is called hidden
 _LEAST = 5e-324  # it stands for a p-value that is too small for a double
-_COLLINEAR = 1e-9  # a wave of which others leave less is not told from them; rounding is far below
+# a wave that differs from all others by a smaller share is not fitted; rounding is far below
+_COLLINEAR = 1e-9
 _UNKNOWN = (math.nan, math.nan, math.nan)
 _Place = tuple[int, ...]  # of the columns of a wave or a lag among all columns
 
 
 class ShaftError(NamedTuple):
-    """A sinusoidal error of one shaft, fitted beside all others that are significant.
+    """A sinusoidal error of one shaft, fitted together with all others that are significant.
 
-    shaft : "input", "output" or "cell", which comes back with the mechanism.
-    order : cycles a turn of the shaft, or a cell.
-    amplitude : of the error of that shaft's angle [rad]. Of the input's, what
-        reaches the output is multiplied by the transmission.
-    standard_error : of the amplitude [rad].
-    p_value : probability that independent normal errors show as much (F test).
-    turns : of the shaft, or cells, from the first sample to the last; if less than 1
-        with one mean step more, the rest is NaN.
+    shaft : "input", "output", or "cell" for an error that repeats with each cell.
+    order : how often the error repeats in one turn of the shaft, or in one cell.
+    amplitude : amplitude of the error of that shaft's angle [rad]. An error of the input
+        reaches the output multiplied by the transmission.
+    standard_error : standard error of the amplitude [rad].
+    p_value : probability that independent normal errors cause this amplitude or more (F test).
+    turns : turns of the shaft, or cells, from the first sample to the last. If they and one mean
+        step are less than 1, the error is not judged: the three numbers above are NaN.
     """
 
     shaft: str
@@ -50,14 +51,14 @@ class ShaftError(NamedTuple):
     turns: float
 
     def told(self, certain: bool) -> str:
-        """What comes back, with reserve where it is not certain."""
+        """A sentence about this error, with "may" if it is not certain."""
         where = "cell" if self.shaft == "cell" else f"turn of the {self.shaft}"
         often = ("once", "twice")[self.order - 1]
-        when = f"{'comes' if certain else 'may come'} back {often} a {where}"
+        when = f"{'repeats' if certain else 'may repeat'} {often} a {where}"
         size = interval(self.amplitude, self.standard_error)
         if _TELLING * self.standard_error < self.amplitude:
             return f"an error of {size} {when}"
-        return f"an error {when}, its size all but hidden by phase, offset and others ({size})"
+        return f"an error {when}, but phase, offset and other errors hide its size ({size})"
 
 
 def interval(size: float, error: float) -> str:
@@ -67,28 +68,28 @@ def interval(size: float, error: float) -> str:
 
 
 def told_backlash(play: Backlash, certain: bool) -> str:
-    """The free play of a shaft, with reserve where it is not certain."""
+    """A sentence about the backlash of a shaft, with "may" if it is not certain."""
     size = interval(abs(play.width), play.standard_error)
     if play.width > 0.0:
         return f"the {play.shaft} {'has' if certain else 'may have'} a backlash of {size}"
     leads = "leads" if certain else "may lead"
-    return f"the {play.shaft} {leads} by {size} where it turns back, as when its encoder has play"
+    return f"the {play.shaft} {leads} by {size} where it turns back, as if its encoder were loose"
 
 
 def chance(p_value: float, correlation: float) -> float:
-    """The p-value that is left where noise of a correlation may look the same."""
-    # To a slow wave n errors of correlation r are worth n (1 - r)/(1 + r) independent ones.
-    # In an F test with two degrees of freedom p is then raised to that share.
+    """The p-value of an F test, corrected for correlated noise."""
+    # In the fit of a slow wave, n errors with correlation r count as n (1 - r)/(1 + r) independent
+    # ones. In an F test with two degrees of freedom p is then raised to that share.
     worth = (1.0 - correlation) / (1.0 + correlation) if correlation > 0.0 else 1.0
     return float(max(p_value, _LEAST) ** worth)
 
 
 class Found(NamedTuple):
-    """What comes back, and backlash.
+    """Errors that repeat, and backlash.
 
-    shaft_errors : of each shaft and order.
-    backlash : of each shaft that turns both ways far enough.
-    correlation : of neighbours in what the significant ones leave, -1 to 1.
+    shaft_errors : one for each shaft and order.
+    backlash : one for each shaft that turns both ways far enough.
+    correlation : correlation of neighbouring errors after the significant ones are removed [-].
     """
 
     shaft_errors: tuple[ShaftError, ...]
@@ -97,27 +98,28 @@ class Found(NamedTuple):
 
 
 def find_errors(mechanism: Mechanism, driver: FloatArray, sense: int, errors: FloatArray) -> Found:
-    """Sinusoidal errors once and twice a turn of the input, the output, and a cell; backlash.
+    """Find errors that repeat once or twice a turn of a shaft or a cell, and backlash.
 
-    Over few turns one looks much like another. So the surest is fitted first, with a
-    phase and an offset, then the surest of what is left, as long as one in a thousand
-    sets of independent errors would show as much; and each is tested beside those.
+    Over few turns these errors look similar. The most significant one is therefore fitted first,
+    with a phase and an offset, then the most significant of the rest, and so on, while noise alone
+    would cause an error of this size in less than one of a thousand sets of readings. Each error
+    is tested together with those that were found.
 
     Parameters
     ----------
     mechanism : Mechanism
         Geometry.
     driver : ndarray, shape (n,)
-        Driver angle as read, counting on [rad].
+        Driver angle as read, growing over the turns [rad].
     sense : int
-        1 where the output's reading counts up while the driver does, else -1.
+        1 if the readings of both encoders grow together, -1 if one grows while the other falls.
     errors : ndarray, shape (n,)
         Measured less theory [rad].
 
     Notes
     -----
-    Gauss and Newton's method: what acts on the input moves the place at which the transmission
-    is read, and the width of a play moves its column.
+    The problem is not linear: an error of the input changes the angle at which the transmission
+    is read, and the width of a backlash changes where it is crossed. The method is Gauss-Newton.
     """
     cell, true, rest = mechanism.cell_angle, driver, errors
     theory = follower = sense * position(mechanism, driver)
@@ -127,7 +129,7 @@ def find_errors(mechanism: Mechanism, driver: FloatArray, sense: int, errors: Fl
         "output": float(np.ptp(follower)) / TURN,
         "cell": float(np.ptp(driver)) / cell,
     }
-    # a shaft was measured all round if one mean step after the last sample completes its turn
+    # a shaft made a full turn if one mean step after the last sample completes it
     least = (1.0 - 1e-9) * (errors.size - 1) / errors.size
     waves = {wave: (2 + 2 * i, 3 + 2 * i) for i, wave in enumerate(product(turns, _ORDERS))}
     judged = [pair for (name, _), pair in waves.items() if turns[name] >= least]
@@ -157,7 +159,10 @@ def find_errors(mechanism: Mechanism, driver: FloatArray, sense: int, errors: Fl
 def _plays(
     driver: FloatArray, follower: FloatArray, slope: FloatArray, errors: FloatArray
 ) -> tuple[dict[str, float], int]:
-    """A width to begin with of each shaft that turns both ways [rad], and the first sample."""
+    """For each shaft that turns both ways, a first estimate of its backlash [rad].
+
+    Also returned is the first sample at which the side of each backlash is known.
+    """
     found, start = {}, 0
     through = math.sqrt(float(np.mean(slope**2)))
     for name, angle, rate in (("input", driver, through), ("output", follower, 1.0)):
@@ -169,10 +174,10 @@ def _plays(
 
 
 class _NormalEquations(NamedTuple):
-    """Normal equations of all columns: offset, phase, waves and lags, and the errors last.
+    """Normal equations of all columns: offset, phase, waves, lags, and the errors last.
 
-    gram : products of the columns, summed over the samples.
-    following : the same of each column and the next sample of each.
+    gram : products of each two columns, summed over the samples.
+    following : products of each column with each column one sample later, summed likewise.
     """
 
     gram: FloatArray
@@ -180,7 +185,7 @@ class _NormalEquations(NamedTuple):
     samples: int
 
     def without(self, others: list[_Place]) -> FloatArray:
-        """What times the columns leaves of each beside offset, phase and some others."""
+        """Matrix that makes each column orthogonal to offset, phase and some others."""
         base = [0, 1, *(column for other in others for column in other)]
         left = np.eye(len(self.gram))
         inverse = np.linalg.pinv(self.gram[np.ix_(base, base)], rcond=1e-12, hermitian=True)
@@ -190,9 +195,9 @@ class _NormalEquations(NamedTuple):
     def tests(
         self, wanted: list[_Place]
     ) -> tuple[dict[_Place, tuple[float, float, float]], list[_Place]]:
-        """The test of each beside those that are significant, and these."""
+        """The test of each wanted error together with the significant ones, and the latter."""
         sure: list[_Place] = []
-        # the most significant first, each tested beside those before
+        # the most significant first, each tested together with those before
         while rest := [one for one in wanted if one not in sure]:
             chances = np.nan_to_num([self.test(one, sure)[2] for one in rest], nan=np.inf)
             if not chances.min() < SURE / len(wanted):
@@ -202,9 +207,10 @@ class _NormalEquations(NamedTuple):
         return tests, sure
 
     def test(self, own: _Place, others: list[_Place]) -> tuple[float, float, float]:
-        """Amplitude, its standard error and p-value, beside others; a lag has a sign.
+        """Amplitude, its standard error and p-value, fitted together with others.
 
-        NaN where it cannot be told from those.
+        The amplitude of a lag has a sign. All three are NaN if the fit cannot separate this error
+        from the others.
         """
         left = self.gram @ self.without(others)
         square, product, whole = left[np.ix_(own, own)], left[own, -1], self.gram[own, own]
@@ -223,11 +229,11 @@ class _NormalEquations(NamedTuple):
         return amplitude, error, float(special.fdtrc(count, freedom, ratio))
 
     def coefficients(self, sure: list[_Place]) -> FloatArray:
-        """Of all columns, 0 for those that are not significant."""
+        """Fitted factor of each column, 0 for those that are not significant."""
         return np.asarray(-self.without(sure)[:, -1])
 
     def correlation(self, others: list[_Place]) -> float:
-        """Correlation of neighbours in what offset, phase and others leave."""
+        """Correlation of neighbouring errors after offset, phase and others are removed."""
         rest = self.without(others)[:, -1]
         left = float(self.gram[-1] @ rest)
         if left <= _COLLINEAR * self.gram[-1, -1]:
@@ -236,11 +242,11 @@ class _NormalEquations(NamedTuple):
 
 
 class _Columns(NamedTuple):
-    """What errors are fitted by: offset, phase, a pair for each wave, and lags, as in `ShaftError`.
+    """Columns of the fit: offset, phase, two for each wave, and one for each lag.
 
     angles : of input, output and cell, each of shape (n,) [rad].
     slope : transmission, shape (n,) [-].
-    lags : of the shafts with play, shape (n,) [-].
+    lags : of the shafts with backlash, shape (n,) [-].
     errors : measured less theory, shape (n,) [rad].
     start : the first sample that is counted.
     """

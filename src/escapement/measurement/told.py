@@ -1,4 +1,4 @@
-"""What a fit of beats tells of the parts: intervals, and what cannot be told."""
+"""What a fit of beats says about the parts: estimates, intervals, and what stays unknown."""
 
 import math
 from collections.abc import Iterator
@@ -12,16 +12,16 @@ from escapement.measurement.rounds import Rounds
 from escapement.mechanism import FloatArray
 
 special = Lazy("scipy.special")
-_STEP = 1e-6  # of differences that stand for slopes
-_SURE = 1e-3  # noise leaves more than this chance allows in one of a thousand fits
-_ALIKE = 0.1  # a smaller correlation of neighbours spoils no interval
+_STEP = 1e-6  # step of the differences that approximate derivatives by the unknowns
+_SURE = 1e-3  # a p-value below this is reported: noise alone causes it in one of a thousand fits
+_ALIKE = 0.1  # a smaller correlation of neighbouring residuals hardly changes an interval
 
 
 class Combination(NamedTuple):
-    """An angle that the beats determine where they do not determine single errors.
+    """An angle that the beats determine although they do not determine the single errors.
 
     name : name of the angle.
-    value, half_width : estimate, and of its confidence interval [rad].
+    value, half_width : estimate, and half the width of its confidence interval [rad].
     """
 
     name: str
@@ -32,11 +32,12 @@ class Combination(NamedTuple):
 class Doubt(NamedTuple):
     """Uncertainty of the unknowns of a fit.
 
-    computed : beats of a pattern [s].
-    root : the half width of any a . unknowns is the length of a . root.
-    reach : half width of an interval, in standard deviations.
-    noise : standard deviation of a beat [s].
-    p_value : probability that noise alone causes such residuals of the mean beats.
+    computed : beats of one pattern, computed with the unknowns that were found [s].
+    root : matrix A such that the interval of a linear combination c of the unknowns has
+        half the width |c A|.
+    reach : half the width of an interval, in standard deviations [-].
+    noise : standard deviation of the noise of a single beat [s].
+    p_value : probability that noise alone causes residuals of the mean beats this large [-].
     alike : correlation of neighbouring residuals of the beats [-].
     """
 
@@ -49,7 +50,13 @@ class Doubt(NamedTuple):
 
 
 class Told(NamedTuple):
-    """Errors of pins and slots, their half widths, combinations, and what is not determined."""
+    """The result of a fit.
+
+    pins, slots : estimated angle errors [rad], NaN where they are not determined.
+    pin_widths, slot_widths : half the widths of their confidence intervals [rad].
+    combinations : what is determined where single errors are not.
+    reason : why single errors are not determined, "" if they are.
+    """
 
     pins: FloatArray
     slots: FloatArray
@@ -62,7 +69,10 @@ class Told(NamedTuple):
 def doubt_of(
     parts: Parts, unknowns: FloatArray, rounds: Rounds, noise: float | None, confidence: float
 ) -> Doubt:
-    """Uncertainty of unknowns, by linear theory, with Student's law unless noise is given."""
+    """Uncertainty of the unknowns from the fit linearised at its solution.
+
+    Intervals follow Student's distribution, or the normal one where the noise is given.
+    """
     computed = _computed(parts, unknowns)
     left = float(rounds.counts @ (rounds.means - computed) ** 2)
     # with as many unknowns as mean beats there are no residuals
@@ -89,15 +99,16 @@ def doubt_of(
 
 def _computed(parts: Parts, unknowns: FloatArray) -> FloatArray:
     beats = parts.beats(unknowns)
-    assert beats is not None, "a fit ends at a wheel that runs, and so does one just beside it"
+    assert beats is not None, "a fit ends at a wheel that runs, and so do all close to it"
     return beats
 
 
 def told(parts: Parts, unknowns: FloatArray, root: FloatArray) -> Told:
     """Errors of single parts, and steps of slots where single errors are not determined.
 
-    Of the steps that are not struck only the sum is known, and that each is less than the free
-    step. A slot has its extremes where all these steps except one are as great as possible.
+    A blow shows the step of its slot. Of the slots without a blow the beats show only that each
+    step is below its free step, and the sum of these steps. The angle of a slot is therefore
+    extreme where all of them except one are as great as possible.
     """
     slots, (pins, steps) = parts.wheel.slots, parts.errors(unknowns)
     pin_widths = np.linalg.norm(parts.late_pins @ root[1 : parts.blows.start], axis=1)
@@ -106,14 +117,14 @@ def told(parts: Parts, unknowns: FloatArray, root: FloatArray) -> Told:
     limit, late, own = np.zeros(slots), np.zeros(slots), np.zeros((slots, root.shape[1]))
     late[parts.others], limit[parts.others] = unknowns[parts.blows], _lengths(root[parts.blows])
     own[parts.others] = parts.slope * late[parts.others, None] * root[parts.blows]
-    # the last slot counts as one that is not struck
+    # the last slot counts as one without a blow
     unseen, seen = np.flatnonzero(late <= limit), np.flatnonzero(late > limit)
     most = np.where(late <= limit, parts.free + 0.5 * parts.slope * (late + limit) ** 2, steps)
     gather = np.tril(np.ones((slots, slots)))
     gather -= gather.mean(axis=0)
     low, high = np.full(slots, math.inf), np.full(slots, -math.inf)
     for slot in unseen:
-        # the step of this slot follows from all others
+        # here all other steps are as great as possible, and this one follows from their sum
         weights = gather - gather[:, [slot]]
         width = _lengths(weights[:, seen] @ own[seen])
         low = np.minimum(low, weights @ most - width)
@@ -125,7 +136,7 @@ def told(parts: Parts, unknowns: FloatArray, root: FloatArray) -> Told:
     rows = zip(names, steps[seen].tolist(), _lengths(own[seen]).tolist(), strict=True)
     reason = (
         f"no pin strikes slots {', '.join(map(str, unseen))}: the beats do not show how far each "
-        "of them is behind the slot before it, and the intervals of slots are wide accordingly"
+        "of them is behind the slot before it, so the intervals of the slots are wide"
     )
     return Told(*errors, tuple(Combination(*row) for row in rows), reason)
 
@@ -135,7 +146,7 @@ def _lengths(rows: FloatArray) -> FloatArray:
 
 
 def spanned(solutions: list[Told]) -> Told:
-    """The span of several solutions that explain the beats equally well."""
+    """One result whose intervals cover those of all solutions, which fit equally well."""
     if len(solutions) == 1:
         return solutions[0]
     pins, slots = (
@@ -143,25 +154,29 @@ def spanned(solutions: list[Told]) -> Told:
         for name in ("pin", "slot")
     )
     reason = (
-        f"{len(solutions)} sets of errors explain the beats equally well: estimates and intervals "
-        "span them"
+        f"{len(solutions)} sets of errors explain the beats equally well: each interval covers "
+        "all of them, and each estimate is the middle of its interval"
     )
     return Told(pins[0], slots[0], pins[1], slots[1], reason=reason)
 
 
 def _span(intervals: list[tuple[FloatArray, FloatArray]]) -> tuple[FloatArray, FloatArray]:
-    """Middles and half widths of the unions of intervals."""
+    """Middle and half the width of the smallest interval that contains all given ones."""
     low = np.min([middle - half for middle, half in intervals], axis=0)
     high = np.max([middle + half for middle, half in intervals], axis=0)
     return 0.5 * (low + high), 0.5 * (high - low)
 
 
 def told_together(parts: Parts, rounds: Rounds, doubt: Doubt) -> Told:
-    """The results if a pin meets only some slots, so that pins and slots look the same."""
+    """The result where each pin meets only some slots.
+
+    An error of a pin and one of its slots then change the same beats, so only the sum of both
+    is determined for each pair.
+    """
     pins, slots = parts.wheel.pins or 1, parts.wheel.slots
     mean = rounds.means.mean()
     speed = parts.wheel.cell_angle / mean
-    # of what is about the mean of all
+    # rows of weights that turn the mean beats into deviations from the mean of all
     weights = np.eye(rounds.pattern) - 1.0 / rounds.pattern
     widths = doubt.reach * doubt.noise * _lengths(weights / np.sqrt(rounds.counts))
     found = (
@@ -171,30 +186,32 @@ def told_together(parts: Parts, rounds: Rounds, doubt: Doubt) -> Told:
         )
     )
     reason = (
-        f"each of {pins} pins meets {slots // math.gcd(pins, slots)} of {slots} slots only, so "
-        "that errors of both look the same: combinations tell how much longer than the mean each "
-        "pair drives; use parts='slots' or 'pins' if the others are known to be good"
+        f"each of {pins} pins meets only {slots // math.gcd(pins, slots)} of {slots} slots, so "
+        "the beats cannot separate errors of pins from errors of slots: combinations gives for "
+        "each pair the angle by which it drives longer than the mean; if the pins are known to "
+        "be good, use parts='slots', if the slots are, use parts='pins'"
     )
     nothing = np.full(pins, math.nan), np.full(slots, math.nan)
     return Told(*nothing, *nothing, tuple(found), reason)
 
 
 def remarks(known: Told, doubt: Doubt, samples: int) -> Iterator[str]:
-    """Sentences for the reader of a fit."""
+    """What a user of the fit must know, one sentence at a time."""
     if known.reason:
         yield known.reason
     if doubt.root.shape[1] <= doubt.root.shape[0] and np.isfinite(known.slots).all():
         yield (
-            "there are as many unknowns as pairs of a pin and a slot, so that other errors may "
-            "explain the beats as well; the intervals are only for the errors that were found"
+            "there are as many unknowns as pairs of a pin and a slot, so other sets of errors may "
+            "explain the beats equally well; the intervals hold only near the set that was found"
         )
     if doubt.p_value < _SURE:
         yield (
-            f"the residuals are greater than the noise (p {doubt.p_value:.1g}): the parts differ "
-            "from the design in something else, such as friction, lengths or centre distance"
+            f"the residuals are greater than the noise explains (p {doubt.p_value:.1g}): something "
+            "besides these angles differs from the design, for example the friction, a length or "
+            "the centre distance"
         )
     if abs(doubt.alike) > max(_ALIKE, 4.0 / math.sqrt(samples)):
         yield (
-            f"neighbouring residuals are alike (correlation {doubt.alike:.2f}), while intervals "
+            f"neighbouring residuals are alike (correlation {doubt.alike:.2f}), but the intervals "
             "assume that the noise of each beat is independent: do not trust their widths"
         )

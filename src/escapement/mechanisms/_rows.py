@@ -22,11 +22,11 @@ _ALLOWED = 0.02  # error that rounding may make of a ratio, and of its greatest 
 _NEARER = 50.0  # units of the last digit by which exact rows must be apart for that
 _BENT = 200.0  # the same for the derivative of the ratio: by the square of how far apart
 _SAMPLES = 2001
-_ROUNDING = 2.0**-50  # of the angles: what an even ratio leaves in a table
-_CLOSE = 1e-9  # of a cell: angles this _near each other are the same
-_GAP = 0.1  # of a cell without rows: the curve across is a guess
-_MANY = {False: 5.0, True: 15.0}  # usual distances of exact, measured rows: no gap by chance
-_OPEN = {False: 1e-6, True: 0.02}  # of a step: how far exact, measured rows of a cell may miss it
+_ROUNDING = 2.0**-50  # share of the angles that a constant ratio leaves by rounding
+_CLOSE = 1e-9  # angles that differ by a smaller share of a cell are equal
+_GAP = 0.1  # greatest share of a cell that may have no rows
+_MANY = {False: 5.0, True: 15.0}  # a gap is wider than this many usual distances, exact or measured
+_OPEN = {False: 1e-6, True: 0.02}  # share of a step by which a cell's rows may miss it
 
 
 def columns(theta: Any, phi: Any, measured: bool) -> tuple[FloatArray, FloatArray]:
@@ -34,13 +34,13 @@ def columns(theta: Any, phi: Any, measured: bool) -> tuple[FloatArray, FloatArra
     remedy = "give a list of angles in rad"
     x, y = validate.numbers("theta", theta, remedy), validate.numbers("phi", phi, remedy)
     if x.ndim != 1 or x.size < FEWEST:
-        rule = f"at least {FEWEST} rows long, a number a row"
-        raise validate.fail("theta", rule, x.shape, "give more of the position function")
+        rule = f"at least {FEWEST} rows long"
+        raise validate.fail("theta", rule, x.shape, "give more rows")
     if y.shape != x.shape:
-        raise validate.fail("phi", f"as long as theta, {x.size}", y.shape, "give one phi a theta")
+        raise validate.fail("phi", f"as long as theta, {x.size}", y.shape, "give one phi a row")
     if not measured and x.size > MOST_EXACT:
         rule = f"at most {MOST_EXACT} rows of an exact table"
-        remedy = "leave rows out, or say that they are measured"
+        remedy = "leave rows out, or give measured=True (--measured)"
         raise validate.fail("theta", rule, x.size, remedy)
     return x, y
 
@@ -72,11 +72,11 @@ class Rows(Kind):
         Numbers(long_name="follower angles", unit="angle", remedy="give a list of angles in rad")
     ))  # fmt: skip
     measured: bool = field(default=False, metadata=setting(
-        Truth(long_name="the rows scatter, and a smooth curve goes between them")
+        Truth(long_name="the rows scatter, and a smooth curve is fitted to them")
     ))  # fmt: skip
     cell_angle: float = field(default=0.0, metadata=quantity(
         "driver angle after which the motion repeats itself", "angle", exclusive=True, axis=False,
-        metavar="DEG", remedy="give the angle, after it the motion repeats itself"
+        metavar="DEG", remedy="give the angle, after which the motion repeats itself"
     ))  # fmt: skip
     follower_step: float = field(default=0.0, metadata=quantity(
         "angle the follower turns in a cell", "angle", exclusive=True, axis=False, metavar="DEG",
@@ -123,7 +123,7 @@ class Rows(Kind):
         usual = float(np.median(distances[distances > self._near]))
         if distances[widest] > max(_GAP * cell, _MANY[self.measured] * usual):
             gap, whole, after = np.degrees([distances[widest], cell, places[widest]])
-            rule = f"and has none for {gap:.3g} of {whole:.4g} degrees after {after:.4g}"
+            rule = f"got none for {gap:.3g} of {whole:.4g} degrees after {after:.4g}"
             remedy = "the curve there is a guess; give rows there"
             warnings.warn(f"theta must have rows all over the cell, {rule}: {remedy}", stacklevel=4)
 
@@ -137,7 +137,7 @@ class Rows(Kind):
         else:
             doubt = 2.0 * last_digit(phi)
         allowed = max(_OPEN[self.measured] * step, doubt)
-        # a last row beside the end of the cell is short of it
+        # the last row may be a little before the end of the cell
         allowed += 3.0 * self._mean_ratio * abs(float(np.ptp(theta)) - self.cell_angle)
         if abs(turned - step) > allowed:
             degrees = math.degrees(turned)
@@ -175,7 +175,7 @@ class Rows(Kind):
         if gap <= self._near:
             raise InvalidValue(
                 "theta must differ from row to row in an exact table, cells taken together; "
-                "leave out repeated rows, or say that the rows are measured"
+                "leave out repeated rows, or give measured=True (--measured)"
             )
         spline = table.interpolating(x, rest[[*order, order[0]]])
         if np.ptp(rest) > 0.0:
@@ -195,7 +195,7 @@ class Rows(Kind):
             raise InvalidValue(
                 f"theta must differ by at least {least:.2g} rad from row to row in an exact table "
                 f"of phi rounded to {digit:.2g} rad, cells taken together, got {gap:.2g}; give "
-                "more digits, leave rows out, or say that they are measured"
+                "more digits, leave rows out, or give measured=True (--measured)"
             )
 
     @property

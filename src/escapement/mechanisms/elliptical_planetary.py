@@ -37,7 +37,7 @@ TOLERANCES = (0.01, 0.1, 1.0)
 """Deviations of the output within which the report counts it as standing still [degrees]."""
 
 _LENGTHS = ("centre_distance", "semi_major_axis", "semi_minor_axis", "focal_distance")
-_GREATEST_RATIO = 1e4  # of the radii: beyond it g has a peak that nobody could make
+_GREATEST_RATIO = 1e4  # greatest ratio of the radii; above it no gear could have the peak of g
 _MOST_STATIONS = 1000
 _SHRINKING = 20  # halvings of the pieces towards a stop: to a millionth of a cell
 _OUTSIDE = 8.0  # last digits of an angle
@@ -118,7 +118,7 @@ class EllipticalPlanetary(Kind):
         stop_interval : float
             Input angle from one stop to the next, 2 pi R2/R1 [rad]; less than a turn.
         centre_distance : float
-            Of carrier axis and planet shaft, R1 + R2 [m].
+            Distance of the carrier's axis from the planet's shaft, R1 + R2 [m].
         """
         remedy = "give the input angle between stops in rad, less than 2 pi"
         interval = between_0_and(2.0 * math.pi, "stop_interval", stop_interval, remedy)
@@ -135,7 +135,7 @@ class EllipticalPlanetary(Kind):
         sun_teeth, planet_teeth : int
             Teeth of the sun and, fewer, of the planet.
         module : float
-            Of both [m], > 0.
+            Module of both gears [m], > 0.
         """
         sun = validate.integer("sun_teeth", sun_teeth, 1, "give the teeth of the sun")
         planet = validate.integer("planet_teeth", planet_teeth, 1, "give those of the planet")
@@ -178,7 +178,7 @@ class EllipticalPlanetary(Kind):
         """Contribution of planet, satellite shaft and driving ellipse to the driver's inertia.
 
         Their kinetic energy is that of a driver inertia mean - swing cos(k theta):
-        the planet turns 1 + k times as fast as the carrier, and a centre of mass beside the shaft
+        the planet turns 1 + k times as fast as the carrier, and a centre of mass off the shaft
         moves alternately faster and slower than the shaft.
 
         Parameters

@@ -111,7 +111,7 @@ def fewest_teeth(
     mechanism : EllipticalPlanetary
         The drive; only its eccentricity matters.
     pressure_angle : float
-        Of the rack [rad], between 0 and pi/4.
+        Pressure angle of the rack [rad], between 0 and pi/4.
     addendum : float
         How far the rack's straight flanks reach beyond its pitch line, in modules, > 0.
 

@@ -60,7 +60,7 @@ class GearDriven(ImperfectWheel):
     fixed_radius : float, optional
         Radius R0 of the fixed gear [m]; contact forces and all other lengths need it.
     pin_radius, roller_radius : float
-        As of a `Geneva` [m].
+        As in `Geneva` [m].
     centre_distance_error : float
         By how much the axes of planet and fixed gear are too far apart, which is the error of
         the carrier's length [m]; negative where they are too close.
@@ -85,7 +85,7 @@ class GearDriven(ImperfectWheel):
 
     kind = "gear-driven"
     plain_crank = False
-    summary = "such a wheel, pins on a planet gear (Dijksman)"
+    summary = "wheel with radial slots, pins on a planet gear (Dijksman)"
     report_units: ClassVar[dict[str, str]] = dict.fromkeys(("planet_radius", *_LENGTHS), "length")
     reported = (
         *("stations", *WHEEL, "gear_ratio", "alpha_deg"),
@@ -141,8 +141,8 @@ class GearDriven(ImperfectWheel):
             raise validate.fail("solution", f"at most {count} here", self.solution, "leave it out")
         most = math.floor(1.0 / self.lobe_ratio * (1.0 + 1e-12))
         if self.pins > most:
-            rule = f"at most {most} for a ratio of times of {self.lobe_ratio:.6g} a pin"
-            remedy = f"give {most}{' or fewer' if most > 1 else ''}: two would be engaged at once"
+            rule = f"at most {most}, as each drives for a share {self.lobe_ratio:.6g} of a cycle"
+            remedy = f"give {most}{' or fewer' if most > 1 else ''}, or two will be engaged at once"
             raise validate.fail("pins", rule, self.pins, remedy)
         self._check_unused_lobes()
         self.check_pin()
@@ -159,8 +159,8 @@ class GearDriven(ImperfectWheel):
             first, last = sorted((lobe * self._lobe_turn, lobe * self._lobe_turn - self._step_turn))
             if math.floor(last * slots) >= math.ceil(first * slots):
                 raise InvalidValue(
-                    "unused_lobes must leave the pin without a slot until it is wanted, got "
-                    f"{self.unused_lobes}: of the {slots} slots it then needs, one stands where "
+                    "unused_lobes must let the pin pass between slots at its unused lobes, got "
+                    f"{self.unused_lobes}: one of the {slots} slots that this needs is where "
                     f"lobe {lobe} passes; choose another number"
                 )
 
@@ -264,7 +264,7 @@ class GearDriven(ImperfectWheel):
         Raises
         ------
         InvalidValue
-            Where one of the cognate's slots stands in the way of an unused lobe.
+            If one of the cognate's slots is where an unused lobe passes.
         """
         return replace(self, curve=COGNATES[self.curve], **_SIZELESS)
 

@@ -68,14 +68,14 @@ class Geneva(ImperfectWheel):
     ))  # fmt: skip
     pins: int | None = field(default=None, metadata=quantity(
         "pins of the driver", whole=True, minimum=1, metavar="P",
-        note=" (default: 1; geneva, where it exists, continuous engagement)",
+        note=" (default: 1; geneva: the number with continuous engagement, if it exists)",
         remedy="give the number of crank pins"
     ))  # fmt: skip
     internal: bool = field(
         default=False, metadata=setting(Truth(long_name="internal wheel, driver inside"))
     )
     crank_radius: float | None = field(default=None, metadata=quantity(
-        "distance of the pins from the driver's axis", "length", exclusive=True, axis=False,
+        "crank radius, from the driver's axis to a pin", "length", exclusive=True, axis=False,
         remedy="give the crank radius"
     ))  # fmt: skip
 

@@ -30,14 +30,14 @@ __all__ = ["CELL", "WHEEL", "Arms", "ArrayLike", "Kind", "Wheel", "np", "slotted
 CELL = ("motion_ratio", "cell_angle_deg", "follower_step_deg")
 """Keys that every kind reports about the angles of driver and follower in a cell."""
 WHEEL = (*CELL, "slots", "pins", "continuous", "dwell_deg", "transmission_max")
-"""Keys that every wheel reports beside its stations."""
+"""Keys that every wheel reports besides its stations."""
 
 
 class Kind(Declared):
     """Base of the mechanisms that a file or the command line can describe.
 
-    Beside what the protocol `escapement.model.Mechanism` asks for, a kind has its
-    declared fields and the attributes below. Its file is imported to list its options, so it
+    In addition to the protocol `escapement.mechanism.Mechanism`, a kind has its declared fields
+    and the attributes below. Its file is imported to list its options, so it
     loads nothing heavy: NumPy and kernels come through `escapement.lazy`.
     """
 
@@ -56,7 +56,7 @@ class Kind(Declared):
     motion_ratio: Any = 1.0
     """Share of the cell during which the follower moves: 1 without a dwell."""
 
-    # of subclasses, as fields or properties
+    # subclasses have these as fields or properties
     path: Any
     breaks: Any
     follower_angle: Any
@@ -152,10 +152,15 @@ class Wheel(Kind):
             raise validate.fail("roller_radius", rule, roller, "give both radii")
         name = "roller_radius" if roller else "pin_radius"
         outer = roller or pin
-        if not outer:
+        play = getattr(self, "clearance", 0.0)
+        if not (outer or play):
             return
-        check_lengths({name: outer}, self.crank_radius, self.plain_crank)
-        most = self.crank_radius * self.widest_pin - 0.5 * getattr(self, "clearance", 0.0)
+        check_lengths({name: outer, "clearance": play}, self.crank_radius, self.plain_crank)
+        widest = self.crank_radius * self.widest_pin
+        if outer < widest <= outer + 0.5 * play:
+            rule = f"less than {2.0 * (widest - outer):.6g} m, where neighbouring slots meet"
+            raise validate.fail("clearance", rule, play, "choose less play or a larger wheel")
+        most = widest - 0.5 * play
         if not outer < most:
             rule = f"less than {most:.6g} m, where neighbouring slots meet"
             raise validate.fail(name, rule, outer, "choose a thinner pin or a larger wheel")

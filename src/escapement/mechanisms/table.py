@@ -35,12 +35,12 @@ if TYPE_CHECKING:
     from scipy.interpolate import BSpline
 
 ORDER = 17
-_DECAYED = 1e-15  # of the largest g: what rounding leaves of the last two coefficients
+_DECAYED = 1e-15  # share of the largest g that rounding leaves in the last coefficients
 DEGREE = 5
 MOST_KNOTS = 120
 _ROWS_A_KNOT = 2
-_LEAST_GAP = 0.01  # of the mean one: knots nearer each other spoil the least squares
-_GRID = np.geomspace(1e-14, 1e6, 161)  # of lambda, in units that make both sums alike
+_LEAST_GAP = 0.01  # share of the mean gap; closer knots make the least squares inaccurate
+_GRID = np.geomspace(1e-14, 1e6, 161)  # values of lambda, in units that make both sums similar
 _RIDGE = 1e-13
 
 

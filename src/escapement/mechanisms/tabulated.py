@@ -16,7 +16,7 @@ from escapement.mechanisms.kind import ArrayLike, np, slotted, table
 from escapement.quantity import InputFile, Setting, declared
 from escapement.scene import Path
 
-_BACKWARDS = 1e-3  # of the greatest g: what rounding and noise may leave of a stop
+_BACKWARDS = 1e-3  # share of the greatest g that rounding and noise may leave at a stop
 _SAMPLES = 2001
 _REPORTED = 721
 
@@ -136,7 +136,7 @@ class Tabulated(Rows):
 
     @classmethod
     def from_options(cls, **given: Any) -> Tabulated:
-        """The mechanism of a file, and of the angles that were typed beside it."""
+        """The mechanism of a file, and of the angles that were typed with it."""
         return cls.from_csv(given.pop("table"), **given)
 
     @cached_property
@@ -196,8 +196,8 @@ class Tabulated(Rows):
         if g[worst] < -max(_BACKWARDS * g.max(), doubt):
             raise InvalidValue(
                 f"phi must rise (or fall) throughout for a motion, got a slope of {g[worst]:.3g} "
-                f"against its sense at theta = {theta[worst]:.6g} rad; correct the table, or "
-                "measure more of it"
+                f"in the other sense at theta = {theta[worst]:.6g} rad; correct the table, or "
+                "give more rows"
             )
         start, end = self.breaks
         # the last knot is the first again

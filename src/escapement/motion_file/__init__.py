@@ -129,7 +129,7 @@ def _blocks(
 ) -> Iterator[tuple[str, _Lines, int | None]]:
     """Samples and, for a `whole` motion, all other data, block by block to limit the memory.
 
-    Beside the prefix and values of some datasets their final length is given, or None.
+    In addition to prefix and values, the final length of some datasets is given, or None.
     """
     for part in motion.parts():
         # the end of a part is the start of the next one
@@ -270,7 +270,7 @@ def _at_starts(hdf5: Any, start: FloatArray, end: float) -> FloatArray:
     sizes = [hdf5[name].shape for name in names]
     found, done, last = np.empty((2, start.size)), 0, -np.inf
     if not start.size or sizes[0] == (0,) or sizes.count(sizes[0]) < 3 or len(sizes[0]) != 1:
-        raise ValueError("t, theta and theta_dot must be lines of one length, and have a piece")
+        raise ValueError("t, theta and theta_dot must be equally long lists, with at least a piece")
     for first in range(0, sizes[0][0], _READ):
         block = {name: hdf5[name][first : first + _READ] for name in names}
         _check_columns(block, end)
@@ -288,11 +288,11 @@ def _at_starts(hdf5: Any, start: FloatArray, end: float) -> FloatArray:
 
 
 def _check_columns(columns: dict[str, Any], end: float) -> None:
-    """Raise ValueError unless these are lines of one length, the first of them ascending times."""
+    """Raise ValueError unless these are lists of equal length, the first with ascending times."""
     scale, times = next(iter(columns.items()))
     for name, values in columns.items():
         numbers = values.ndim == 1 and values.dtype.kind in "fiu"
         if not numbers or values.size != times.size or not np.isfinite(values).all():
-            raise ValueError(f"{name} must be a line of finite numbers, as many as of {scale}")
+            raise ValueError(f"{name} must be a list of finite numbers, as long as {scale}")
     if (np.diff(times) < 0.0).any() or (times < 0.0).any() or (times > end).any():
         raise ValueError(f"{scale} must ascend between 0 and the end_time, {end:g} s")

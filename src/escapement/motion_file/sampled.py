@@ -10,7 +10,7 @@ from escapement.mechanism import FloatArray
 from escapement.model import Escapement
 from escapement.trajectory import Events, Extrema, Held
 
-_RTOL = 1e-12  # of states between the data in the file
+_RTOL = 1e-12  # tolerance of states between the data in the file
 
 
 @dataclass(frozen=True)

@@ -18,7 +18,7 @@ from escapement.errors import InvalidValue
 ComplexArray = NDArray[np.complex128]
 FloatArray = NDArray[np.float64]
 
-_STRAIGHT = 1e-12  # an arc that turns by less is a line to rounding [rad]
+_STRAIGHT = 1e-12  # an arc that turns by less is a line except for rounding [rad]
 _CORNER = 1e-7  # ways that meet at a smaller angle go on without a corner [rad]
 _CHORD = math.radians(4.0)
 # the integrands turn by four times an arc's angle at most, for which 24 points are exact
@@ -40,9 +40,9 @@ class Curve(NamedTuple):
     Attributes
     ----------
     corners : ndarray of complex, shape (n,)
-        Where one line or arc ends and the next begins. The last one leads back to the first.
+        Points at which a line or arc ends and the next begins. The last leads back to the first.
     bulges : ndarray, shape (n,)
-        Of the way from each corner to the next.
+        Bulge of the line or arc from each corner to the next.
     """
 
     corners: ComplexArray
@@ -148,8 +148,8 @@ class Curve(NamedTuple):
         if np.any(radius + np.sign(half) * width <= 0.0):
             least = float(radius[half * width < 0.0].min())
             raise InvalidValue(
-                f"a cutter beside the line by {abs(width):.6g} must not be wider than the "
-                f"arcs that it runs in, got one of radius {least:.6g}; choose a narrower kerf"
+                f"a cutter that runs {abs(width):.6g} beside the line must fit into every arc, "
+                f"got an arc of radius {least:.6g}; choose a narrower kerf"
             )
         corner = np.angle(np.roll(before, -1) / after)
         if np.any(corner * math.copysign(1.0, width) < -_CORNER):

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from escapement.outlines.curves import ComplexArray, Curve, FloatArray
 
-_STRAIGHT = 1e-9  # what turns by less counts as a line [rad]
+_STRAIGHT = 1e-9  # an arc that turns by less counts as a line [rad]
 _TIE = 1e-9
 
 
@@ -49,7 +49,7 @@ def outside(ways: Ways, points: ComplexArray) -> tuple[FloatArray, ComplexArray]
     """How far points lie outside a body, and the nearest point of its edges; both of one shape.
 
     The distance is negative inside. The nearest line or arc tells the side; at a corner it is
-    that of the two ways which the point lies further beside.
+    that of the two ways from which the point is further to the side.
     """
     p, line = points[:, None], ways.turn == 0.0
     chord = ways.end - ways.start
@@ -62,7 +62,7 @@ def outside(ways: Ways, points: ComplexArray) -> tuple[FloatArray, ComplexArray]
     passed = np.angle(away * (ways.start - ways.centre).conj()) * sense % (2.0 * np.pi)
     nearer = np.where(np.abs(p - ways.start) <= np.abs(p - ways.end), ways.start, ways.end)
     on_arc = ways.centre + ways.radius * away / np.where(off == 0.0, 1.0, off)
-    # of an arc's centre every point of the arc is as near as its ends
+    # at the centre of an arc, every point of the arc is as near as its ends
     on_arc = np.where((passed <= np.abs(ways.turn)) & (off > 0.0), on_arc, nearer)
     nearest = np.where(line, on_line, on_arc)
     along = np.where(line, chord, 1j * sense * (nearest - ways.centre))

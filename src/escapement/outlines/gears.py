@@ -192,7 +192,7 @@ def pitch_curve(semi_major_axis: float, eccentricity: float) -> Curve:
     semi_major_axis : float
         a [mm].
     eccentricity : float
-        As of a `PitchEllipse`: the vertex on the positive real axis is the far one if it is > 0.
+        As in `PitchEllipse`: if it is > 0, the far vertex is on the positive real axis.
     """
     a, count = semi_major_axis, 8
     focus = 2.0 * eccentricity * a

@@ -17,7 +17,7 @@ from escapement.outlines import Body, Disc, Land, locked_angle, pins_and_rollers
 from escapement.outlines.curves import ComplexArray, Curve, FloatArray, chain
 from escapement.outlines.imperfect import each, imperfect_edge, scaled_errors
 
-_POSITIONS = 721  # of the wheel that turns past the locking disc
+_POSITIONS = 721  # positions of the wheel that are tried against the locking disc
 _CHORD = math.radians(0.5)
 _HOLLOWS = 400  # number of centres of hollows that are tried
 

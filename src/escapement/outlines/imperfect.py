@@ -17,7 +17,7 @@ from escapement.outlines.curves import Curve, FloatArray, chain
 
 
 def scaled_errors(mechanism: Geneva, factor: float) -> Geneva:
-    """The wheel with all errors times a factor, or InvalidValue where it then could not turn."""
+    """The wheel with all errors times a factor; InvalidValue if such a wheel could not turn."""
     factor = validate.number("exaggerate", factor, remedy := "give a factor, 1 for true scale")
     if factor < 0.0:
         raise validate.fail("exaggerate", "at least 0", factor, remedy)
@@ -37,7 +37,7 @@ def scaled_errors(mechanism: Geneva, factor: float) -> Geneva:
 
 
 def each(errors: Sequence[float], count: int | None) -> FloatArray:
-    """Errors of pins or slots, zeros where there are none."""
+    """Errors of pins or slots, zeros if none are given."""
     return np.array(errors or (0.0,) * (count or 1), dtype=float)
 
 

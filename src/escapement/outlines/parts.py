@@ -38,21 +38,21 @@ def parts_of(mechanism: Any, fits: Fits | None = None) -> tuple[Part, ...]:
     Parameters
     ----------
     mechanism : Geneva, GearDriven or EllipticalPlanetary
-        With its size and the radius of its pins. Errors of its parts are left out.
+        The mechanism, with its size and the radius of its pins. Errors of its parts are ignored.
     fits : Fits, optional
         Default: holes with the size of their pins and shafts.
 
     Returns
     -------
     tuple of Part
-        Of a Geneva wheel "driver", "locking-disc", "follower" and "plate", of a gear-driven one
-        "follower", "pin-disc", "carrier", "planet" and "fixed-gear", of elliptical gears
+        A Geneva wheel has "driver", "locking-disc", "follower" and "plate", a gear-driven one
+        "follower", "pin-disc", "carrier", "planet" and "fixed-gear", elliptical gears have
         "driven", "driving", "sun", "planet" and "carrier". Pins are round and need no drawing.
 
     Raises
     ------
     InvalidValue
-        Where the size or the radius of the pins is missing, or a hole leaves no wall.
+        If the size or the radius of the pins is missing, or a hole leaves no wall.
     """
     fits = fits or Fits()
     found = _parts(checked(mechanism), fits)
@@ -168,9 +168,9 @@ def disc_inertia(
     mechanism : Geneva
         As for `parts_of`.
     thickness : float
-        Of driver, locking disc and follower [m], > 0.
+        Thickness of driver, locking disc and follower [m], > 0.
     density : float
-        Of the material [kg/m^3], > 0.
+        Density of the material [kg/m^3], > 0.
     fits : Fits, optional
         As for `parts_of`.
 

@@ -16,7 +16,7 @@ LAYERS = {
 """Layers of a drawing, and the colour of each: in the palette of DXF, and in SVG."""
 _CHORDS = 5e-6  # distance of chords from the arcs in whose place they stand [m]
 _ROOM = 5e-3  # between parts, and around them [m]
-_HEIGHT = 2.5e-3  # of the names of parts [m]
+_HEIGHT = 2.5e-3  # height of the letters in names of parts [m]
 
 
 class Sheet(NamedTuple):

@@ -30,7 +30,7 @@ def animate(
 ) -> FuncAnimation:
     """Film of a motion, in slow motion: drive and follower to scale, and their velocities.
 
-    With clearance the pin in its slot is shown beside, its play drawn wider, as the title says.
+    With clearance a further panel shows the pin in its slot, its play drawn wider.
 
     Parameters
     ----------

@@ -80,7 +80,7 @@ def plot_beat_spectrum(
             ax.plot(places, sizes, look.marker, color=look.color, ms=5, label=name)
     errors = [line.standard_error for line in spectrum.lines]
     if np.isfinite(errors).all():
-        # of two components of noise the length exceeds this once in a hundred times
+        # two components of noise together exceed this length once in a hundred times
         level = factor * float(np.median(errors)) * np.sqrt(-2.0 * np.log(0.01))
         ax.axhline(level, lw=1.0, ls="--", color=style.GREY, label="1 % of noise")
     ax.set_ylim(0.0, None)

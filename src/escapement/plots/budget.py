@@ -14,6 +14,7 @@ from escapement.units import factor, printed
 if TYPE_CHECKING:
     from escapement.tolerance.budget import Budget
 
+NO_SHARES = "no shares, because the figure\nlacks a derivative"
 MOST = 8
 """So many contributors have room; the others are added up."""
 
@@ -44,6 +45,10 @@ def plot_budget(found: "Budget", figure: str | None = None) -> Figure:
         bars.append((f"{len(shares) - MOST} others", sum(share for _, share in shares[MOST:])))
     places = np.arange(len(bars))[::-1]
     left.barh(places, [100.0 * share for _, share in bars], color=style.BLUE)
+    if not bars:
+        middle = {"transform": left.transAxes, "ha": "center", "va": "center"}
+        left.set_xlim(0.0, 100.0)
+        left.text(0.5, 0.5, NO_SHARES, middle, fontsize=style.SMALL_SIZE)
     left.set_yticks(places, [words(key) for key, _ in bars])
     finished(left, ("share of variance", "%"), ("", ""), 1, legend=False)
     system = found.study.configuration["units"]

@@ -13,7 +13,7 @@ from escapement.plots import style
 from escapement.plots.style import finished, number_text, scaled
 from escapement.units import SYSTEMS, factor, unit_name
 
-_ROUNDING = 1e-9  # of the greatest moment: a smaller one counts as zero
+_ROUNDING = 1e-9  # a moment below this share of the greatest counts as zero
 
 
 def plot_drive_torque(

@@ -48,7 +48,7 @@ def plot_geneva(
         Where to draw; its limits are set in crank radii, follower axis at the
         origin. Default: a new figure.
     exaggerate : float
-        By what the errors of the parts are multiplied, >= 0. Unless it is 1, broken lines show
+        Factor on the errors of the parts, >= 0. Unless it is 1, broken lines show
         the perfect wheel and its pins.
     follower_angle : float, optional
         Angle of the follower [rad], as `State.phi` of a motion with clearance gives it.
@@ -118,7 +118,7 @@ def plot_configurations(theta: float = 0.0) -> Figure:
 def _name_parts(ax: Axes, outline: GenevaOutline, theta: float) -> None:
     """Names of driver, follower, the highest pin, and a slot on the lower left."""
     wheel, rim = outline.mechanism, outline.rim_radius
-    # of all discs a pin has the highest centre
+    # the disc with the highest centre is a pin
     centres = [body.centre for body in outline.bodies(theta) if isinstance(body, Disc)]
     phi = locked_angle(wheel, theta) + wheel.follower_step * np.arange(wheel.slots)
     slot = min(np.exp(1j * phi), key=lambda along: abs(along - np.exp(-2.4j)))
@@ -151,7 +151,7 @@ def draw_bodies(ax: Axes, outline: GenevaOutline, theta: float, phi: float) -> N
     width = 0.9 / _size(outline)
     bodies = outline.bodies(theta, phi)
     drawn = drawing.bodies(ax, bodies, _LOOKS, edgecolor=style.BLACK, linewidth=width)
-    # what the follower hides of the crank disc is broken
+    # the part of the crank disc behind the follower is a broken line
     hidden = drawing.bodies(ax, bodies, {"crank-disc": _BROKEN})["crank-disc"]
     hidden.set(gid=None, clip_path=drawn["follower"])
     _draw_lines(ax, outline, phi)

@@ -1,4 +1,4 @@
-"""Measured positions against theory: errors, their distribution, what comes back."""
+"""Plots of measured positions against theory: errors, their distribution and periodogram."""
 
 from typing import Any
 
@@ -14,7 +14,7 @@ from escapement.mechanism import FloatArray
 from escapement.plots import style
 from escapement.plots.style import Named
 
-_MOST_POINTS = 4000  # a print cannot show more points apart
+_MOST_POINTS = 4000  # more points cannot be distinguished in print
 _CURVE = 400
 _FALSE_ALARM = 0.01
 
@@ -34,8 +34,8 @@ def plot_positions(result: Measurement, ax: Axes | None = None, *, legend: bool 
     Returns
     -------
     Axes
-        Driver angle from dead centre and follower angle [degrees], both counting
-        on, in the sense of the follower.
+        Driver angle from dead centre and follower angle [degrees]; both grow
+        over the turns, whatever the sense of the output's encoder.
 
     Source: Prikhodko (2020), figure 6.
     """
@@ -70,7 +70,7 @@ def plot_errors(result: Measurement, ax: Axes | None = None, *, legend: bool = T
     Axes
         Input angle from the first sample and error [degrees]. Broken lines: the
         interval of the errors. Shaded, where the encoders are known: twice the
-        standard uncertainty they alone explain.
+        standard uncertainty that the encoders alone cause.
 
     Source: Prikhodko (2020), figure 7.
     """
@@ -94,7 +94,7 @@ def plot_errors(result: Measurement, ax: Axes | None = None, *, legend: bool = T
 def plot_error_histogram(
     result: Measurement, ax: Axes | None = None, *, legend: bool = True
 ) -> Axes:
-    """Density of the errors in classes, and of the normal law.
+    """Density of the errors in classes, and of a normal distribution.
 
     Parameters
     ----------
@@ -128,7 +128,7 @@ def plot_error_histogram(
 
 
 def plot_frequencies(result: Measurement, ax: Axes | None = None, *, legend: bool = True) -> Axes:
-    """Errors counted in each class beside those a normal law expects.
+    """Number of errors in each class, and the number expected of a normal distribution.
 
     Parameters
     ----------
@@ -158,7 +158,7 @@ def plot_frequencies(result: Measurement, ax: Axes | None = None, *, legend: boo
 
 
 def plot_periodogram(result: Measurement, ax: Axes | None = None, *, legend: bool = True) -> Axes:
-    """Amplitude of errors that come back, over their frequency.
+    """Amplitude of errors that repeat, over their frequency.
 
     Parameters
     ----------
@@ -227,7 +227,7 @@ def plot_speeds(fit: MotionFit, ax: Axes | None = None, *, legend: bool = True) 
 
 
 def plot_measurement(result: Measurement) -> Figure:
-    """Positions, errors, their distribution and what comes back, on one sheet."""
+    """Positions, errors, their distribution and periodogram, on one sheet."""
     figure = style.new_figure(style.TWO_COLUMN, 5.6)
     draw = (plot_positions, plot_errors, plot_error_histogram, plot_periodogram)
     for ax, plot in zip(figure.subplots(2, 2).flat, draw, strict=True):
@@ -253,7 +253,7 @@ def _finished(
 
 
 def _outline(count: int, values: FloatArray) -> np.ndarray:
-    """Indices that keep every peak a print can show."""
+    """Indices of points that keep every peak visible in print."""
     if count <= 2 * _MOST_POINTS:
         return np.arange(count)
     parts = np.array_split(np.arange(count), _MOST_POINTS)

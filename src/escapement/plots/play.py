@@ -42,9 +42,9 @@ def exaggerated(wheel: Geneva, state: State) -> Exaggerated:
     Parameters
     ----------
     wheel : Geneva
-        Without errors of its parts.
+        A wheel without errors of its parts.
     state : State
-        Of the motion at some times.
+        State of the motion at the times that are drawn.
     """
     unit = wheel.crank_radius or 1.0
     # pins without a width are drawn with one

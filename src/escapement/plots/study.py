@@ -149,7 +149,7 @@ def plot_spread(study: Study, results: Sequence[str] | None = None) -> Figure:
     Raises
     ------
     InvalidValue
-        When the study is not a sample, or varies no axis beside it.
+        If the study is not a sample, or varies no axis in addition to it.
     """
     if not study.sampled:
         raise refusal("be a sample for this figure", "a grid", "use plot_study")
@@ -162,7 +162,7 @@ def plot_spread(study: Study, results: Sequence[str] | None = None) -> Figure:
     drawn, answered = [table.results[0] for table in tables], ran(study)
     note = [f"Median and 5 % to 95 % of {answered.shape[-1]} cases"]
     if lost := int((~answered).sum()):
-        note.append(f"but for {lost} of {answered.size} in all, without result")
+        note.append(f"{lost} of {answered.size} cases in all have no result")
     for name in names:
         if lack := missing(study, name):
             note.append(f"{lack}: {'counted as longest' if name in drawn else 'too many to draw'}")
@@ -188,7 +188,7 @@ def plot_study(study: Study, results: Sequence[str] | None = None) -> Figure:
         second axis; with five points or more on both axes there are maps below. With more axes
         the first two are drawn, and the others are fixed at their middle value, which the title
         names; `study.at(slots=6)` is the slice at another value. A sample is drawn by
-        `plot_sample`, or with axes beside it by `plot_spread`.
+        `plot_sample`, or, if it has axes too, by `plot_spread`.
 
     Raises
     ------

@@ -27,6 +27,8 @@ _PLAIN = (1e-3, 1e4)  # between these a number is printed without a power of ten
 _MOST_TICKS = 10  # up to this many whole numbers along an axis each get a tick
 NARROW = 24
 """Characters of a label that fit below a third of a page."""
+TALL = 28
+"""Characters of a label that fit beside a panel."""
 _WIDE = 3.0  # from this ratio of the greatest result to the least, contours are in even ratios
 _STEPS = (
     (1.0,), (1.0, 3.0), (1.0, 2.0, 5.0), (1.0, 1.5, 2.0, 3.0, 5.0, 7.0),
@@ -68,7 +70,7 @@ def draw_lines(ax: Axes, table: StudyTable, line: int = LINE) -> list[Line2D]:
         elif sides:
             ax.fill_between(along, *sides, lw=0.0, **band)
     dress_axis(ax, "x", x, line)
-    ax.set_ylabel(style.label(table.name, table.unit))
+    ax.set_ylabel(style.label(table.name, table.unit, TALL))
     return drawn
 
 
@@ -113,7 +115,7 @@ def draw_map(ax: Axes, table: StudyTable, bar: Literal["right", "top"]) -> list[
     count, darkest = (2 * _LEVELS, 0.95) if cells else (_LEVELS, 0.7)  # black can be read on 0.7
     levels = _levels(float(z.min()), float(z.max()), count)
     colours = ListedColormap(matplotlib.colormaps["Blues"](np.linspace(0.05, darkest, 256)))
-    norm = BoundaryNorm(levels, colours.N)  # as many steps of colour as levels, wide or narrow
+    norm = BoundaryNorm(levels, colours.N)  # one colour for each interval of levels
     hatched: dict[str, Any] = {"facecolor": "white", "edgecolor": style.GREY, "hatch": "////"}
     ax.patch.set(linewidth=0.0, **hatched)
     dress_axis(ax, "x", x, NARROW if bar == "top" else LINE)
@@ -130,7 +132,7 @@ def draw_map(ax: Axes, table: StudyTable, bar: Literal["right", "top"]) -> list[
         if inside.size:
             look: dict[str, Any] = {"colors": style.BLACK, "linewidths": 0.6}
             _label_contours(ax, ax.contour(x.values, y.values, z, inside, **look))
-    every = 1 + levels.size // _LEVELS  # as many numbers as have room
+    every = 1 + levels.size // _LEVELS  # only as many labels as there is room for
     key = ax.figure.colorbar(filled, ax=ax, location=bar, ticks=levels[::every])
     key.set_label(style.label(table.name, table.unit), size=style.TICK_SIZE)
     key.ax.tick_params(labelsize=style.SMALL_SIZE, width=0.7)

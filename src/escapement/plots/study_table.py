@@ -17,6 +17,7 @@ from escapement.units import spelt
 
 _SHORT = {
     "friction": "coefficient of friction",
+    "blow_max": "energy of a blow",
     "velocity_max": "maximum driver velocity",
     "velocity_mean": "mean driver velocity",
     "rise_time_63": "rise time, 63 %",
@@ -38,7 +39,7 @@ STEPPED = {
     "settling_time": "another extremum is the last beyond 1 %",
 }
 """Times of an extremum of the speed, and why they jump."""
-_LEAP = 0.25  # of a period: neighbours that differ by more have a jump between them
+_LEAP = 0.25  # neighbours that differ by more than this share of a period have a jump
 _DECADE = 8.0  # an axis that spans this factor in equal ratios is logarithmic
 
 

@@ -110,9 +110,13 @@ def of_budget(budget: Budget) -> str:
             (words(key), f"{100.0 * share:.1f} %", scatter.balanced.get(key))
             for key, share in scatter.contributions.items()
         ]
-        parts.append(table(("tolerance", "share of variance", "factor for equal shares"), rows))
+        if rows:
+            parts.append(table(("tolerance", "share of variance", "factor for equal shares"), rows))
         told = f"Contributors to the scatter of the {words(name)}, and the sample"
         parts.append(picture(partial(plots.plot_budget, budget, name), told))
+    parts.append(
+        paragraph(f"{budget.message[:1].upper()}{budget.message[1:]}.") * (budget.message != "done")
+    )
     parts.append(paragraph(
         "A factor below 1 asks for a tighter tolerance, one above 1 allows a wider one; together "
         "they leave the standard deviation as it is, to first order."

@@ -23,7 +23,7 @@ def part_lists(
     Parameters
     ----------
     content : Mapping
-        Of a study file.
+        Content of a study file.
     settings : Mapping
         Settings of a study, including lists.
     counts : Mapping

@@ -69,7 +69,7 @@ class Journal:
     Parameters
     ----------
     path : Path
-        Of the database.
+        Path of the database.
     named : path
         The output as the user named it, for messages.
     force, resume : bool
@@ -91,7 +91,7 @@ class Journal:
     def __init__(self, path: Path, named: Any, *, force: bool, resume: bool) -> None:
         self.path, self._named, self._force, self._resume = path, named, force, resume
         self.failed: dict[int, int] = {}
-        self._begun = not path.exists()  # what is new, and gets no block, does not stay
+        self._begun = not path.exists()  # a new file that gets no block is removed
         self._next_sync = time.monotonic() + SYNC_EVERY
         self._open()
 
@@ -159,7 +159,7 @@ class Journal:
         self._put(block)
         self.failed[block.number] = block.failed
         if time.monotonic() >= self._next_sync:
-            self._execute("PRAGMA wal_checkpoint")  # what was appended outlasts the machine
+            self._execute("PRAGMA wal_checkpoint")  # these rows now survive a crash
             self.check()
             self._next_sync = time.monotonic() + SYNC_EVERY
 
@@ -190,7 +190,7 @@ class Journal:
         with suppress(OSError):
             _remove(self.path)
         self._database.close()
-        if os.name == "nt":  # where an open file stays
+        if os.name == "nt":  # Windows does not remove an open file
             with suppress(OSError):
                 _remove(self.path)
 

@@ -35,7 +35,7 @@ MOST_CASES = 10**12
 _TOP = ("title", "units", "results", "mechanism", "inertia", *PLACES, "sweep", "sample", "solver")
 _NUMBERS = declared(Escapement)
 _SOLVER = declared(Solver)
-# what else people write for a number, and what to tell them
+# usual mistakes in writing a number, and the remedy for each
 _HABITS = {
     r"(?m)^\s*\w+\s*=\s*[-+]?\d*,\d": "write a decimal point, as 0.1",
     r"(?m)^\s*\w+\s*=\s*[-+.\d]+(e[-+]?\d+)? ?[a-zA-Z]": "put a number with its unit in quotes: "

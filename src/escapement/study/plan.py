@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from escapement import units
-from escapement.fitting import IMPERFECT, LENGTHS
+from escapement.fitting import IMPERFECT, LENGTHS, idle_settings
 from escapement.mechanism import Mechanism
 from escapement.mechanisms import KINDS, kind_of
 from escapement.merits import FIGURES, Result
@@ -26,7 +26,7 @@ from escapement.train import train_numbers
 
 
 def model_numbers() -> dict[str, Quantity]:
-    """Numbers of an escapement beside its mechanism that may be axes, by name."""
+    """Numbers of an escapement, besides those of its mechanism, that may be axes, by name."""
     every = {**quantities(Escapement), **quantities(Inertia), **train_numbers(), **quantities(Run)}
     return {name: entry for name, entry in every.items() if entry.axis}
 
@@ -252,6 +252,14 @@ class StudyPlan:
             return True
         names = {"clearance", "stiffness"} & {*self.fixed_si}
         return any(np.any(self.every(name)) for name in names)
+
+    @property
+    def idle(self) -> str:
+        """Which settings have no effect in any case; "" if there are none."""
+        values = {name: self.every(name) for name in self.fixed_si}
+        if not isinstance(self.build, type):
+            values["clearance"] = getattr(self.build, "clearance", 0.0)
+        return idle_settings(Escapement, values)
 
     def check_mechanism(self) -> None:
         """Raise InvalidValue for a mechanism that no case could have."""

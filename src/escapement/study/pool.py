@@ -84,7 +84,7 @@ def in_cluster(scheduler: Any, workers: int) -> Iterator[Pool]:
         def share(value: Any) -> Any:
             # A lost result of a task is computed again; lost scattered data are not.
             with warnings.catch_warnings():
-                warnings.simplefilter("ignore")  # of Dask, where the value is large
+                warnings.simplefilter("ignore")  # Dask warns if the value is large
                 return client.submit(_itself, value, pure=False)
 
         def ahead() -> int:
@@ -95,16 +95,16 @@ def in_cluster(scheduler: Any, workers: int) -> Iterator[Pool]:
             yield Pool(executor, ahead, share, lambda: client.status == _CONNECTED)
         except distributed.KilledWorker as error:
             raise StorageError(
-                f"a block ended {error.allowed_failures + 1} workers, perhaps for lack of memory; "
-                "give workers more memory, then continue with resume=True (--resume)"
+                f"a block of cases ended {error.allowed_failures + 1} workers, perhaps for "
+                "lack of memory; give them more, then continue with resume=True (--resume)"
             ) from None
         except (Exception, futures.CancelledError) as error:
             # each version of Dask reports a lost scheduler in another way
             if client.status == _CONNECTED and not isinstance(error, futures.CancelledError):
                 raise
             raise StorageError(
-                "the scheduler must stay, and was lost; start it again, then continue with "
-                "resume=True"
+                "the scheduler must stay connected, and the connection was lost; start it again, "
+                "then continue with resume=True (--resume)"
             ) from None
 
 
@@ -140,7 +140,7 @@ def _connected(scheduler: Any, workers: int) -> Iterator[Any]:
         ) from None
     if isinstance(scheduler, distributed.Client):
         if scheduler.status != _CONNECTED or scheduler.asynchronous:
-            remedy = "open it, with asynchronous left out"
+            remedy = "open it without asynchronous=True"
             raise validate.fail("scheduler", "a client that is connected", scheduler, remedy)
         yield scheduler
         return
@@ -159,7 +159,7 @@ def _connected(scheduler: Any, workers: int) -> Iterator[Any]:
             client = stack.enter_context(distributed.Client(scheduler, timeout=_PATIENCE))
         except RuntimeError as error:  # each process begins as the script does
             raise StorageError(
-                f"a local cluster must start, and did not: {error}; of a script, put what it does "
+                f"a local cluster must start, and did not: {error}; in a script, put the commands "
                 "under: if __name__ == '__main__'"
             ) from None
         except (OSError, ValueError) as error:

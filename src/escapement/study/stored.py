@@ -89,7 +89,7 @@ class Stored(NDArrayOperatorsMixin):
     Parameters
     ----------
     path : str
-        Of the file, absolute.
+        Absolute path of the file.
     dataset : h5py.Dataset
         The array.
     finite : bool
@@ -143,7 +143,7 @@ class Stored(NDArrayOperatorsMixin):
         return getattr(ufunc, method)(*plain, **options)
 
     def __getattr__(self, name: str) -> Any:
-        if name.startswith("_"):  # what is looked for by protocols, or while a copy is made
+        if name.startswith("_"):  # protocols and copying look for such names
             raise AttributeError(name)
         return getattr(self.values, name)
 

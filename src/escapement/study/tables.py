@@ -18,7 +18,7 @@ from escapement.study.result import Study, count_failed
 from escapement.text import csv_lines
 
 CSV, PARQUET = ".csv", ".parquet"
-_ROWS = 1 << 17  # of a row group of Parquet
+_ROWS = 1 << 17  # rows in a row group of Parquet
 # pandas stores its `attrs` under this name, and finds ours there.
 _ATTRIBUTES = b"PANDAS_ATTRS"
 

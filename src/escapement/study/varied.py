@@ -34,7 +34,7 @@ _BESIDE = {
     "relative_standard_deviation": _ENDS,
     "log_standard_deviation": _ENDS,
 }
-"""Keys of a distribution beside that of its width; a distribution without a width has ends."""
+"""Keys of a distribution besides that of its width; a distribution without a width has ends."""
 WIDTHS = frozenset(_BESIDE) - {""}
 """Keys of a distribution that lies around the nominal value."""
 _NEVER = 1e-10  # share of a normal distribution at either side that no draw reaches
@@ -244,12 +244,21 @@ def unit_cube(method: str, size: int, count: int, seed: int, hypercubes: int = 1
 def drawn_values(
     form: Any, parameter: Quantity, nominal: float | None, share: FloatArray
 ) -> NDArray[Any]:
-    """Values of a parameter below which the given shares of its distribution lie."""
-    return _drawn(form, parameter, nominal, share)[0]
+    """Values below which the given shares of a distribution lie, of which some may break a rule."""
+    return _distributed(form, parameter, nominal, share)[0]
 
 
 def _drawn(form: Any, parameter: Quantity, nominal: float | None, share: FloatArray) -> Column:
     """Values below which the given shares (0 to 1) of a distribution lie, and its form."""
+    values, plain = _distributed(form, parameter, nominal, share)
+    cut = replace(parameter, remedy="cut its distribution off with low or high")
+    return cut.read_all(f"sample.{parameter.name}", values), plain
+
+
+def _distributed(
+    form: Any, parameter: Quantity, nominal: float | None, share: FloatArray
+) -> Column:
+    """As `_drawn`, without the check of the values."""
     label = f"sample.{parameter.name}"
     if parameter.whole or parameter.fraction:
         raise InvalidValue(
@@ -263,11 +272,8 @@ def _drawn(form: Any, parameter: Quantity, nominal: float | None, share: FloatAr
     width = next((key for key in _BESIDE if key in form), "")
     known_keys(form, (width, *_BESIDE[width]), f"in {label} with {width or 'two ends'}")
     if width:
-        values, plain = _around(form, width, parameter, nominal, share)
-    else:
-        values, plain = _between(form, parameter, share)
-    cut = replace(parameter, remedy="cut its distribution off with low or high")
-    return cut.read_all(label, values), plain
+        return _around(form, width, parameter, nominal, share)
+    return _between(form, parameter, share)
 
 
 def _between(form: Mapping[str, Any], parameter: Quantity, share: FloatArray) -> Column:

@@ -286,7 +286,7 @@ def planet_inertia(
     Parameters
     ----------
     mechanism : GearDriven
-        With its number of pins on each planet.
+        The wheel, with the number of pins on each planet.
     fixed_radius : float
         R0 [m], > 0.
     planet_mass : float

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import math
+import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
+from numbers import Real
 from typing import Any
 
 import numpy as np
@@ -12,7 +15,9 @@ import numpy as np
 from escapement import simulation, validate
 from escapement.errors import InvalidValue
 from escapement.files import AnyPath
+from escapement.fitting import IMPERFECT
 from escapement.mechanism import FloatArray
+from escapement.merits import FIGURES
 from escapement.model import Escapement
 from escapement.status import Status
 from escapement.study.parse import parse_plan, plan_from
@@ -25,8 +30,12 @@ from escapement.tolerance import intervals
 from escapement.tolerance.indices import sobol_indices
 from escapement.tolerance.intervals import Estimate
 from escapement.tolerance.law import numbers_of
-from escapement.tolerance.scatter import Limits, Scatter, scatter_of
+from escapement.tolerance.scatter import FEWEST, Limits, Scatter, scatter_of
+from escapement.tolerance.sensitivities import corners_of
 from escapement.tolerance.spread import Spread, spreads_of
+
+HYPERCUBES = 20
+"""Number of Latin hypercubes that a sample consists of; their scatter gives the intervals."""
 
 
 @dataclass(frozen=True, repr=False)
@@ -52,7 +61,8 @@ class Budget(Shown):
     def _shown(self) -> list[tuple[str, Any, str]]:
         rows: list[tuple[str, Any, str]] = [("cases", self.size, ""), ("seed", self.seed, "")]
         for name, scatter in self.figures.items():
-            rows += [(f"{name} sigma/nominal", scatter.sigma / scatter.nominal, "")]
+            if scatter.nominal and math.isfinite(scatter.sigma):
+                rows += [(f"{name} sigma/nominal", scatter.sigma / scatter.nominal, "")]
             rows += [(f"{name} yield", scatter.inside.value, "")] if scatter.inside else []
         return rows
 
@@ -82,7 +92,7 @@ def budget(
         {"tolerance": 1e-5}, {"relative_standard_deviation": 0.02}, {"low": 0.15, "high": 0.25}.
         A list, such as slot_angle_errors, is drawn independently for each part.
     limits : Mapping, optional
-        Least and greatest allowed value of figures [SI], (low, high).
+        Least and greatest allowed value of figures [SI], (low, high); infinite for none.
     figures : sequence of str, optional
         Figures besides those with limits. Default: the period.
     method : str
@@ -107,10 +117,16 @@ def budget(
     """
     sample: dict[str, Any] = {"method": method, "size": size, "seed": seed, **tolerances}
     if method == "latin-hypercube":
-        sample["hypercubes"] = 20
-    if correlations:
-        sample["correlations"] = [list(pair) for pair in correlations]
-    wanted = [*dict.fromkeys([*(limits or {}), *figures])] or ["period"]
+        sample["hypercubes"] = HYPERCUBES
+        if validate.integer("size", size, FEWEST, "give more cases") % HYPERCUBES:
+            rule = f"a multiple of {HYPERCUBES} with method 'latin-hypercube'"
+            raise validate.fail("size", rule, size, f"give {size + -size % HYPERCUBES}")
+    if len(correlations):
+        sample["correlations"] = [*correlations]
+    named = [figures] if isinstance(figures, str) else figures
+    wanted = [*dict.fromkeys([*(limits or {}), *named])] or ["period"]
+    for name in wanted:
+        validate.choice("limits" if name in (limits or {}) else "figures", name, (*FIGURES,))
     plan = plan_from(escapement, {}, sample=sample, results=wanted)
     options: Any = {"indices": indices, "path": path, "workers": workers}
     return budget_of(plan, limits or {}, given=numbers_of(escapement.held), **options)
@@ -135,10 +151,14 @@ def budget_of(
             "a budget must have a sample alone, with method 'random' or 'latin-hypercube', got "
             f"{drawn.get('method', 'a sweep')!r}; leave [sweep] out"
         )
-    for name, ends in limits.items():
-        validate.choice("limits", name, tuple(plan.results))
-        if not (len(ends) == 2 and ends[0] < ends[1]):
-            raise validate.fail(f"limits.{name}", "(low, high), low below high", ends, "swap them")
+    ends = {name: _checked(plan, name, pair) for name, pair in limits.items()}
+    if indices:
+        validate.integer("indices", indices, 2, "give 0 for none")
+        if drawn.get("correlations"):
+            raise InvalidValue(
+                "indices must be 0 with correlations, because they assume independent numbers"
+            )
+    _try_cases(plan)
     spreads = spreads_of(plan, given or {})
     plan.fixed_si.update({name: spread.nominal for name, spread in spreads.items()})
     nominal = plan.built(plan.fixed_si)
@@ -147,24 +167,65 @@ def budget_of(
         raise InvalidValue(f"the nominal design must have a terminal cycle: {found.message}")
     study = run_plan(plan, **options)
     names = [name for name in plan.results if name != "status"]
-    scatters = {name: scatter_of(plan, nominal, study, spreads, name, limits) for name in names}
+    known = numbers_of(nominal.held)
+    sharp = [name for name in spreads if name.startswith(IMPERFECT) and name not in known]
+    corners = corners_of(nominal.held, sharp, names)
+    scatters = {
+        name: scatter_of(plan, nominal, study, spreads, name, ends, corners) for name in names
+    }
     if indices:
         _add_indices(plan, scatters, indices, int(drawn["seed"]))
     failed = intervals.share(study.results["status"] != Status.OK)
     lost = "cases that could not be computed count as outside the limits"
-    message = "done" if failed.value == 0.0 else lost
+    notes = [plan.idle] if plan.idle else []
+    notes += [lost] if failed.value else []
+    notes += filter(None, (_without(name, scatter) for name, scatter in scatters.items()))
+    message = "; ".join(notes) or "done"
     sized = int(drawn["size"])
     return Budget(scatters, spreads, study, failed, int(drawn["seed"]), sized, message)
+
+
+def _checked(plan: StudyPlan, name: str, ends: Any) -> Limits:
+    """The limits of a figure, of which one may be infinite."""
+    validate.choice("limits", name, tuple(key for key in plan.results if key != "status"))
+    pair = isinstance(ends, Sequence | np.ndarray) and not isinstance(ends, str) and len(ends) == 2
+    if not pair or any(type(x) is bool or not isinstance(x, Real) or x != x for x in ends):
+        remedy = "write -inf or inf for none"
+        raise validate.fail(f"limits.{name}", "two numbers, (low, high)", ends, remedy)
+    if not ends[0] < ends[1]:
+        raise validate.fail(f"limits.{name}", "(low, high), low below high", ends, "swap them")
+    return float(ends[0]), float(ends[1])
+
+
+def _try_cases(plan: StudyPlan) -> None:
+    """Refuse a plan of which none of the first cases can be built, before any of it is solved."""
+    for case in range(min(FEWEST, plan.cases)):
+        try:
+            plan.escapement(case)
+        except InvalidValue as error:
+            why = error
+        else:
+            return
+    raise why
+
+
+def _without(figure: str, scatter: Scatter) -> str:
+    """What a figure lacks, and the reason; "" if nothing."""
+    lacking = [name for name, slope in scatter.slopes.items() if not math.isfinite(slope)]
+    notes = []
+    if lacking:
+        every = ", ".join(dict.fromkeys(re.sub(r"_\d+$", "", name) for name in lacking))
+        without = "so that its scatter to first order and the shares are left out"
+        notes += [f"{figure} has no derivative by {every}, {without}"]
+    if not math.isfinite(sum(scatter.worst[:2])):
+        notes += [f"{figure} has no value at one of its worst cases"]
+    return "; ".join(notes)
 
 
 def _add_indices(plan: StudyPlan, scatters: dict[str, Scatter], size: int, seed: int) -> None:
     """Add the Sobol' indices of every figure."""
     table = plan.configuration["sample"]
     names = list(plan.sampled)
-    if table.get("correlations"):
-        raise InvalidValue(
-            "indices must be 0 with correlations, because they assume independent numbers"
-        )
     solved: dict[str, FloatArray] = {}
 
     def evaluate(shares: FloatArray, figure: str) -> FloatArray:

@@ -6,7 +6,7 @@ They are needed for clearance and impact, for compliant contact, and for trains 
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -31,6 +31,12 @@ def needs_differences(escapement: Escapement) -> bool:
     trains = (escapement.barrel, escapement.load_train)
     lossy = any(train is not None and train.efficiency < 1.0 for train in trains)
     return bool(escapement.contact) or lossy
+
+
+def lossless(escapement: Escapement) -> list[str]:
+    """Efficiencies of trains that are 1: figures have derivatives only on one side of them."""
+    trains = {place: getattr(escapement, place) for place in PLACES}
+    return [f"{k}_efficiency" for k, train in trains.items() if train and train.efficiency == 1.0]
 
 
 def with_number(escapement: Escapement, name: str, value: float) -> Escapement:
@@ -60,9 +66,10 @@ def slopes_by(
 ) -> dict[str, Slope]:
     """Derivatives of figures of merit by one number that is not 0.
 
-    Each comes from Richardson's extrapolation of central differences over steps h and 2 h. Its
-    error is estimated by the extrapolation itself, plus the error of the means if engagements do
-    not repeat. A figure that is missing at one of the steps is left out.
+    Each comes from Richardson's extrapolation of central differences over steps h and 2 h, or of
+    differences below a number that cannot be greater. Its error is estimated by the extrapolation
+    itself, plus the error of the means if engagements do not repeat. A figure that is missing at
+    one of the steps is left out.
 
     Parameters
     ----------
@@ -76,17 +83,27 @@ def slopes_by(
     for share in STEPS:
         step = share * abs(value)
         found = {k: _terminal(escapement, name, value + k * step) for k in (-2, -1, 1, 2)}
+        if found[1].status is Status.INVALID:
+            found |= {k: _terminal(escapement, name, value + k * step) for k in (-4, 0)}
         for figure in names:
-            near, far = (
-                (getattr(found[k], figure) - getattr(found[-k], figure)) / (2.0 * k * step)
-                for k in (1, 2)
-            )
-            noise = math.hypot(*(_interval(found[k], figure) for k in (-1, 1))) / step
+            values = {k: float(getattr(each, figure)) for k, each in found.items()}
+            near, far = (_difference(values, k) / step for k in (1, 2))
+            ends = (-1, 0) if 0 in found else (-1, 1)
+            noise = math.hypot(*(_interval(found[k], figure) for k in ends)) / step
             more = (near - far) / 3.0
             doubt = abs(more) + noise
             if math.isfinite(doubt) and doubt < best.get(figure, (0.0, math.inf))[1]:
                 best[figure] = near + more, doubt
     return best
+
+
+def _difference(values: Mapping[int, float], k: int) -> float:
+    """The difference over k steps on either side, or below where the value in the middle is
+    given, divided by k; its error is of second order.
+    """
+    if 0 in values:
+        return (3.0 * values[0] - 4.0 * values[-k] + values[-2 * k]) / (2.0 * k)
+    return (values[k] - values[-k]) / (2.0 * k)
 
 
 def _terminal(escapement: Escapement, name: str, value: float) -> Figures:

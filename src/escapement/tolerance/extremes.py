@@ -23,7 +23,7 @@ Quantity = Callable[[Point], Any]
 
 
 def extreme(varied: Variation, quantity: Quantity, sign: float = 1.0) -> tuple[float, FloatArray]:
-    """The greatest value of a quantity over a motion, or the least where `sign` is -1.
+    """The greatest value of a quantity over a motion, or the least if `sign` is -1.
 
     Returns
     -------

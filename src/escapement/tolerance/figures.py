@@ -1,9 +1,9 @@
-"""The figures of merit as duals: with their derivatives by the numbers of the model."""
+"""The figures of merit as dual numbers: each with its derivatives by the model's parameters."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from dataclasses import replace
 from itertools import pairwise
 from typing import Any
@@ -23,17 +23,29 @@ from escapement.tolerance.law import ANGLE, SPEED, Law
 from escapement.tolerance.variation import Variation
 
 SHALLOW = 1e-6
-"""A deviation that has fallen further has too few digits for its derivative."""
+"""Deviations below this share of the first one have too few digits for a derivative."""
 VANISHED = 1e-9
-"""A lever, over the crank, that is this small is what sets a limit of friction."""
+"""If the lever of the contact force, over the crank radius, is below this at a limit of friction,
+the limit is set by the lever."""
+ROUNDING = 1e-12
+"""Beats that differ by less than this share are equal."""
 LONGEST = 2000
-"""Engagements of a transient that is followed for the rise times."""
+"""Greatest number of engagements that are followed for the rise times."""
+LIMITS = {"critical_friction", "uniqueness_friction", "jam_margin"}
+"""Figures that depend on friction and geometry, not on the motion."""
 
 
 def figures_of(
-    escapement: Escapement, figures: Figures, names: tuple[str, ...], cycle_only: bool = False
+    escapement: Escapement,
+    figures: Figures,
+    names: tuple[str, ...],
+    wanted: Collection[str] = tuple(FIGURES),
 ) -> tuple[dict[str, Dual], str]:
-    """The figures [SI] as duals by the numbers alone, and what is not among them."""
+    """The figures [SI] as dual numbers, and a message about those that are missing.
+
+    Their slopes are the derivatives by the parameters in `names`. Figures that take long are
+    computed only if they are `wanted`.
+    """
     law = Law(escapement, names)
     varied = Variation(figures.motion, law)  # type: ignore[arg-type]
     end = varied.boundaries[-1]
@@ -44,7 +56,7 @@ def figures_of(
         return np.asarray(columns[..., :-1] + columns[..., -1:] * first)
 
     clock, torque = law.plain(law.clock()), law.plain(law.values["torque"])
-    length = law.plain(law.values["crank_radius"]) if "crank_radius" in names else None
+    length = law.plain(law.values["crank_radius"])
     starts = [b for b in varied.boundaries if varied.begins(b.piece)]
     instants = [Dual(b.time, closed(b.instant)) for b in starts]
     beats = [b - a for a, b in pairwise(instants)]
@@ -54,21 +66,25 @@ def figures_of(
         value, slopes = extreme(varied, quantity, sign)
         return Dual(value, closed(slopes))
 
-    fastest, slowest = (np.sqrt(most(lambda p: p.w, s)) / clock for s in (1.0, -1.0))
-    handoff = np.sqrt(Dual(end.w_behind, closed(end.total_behind)))
-    found |= {
-        "velocity_max": fastest,
-        "velocity_min": slowest,
-        "velocity_mean": escapement.mechanism.cell_angle / found["period"],
-        "velocity_average_published": 0.5 * (fastest + slowest),
-        "handoff_velocity": handoff / clock,
-        "contraction": contraction(varied, first),
-        "acceleration_max": most(lambda p: abs(p.acceleration)) / clock**2.0,
-        "follower_acceleration_max": most(lambda p: abs(p.follower_acceleration)) / clock**2.0,
-        "contact_moment_max": most(lambda p: abs(p.moment)) * torque,
+    def speed(sign: float) -> Any:
+        return np.sqrt(most(lambda p: p.w, sign)) / clock
+
+    found["velocity_mean"] = escapement.mechanism.cell_angle / found["period"]
+    found["handoff_velocity"] = np.sqrt(Dual(end.w_behind, closed(end.total_behind))) / clock
+    slow: dict[str, Callable[[], Any]] = {
+        "velocity_max": lambda: speed(1.0),
+        "velocity_min": lambda: speed(-1.0),
+        "velocity_average_published": lambda: 0.5 * (speed(1.0) + speed(-1.0)),
+        "contraction": lambda: contraction(varied, first),
+        "acceleration_max": lambda: most(lambda p: abs(p.acceleration)) / clock**2.0,
+        "follower_acceleration_max": lambda: (
+            most(lambda p: abs(p.follower_acceleration)) / clock**2.0
+        ),
+        "contact_moment_max": lambda: most(lambda p: abs(p.moment)) * torque,
     }
-    if length is not None:
-        found["contact_force_max"] = most(lambda p: abs(p.force)) * torque / length
+    if float(length) > 0.0:
+        slow["contact_force_max"] = lambda: most(lambda p: abs(p.force)) * torque / length
+    found |= {name: make() for name, make in slow.items() if name in wanted}
     reversals = [b for b in varied.boundaries if varied.reverses(b.piece)]
     if reversals:
         last = int(np.argmax(figures.reversal_angles))
@@ -77,23 +93,36 @@ def figures_of(
         )
     if law.parts:
         ordered = sorted(beats, key=float)
-        found["beat_error"] = (ordered[-1] - ordered[0]) * clock
+        found["beat_error"] = _difference(ordered[0], ordered[-1]) * clock
         found["blow_max"] = max((_blow(varied, b, closed) for b in starts[1:]), key=float) * torque
-    if cycle_only:
-        return found, ""
+    found |= limits_of(escapement, figures, names) if LIMITS & {*wanted} else {}
+    note = ""
+    if {*wanted} & {"rise_time_63", "rise_time_98"}:
+        rises, note = _rises(escapement, figures, law, found["handoff_velocity"], clock)
+        found |= rises
+    return {name: found[name] for name in FIGURES if name in found}, note
+
+
+def _difference(least: Dual, most: Dual) -> Dual:
+    """The difference of two times, 0 where they are equal but for rounding."""
+    found: Dual = most - least
+    return found if float(found) > ROUNDING * float(most) else 0.0 * found
+
+
+def limits_of(escapement: Escapement, figures: Figures, names: tuple[str, ...]) -> dict[str, Dual]:
+    """The limits of friction and the margin to jamming, as duals by the numbers."""
+    law, found = Law(escapement, names), {}
     for name in ("critical_friction", "uniqueness_friction"):
         limit = _limit(escapement, getattr(figures, name), names, name.startswith("u"))
         if limit is not None:
             found[name] = limit
     if "critical_friction" in found:
         found["jam_margin"] = 1.0 - law.plain(law.values["friction"]) / found["critical_friction"]
-    rises, note = _rises(escapement, figures, law, found["handoff_velocity"], clock)
-    order = [name for name in FIGURES if name in found or name in rises]
-    return {name: (found | rises)[name] for name in order}, note
+    return found
 
 
 def _blow(varied: Variation, boundary: Any, closed: Any) -> Dual:
-    """Energy that the blow at a handoff takes, in natural units."""
+    """Energy lost in the blow at a handoff, in natural units."""
     law, meeting = varied.law, varied.next_meeting(boundary.piece)
     left = law.plain(law.blow(meeting)) if law.parts[meeting].strikes else None
     if left is None:
@@ -109,14 +138,18 @@ def _blow(varied: Variation, boundary: Any, closed: Any) -> Dual:
 def _limit(
     escapement: Escapement, limit: float, names: tuple[str, ...], before: bool
 ) -> Dual | None:
-    """A Painleve limit: there the least margin J h of one half of the engagement vanishes, or the
-    lever of the contact force.
+    """A Painleve limit, or None if it has no derivatives.
+
+    At this friction either the least margin J h of one half of the engagement vanishes, or the
+    lever h of the contact force. `before` chooses the half before dead centre.
     """
     from scipy.optimize import brentq
 
-    if not 0.0 < limit < math.inf or "friction" not in names:
+    if not 0.0 < limit < math.inf or escapement.scene.path.table:
         return None
-    law = Law(replace(escapement, friction=limit), names)
+    law = Law(
+        replace(escapement, friction=limit), (*(n for n in names if n != "friction"), "friction")
+    )
     margin, lever = (uncompiled(painleve)[name] for name in ("margin", "least_lever"))
     best: tuple[float, Any] = (math.inf, None)
     for place, scene in enumerate(law.scenes):
@@ -139,24 +172,22 @@ def _limit(
         if abs(float(own)) < min(best[0], VANISHED):
             best = float(own), own
     found = best[1].slopes[:SPEED]
-    friction = names.index("friction")
-    slopes = -found / found[friction]
-    slopes[friction] = 0.0
-    return Dual(limit, slopes)
+    slopes = dict(zip(law.names, -found / found[-1], strict=True)) | {"friction": 0.0}
+    return Dual(limit, np.array([slopes[name] for name in names]))
 
 
 def _rises(
     escapement: Escapement, figures: Figures, law: Law, handoff: Dual, clock: Dual
 ) -> tuple[dict[str, Dual], str]:
-    """`rise_time_63` and `rise_time_98` of a start from rest."""
+    """`rise_time_63` and `rise_time_98`, and "done" or the reason why they are missing."""
     late = figures.rise_time_98
     if not late > 0.0:
-        return {}, "the rise times have no derivative, because there are none"
+        return {}, "there are no rise times here, so they have no derivatives"
     count = len(escapement.meetings)
     long = simulation.simulate(escapement, duration=late * (1.0 + 1e-9))
     wanted = count * (1 + long.handoff_times.size // count)
     if wanted > LONGEST:
-        return {}, f"the rise times have no derivative here: they take over {LONGEST} engagements"
+        return {}, f"the rise times take more than {LONGEST} engagements: no derivatives"
     motion = simulation.simulate(escapement, wanted)
     varied = Variation(motion, law)
     rounds = [b for b in varied.boundaries[1:] if varied.begins(b.piece)][count - 1 :: count]
@@ -174,5 +205,5 @@ def _rises(
             share = (level - depth[k - 1]) / (depth[k] - depth[k - 1])
             found[name] = times[k - 1] + share * (times[k] - times[k - 1])
     if len(found) < 2:
-        return found, "rise times have no derivative where a cycle all but ends the deviation"
+        return found, "the speed settles within one cycle, so rise times have no derivatives"
     return found, "done"

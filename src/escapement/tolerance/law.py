@@ -1,7 +1,7 @@
-"""The equation of motion with duals: what changes along a motion when a number of the model does.
+"""The equation of motion with dual numbers: how a motion changes with the model's parameters.
 
-Each number that varies has a slope of its own, and behind them stand those of the squared speed w
-and of the driver angle, at `SPEED` and `ANGLE`.
+A dual has one slope for each parameter that varies. After them come its slopes by the squared
+speed w and by the driver angle, at the places `SPEED` and `ANGLE`.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ from escapement.train import numbers_of_trains, seen
 SPEED, ANGLE = -2, -1
 """Places of the slopes by w and by the driver angle."""
 _OF_CONTACT = ("clearance", "restitution", "stiffness", "damping", "slip_speed")
-"""Numbers on which a terminal cycle depends only with clearance or with compliant contact."""
+"""Numbers that affect a terminal cycle only with clearance or compliant contact."""
 
 
 def numbers_of(escapement: Escapement) -> dict[str, float]:
@@ -36,7 +36,7 @@ def numbers_of(escapement: Escapement) -> dict[str, float]:
     mechanism: Any = escapement.mechanism
     meshed, length = escapement.scene.path.table, getattr(mechanism, LENGTHS[0], None)
     owners = {**vars(escapement.inertia), **vars(escapement)}
-    # of a spring the cycle is that of its full torque
+    # the terminal cycle belongs to the full torque of a spring
     left_out = ("spring_rate", *(() if escapement.contact else _OF_CONTACT))
     found = {}
     for entry in (*quantities(Inertia).values(), *quantities(Escapement).values()):
@@ -51,7 +51,7 @@ def numbers_of(escapement: Escapement) -> dict[str, float]:
 
 
 def _full_torque(escapement: Escapement) -> float:
-    """The greatest torque that is given, on the barrel where there is one [N m]."""
+    """The greatest torque of the drive, at the barrel if there is one [N m]."""
     torque = escapement.torque
     return torque.greatest if isinstance(torque, TorqueCurve) else torque
 
@@ -65,18 +65,21 @@ class Law:
 
     @property
     def count(self) -> int:
-        """Slopes of a dual: one for each number, and those by w and the driver angle."""
+        """Number of slopes: one for each number that varies, and those by w and driver angle."""
         return len(self.names) + 2
 
     def seeded(self, value: Any, place: int) -> Dual:
-        """Values whose slope at a place is 1."""
+        """Values with the slope 1 at a place and 0 at all others."""
         slopes = np.zeros((*np.shape(value), self.count))
         slopes[..., place] = 1.0
         return Dual(value, slopes)
 
     @cached_property
     def values(self) -> dict[str, Any]:
-        """The numbers by their names [SI], each with its slope, as driver and follower see them."""
+        """The numbers by their names [SI], with slopes, as they act on driver and follower.
+
+        Trains between barrel and driver, or follower and load, have been applied to them.
+        """
         escapement, own = self.escapement, self.escapement.inertia
         known = {"driver_inertia": own.driver, "follower_inertia": own.follower}
         known |= (
@@ -88,7 +91,7 @@ class Law:
 
     @cached_property
     def parts(self) -> tuple[Part, ...]:
-        """The engagements of imperfect parts; none of perfect ones."""
+        """The engagements of imperfect parts; empty for perfect ones."""
         mechanism: Any = self.escapement.mechanism
         return parts_of(mechanism, self.values) if error_names(mechanism) else ()
 
@@ -112,7 +115,10 @@ class Law:
         return end
 
     def blow(self, meeting: int) -> Any:
-        """Share of the speed that the blow leaves with which an engagement begins; 1 for none."""
+        """Share of the speed that is left after the blow at the start of an engagement.
+
+        It is 1 if the engagement begins without a blow.
+        """
         strikes = bool(self.parts) and self.parts[meeting].strikes
         return _law["left_by_blow"](self.scenes[meeting]) if strikes else 1.0
 
@@ -129,9 +135,9 @@ class Law:
         return self.seeded(angle, ANGLE), self.seeded(w, SPEED)
 
     def at(self, meeting: int, side: float, angle: Dual, w: Dual, *signs: float) -> Point:
-        """The law where a side of the slot carries the force, or 0 in a dwell.
+        """The law while a side of the slot carries the force; the side is 0 in a dwell.
 
-        The signs of the sliding speed and of g are given where they may vanish.
+        `signs` are those of the sliding speed and of g; they are needed where one of these is 0.
         """
         if self.parts and isinstance(late := self.parts[meeting].late, Dual):
             angle = angle - Dual(0.0, late.slopes)
@@ -140,7 +146,7 @@ class Law:
 
 @dataclass(frozen=True)
 class Point:
-    """What the law says at angles and squared speeds, in natural units."""
+    """The law evaluated at driver angles and squared speeds, in natural units."""
 
     scene: Scene
     side: float
@@ -172,14 +178,14 @@ class Point:
 
     @cached_property
     def contact(self) -> Any:
-        """X, whose zero is a pin reversal."""
+        """X, which is zero at a pin reversal."""
         g, _c, k, _u, _r = self.pose
         pull, root = self._drive
         return _law["contact"](g, k, pull, self.w, root, self.scene)
 
     @property
     def slide(self) -> Any:
-        """The sliding speed v, at whose zero the contact point changes its way."""
+        """The sliding speed v; where it is zero, the contact point reverses its sliding."""
         g, _c, _k, u, radius = self.pose
         return _law["slide_at"](g, u, radius, self.side, self.scene)
 
@@ -193,7 +199,7 @@ class Point:
 
     @property
     def force(self) -> Any:
-        """Force N of the contact."""
+        """Contact force N."""
         if self.side == 0.0:
             return 0.0 * self.w
         g, _c, _k, u, radius = self.pose
@@ -213,7 +219,7 @@ def _pose(path: Path, angle: Dual) -> Any:
     """`pose_at` with duals."""
     if not path.table:
         return _slotted["pose_at"](path, angle)
-    # the angles of a table may lie in several of its pieces, and its slopes are series too
+    # the angles may lie in several pieces of a table, and its slopes are series too
     pieces, order = path.numbers[:2].astype(int)
     edges = path.numbers[2 : 3 + pieces]
     series = path.numbers[3 + pieces :][: pieces * order].reshape(pieces, order)

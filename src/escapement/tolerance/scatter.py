@@ -6,30 +6,42 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import partial
+from typing import Any
 
 import numpy as np
 
 from escapement import simulation, units
 from escapement.errors import InvalidValue
+from escapement.fitting import IMPERFECT
 from escapement.mechanism import FloatArray
+from escapement.merits import TRANSIENT
+from escapement.metrics import Figures
 from escapement.model import Escapement
-from escapement.status import Status
+from escapement.status import MESSAGES, Status
 from escapement.study.plan import StudyPlan, unit_kind
 from escapement.study.result import Study
 from escapement.study.varied import correlation_matrix
 from escapement.text import Shown
 from escapement.tolerance import intervals
-from escapement.tolerance.differences import needs_differences, slopes_by
+from escapement.tolerance.differences import lossless, needs_differences, slopes_by
 from escapement.tolerance.figures import figures_of
 from escapement.tolerance.intervals import Estimate, estimate
 from escapement.tolerance.law import numbers_of
-from escapement.tolerance.sensitivities import corners_of
+from escapement.tolerance.parts import error_names
 from escapement.tolerance.spread import Spread
 from escapement.tolerance.worst_case import Worst, worst_case
 
 LEVELS = (0.01, 0.05, 0.5, 0.95, 0.99)
 """Shares of cases whose quantiles are given."""
+FEWEST = 20
+"""Cases that an estimate needs at least."""
+ROUNDS = 200
+"""Rounds of the iteration for equal shares of correlated numbers."""
+OF_ERRORS = ("beat_error", "blow_max")
+"""Figures that are 0 for perfect parts."""
 Limits = tuple[float, float]
+Corners = Mapping[str, Mapping[str, tuple[float, float]]]
+"""By figure and number, the derivatives below and above."""
 
 
 @dataclass(frozen=True, repr=False)
@@ -38,10 +50,14 @@ class Scatter(Shown):
 
     nominal : its value without them.
     worst : its ends with every number at the worst value within its tolerance; for a normal
-        distribution without ends these are three standard deviations from the mean.
+        distribution without ends these are three standard deviations from the mean. NaN if the
+        mechanism has no answer there.
     sigma : standard deviation to first order, the root of the sum of squares.
-    slopes : its derivative by each number; at a kink, that of the steeper side.
-    contributions : share of each number in the variance to first order, greatest first.
+    slopes : its derivative by each number; at a kink, that of the steeper side; NaN or infinite
+        if there is none. Then the sample alone tells the scatter: sigma is NaN, and contributions
+        and balanced are empty.
+    contributions : share of each number in the variance to first order, greatest first; it may be
+        negative if numbers are correlated.
     balanced : factor for each tolerance with which all contribute equally to the same sigma:
         below 1 the tolerance has to be tightened, above 1 it may be widened.
     mean, deviation : of the sample.
@@ -68,33 +84,55 @@ class Scatter(Shown):
     total: dict[str, Estimate] = field(default_factory=dict)
 
 
+def _solved(plan: StudyPlan, names: Sequence[str], place: FloatArray) -> tuple[Escapement, Figures]:
+    """An escapement with values of some numbers, and its figures."""
+    values = plan.fixed_si | dict(zip(names, place.tolist(), strict=True))
+    timer = plan.built(values)
+    return timer, simulation.terminal(timer, initial_speed=values["initial_speed"] or 0.0)
+
+
 def _slopes(plan: StudyPlan, names: Sequence[str], figure: str, place: FloatArray) -> FloatArray:
     """Derivatives of a figure at values of some numbers; NaN where there are none."""
     nothing = np.full(len(names), math.nan)
     try:
-        timer = plan.built(plan.fixed_si | dict(zip(names, place.tolist(), strict=True)))
+        timer, found = _solved(plan, names, place)
     except InvalidValue:
         return nothing
-    known = numbers_of(timer.held)
-    found = simulation.terminal(timer)
-    if found.status is not Status.OK or any(name not in known for name in names):
+    if found.status is not Status.OK:
         return nothing
-    if needs_differences(timer):
-        own = zip(names, place.tolist(), strict=True)
-        each = [slopes_by(timer, name, value, (figure,)) if value else {} for name, value in own]
-        return np.array([found.get(figure, (math.nan,))[0] for found in each])
-    fast = not figure.startswith("rise_time")
-    duals, _ = figures_of(timer.held, found, tuple(names), cycle_only=fast)
-    return duals[figure].slopes if figure in duals else nothing
+    values = dict(zip(names, place.tolist(), strict=True))
+    slopes, known = dict.fromkeys(names, 0.0), numbers_of(timer.held)
+    if figure in TRANSIENT and (values | plan.fixed_si)["initial_speed"]:
+        return nothing
+    # errors of perfect parts have two derivatives; of what is left a cycle does not depend
+    slopes |= {name: math.nan for name in names if name.startswith(IMPERFECT)}
+    apart = names if needs_differences(timer) else lossless(timer)
+    exact = [name for name in names if name in known and name not in apart]
+    for name in {*names} & {*apart} & {*known}:
+        found_by = slopes_by(timer, name, values[name], (figure,)) if values[name] else {}
+        slopes[name] = found_by.get(figure, (math.nan,))[0]
+    if exact:
+        slopes |= _exact(timer, found, exact, figure)
+    return np.array([slopes[name] for name in names])
+
+
+def _exact(
+    timer: Escapement, found: Figures, names: Sequence[str], figure: str
+) -> dict[str, float]:
+    """Derivatives of a figure by numbers for which the equation of motion is differentiated."""
+    if figure in OF_ERRORS and not error_names(timer.mechanism):
+        return dict.fromkeys(names, 0.0)
+    duals, _ = figures_of(timer.held, found, tuple(names), (figure,))
+    slopes = duals[figure].slopes.tolist() if figure in duals else [math.nan] * len(names)
+    return dict(zip(names, slopes, strict=True))
 
 
 def _value(plan: StudyPlan, names: Sequence[str], figure: str, place: FloatArray) -> float:
     """A figure at values of some numbers; NaN where it has none."""
     try:
-        timer = plan.built(plan.fixed_si | dict(zip(names, place.tolist(), strict=True)))
+        return float(getattr(_solved(plan, names, place)[1], figure))
     except InvalidValue:
         return math.nan
-    return float(getattr(simulation.terminal(timer), figure))
 
 
 def scatter_of(
@@ -104,26 +142,43 @@ def scatter_of(
     spreads: Mapping[str, Spread],
     figure: str,
     limits: Mapping[str, Limits],
+    corners: Corners,
 ) -> Scatter:
-    """The scatter of one figure."""
+    """The scatter of one figure; `corners` has its two slopes by errors of perfect parts."""
     system = plan.configuration["units"]
     values = study.results[figure] * units.factor(unit_kind(figure), system)
     answered = np.isfinite(values)
-    if answered.sum() < 20:
-        raise InvalidValue(f"{figure} must have a value in at least 20 cases, got {answered.sum()}")
+    if answered.sum() < FEWEST:
+        codes = study.results["status"][~answered]
+        why = Status(int(np.bincount(codes).argmax())) if codes.any() else Status.OK
+        told = MESSAGES[why] if why else "give a larger size"
+        rule = f"{figure} must have a value in at least {FEWEST} of {values.size} cases"
+        raise InvalidValue(f"{rule}, got {answered.sum()}; {told}")
     names, kept = list(spreads), values[answered]
     places = np.array([s.nominal for s in spreads.values()])
     bounds = np.array([[s.low, s.high] for s in spreads.values()])
     columns = np.array([plan.every(name) for name in names])[:, answered]
     tried = columns[:, [int(kept.argmin()), int(kept.argmax())]].T
     own = (plan, names, figure)
-    worst = worst_case(partial(_value, *own), partial(_slopes, *own), bounds, places, tried)
-    slopes, variances, total = _first_order(plan, nominal, spreads, figure)
-    parts = variances / total if total > 0.0 else variances
-    order = np.argsort(-parts)
-    shares = {names[i]: float(parts[i]) for i in order}
-    active = [name for name, part in shares.items() if part > 1e-6]
-    balanced = {name: math.sqrt(1.0 / (len(active) * shares[name])) for name in active}
+    sides = {name: corners.get(figure, {}).get(name, (math.nan, math.nan)) for name in names}
+    # a kink with slopes of one sign is as good as a slope of that sign
+    alike = np.array(
+        [below if below * above > 0.0 else math.nan for below, above in sides.values()]
+    )
+
+    def slopes_at(place: FloatArray) -> FloatArray:
+        found = _slopes(*own, place)
+        at_kink = np.isnan(found) & (place == places)
+        return np.where(at_kink, alike, found)
+
+    worst = worst_case(partial(_value, *own), slopes_at, bounds, places, tried)
+    slopes, covariance = _first_order(plan, nominal, spreads, figure, corners)
+    variances, total = covariance.sum(axis=1), float(covariance.sum())
+    order: Any = np.argsort(-variances) if math.isfinite(total) else ()
+    shares = {names[i]: float(variances[i] / (total or 1.0)) for i in order}
+    active = np.flatnonzero(covariance.diagonal() > 1e-6 * total)
+    factors = equal_factors(covariance[np.ix_(active, active)])
+    factor_of = dict(zip([names[i] for i in active], factors.tolist(), strict=True))
     groups = plan.configuration["sample"].get("hypercubes", 1) if answered.all() else 1
     inside = capability = ends = None
     if figure in limits:
@@ -134,10 +189,10 @@ def scatter_of(
     return Scatter(
         nominal=float(getattr(simulation.terminal(nominal), figure)),
         worst=worst,
-        sigma=math.sqrt(total),
+        sigma=math.sqrt(total) if math.isfinite(total) else math.nan,
         slopes=dict(zip(names, slopes.tolist(), strict=True)),
         contributions=shares,
-        balanced=balanced,
+        balanced={name: factor_of[name] for name in shares if name in factor_of},
         mean=estimate(intervals.mean, kept, groups),
         deviation=estimate(intervals.deviation, kept, groups),
         quantiles={level: intervals.quantile(kept, level, groups) for level in LEVELS},
@@ -148,27 +203,41 @@ def scatter_of(
 
 
 def _first_order(
-    plan: StudyPlan, nominal: Escapement, spreads: Mapping[str, Spread], figure: str
-) -> tuple[FloatArray, FloatArray, float]:
-    """Derivatives, contributions to the variance, and the variance to first order."""
+    plan: StudyPlan,
+    nominal: Escapement,
+    spreads: Mapping[str, Spread],
+    figure: str,
+    corners: Corners,
+) -> tuple[FloatArray, FloatArray]:
+    """Derivatives, and covariances of the effects of the numbers, to first order."""
     names = list(spreads)
-    known = numbers_of(nominal.held)
-    smooth = [name for name in names if name in known]
-    places = np.array([spreads[name].nominal for name in smooth])
-    slopes = np.zeros(len(names))
-    slopes[[names.index(n) for n in smooth]] = _slopes(plan, smooth, figure, places)
-    sigma = np.array([s.sigma for s in spreads.values()])
+    places = np.array([s.nominal for s in spreads.values()])
+    slopes = _slopes(plan, names, figure, places)
+    lines = slopes.copy()
+    own = (slopes * [s.sigma for s in spreads.values()]) ** 2
+    for i, name in enumerate(names):
+        if name in corners.get(figure, {}):
+            below, above = corners[figure][name]
+            slopes[i] = above if abs(above) > abs(below) else below
+            own[i], lines[i] = spreads[name].kinked(below, above)
     pairs = plan.configuration["sample"].get("correlations", [])
     matrix = correlation_matrix(pairs, names) if pairs else np.eye(len(names))
-    scaled = slopes * sigma
-    variances = scaled * (matrix @ scaled)
-    sharp = [name for name in names if name not in known]
-    corners = corners_of(nominal.held, sharp).get(figure, {}) if sharp else {}
-    for name in sharp:
-        # a figure that rises by b x above 0 and by a x below it has this variance
-        below, above = corners.get(name, (math.nan, math.nan))
-        i, size = names.index(name), spreads[name].magnitude
-        slopes[i] = above if abs(above) > abs(below) else below
-        mean = 0.5 * (above - below) * size
-        variances[i] = 0.5 * (above**2 + below**2) * sigma[i] ** 2 - mean**2
-    return slopes, variances, float(variances.sum())
+    scaled = lines * [s.sigma for s in spreads.values()]
+    with np.errstate(invalid="ignore"):  # of an infinite slope
+        covariance = np.where(matrix == 0.0, 0.0, matrix * np.outer(scaled, scaled))
+    np.fill_diagonal(covariance, own)
+    return slopes, covariance
+
+
+def equal_factors(covariance: FloatArray) -> FloatArray:
+    """Factors of the effects with which all have equal shares of the same variance."""
+    own, wanted = covariance.diagonal(), covariance.sum() / max(len(covariance), 1)
+    factors: FloatArray = np.sqrt(wanted / own)
+    if (covariance == np.diag(own)).all():
+        return factors
+    # the share of each rises with its own factor: a quadratic equation for each in turn
+    for _ in range(ROUNDS):
+        for i, row in enumerate(covariance):
+            others = row @ factors - row[i] * factors[i]
+            factors[i] = (np.sqrt(others**2 + 4.0 * row[i] * wanted) - others) / (2.0 * row[i])
+    return factors

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -11,12 +11,14 @@ import numpy as np
 
 from escapement import simulation
 from escapement.errors import InvalidValue
+from escapement.mechanism import FloatArray
+from escapement.merits import FIGURES, TRANSIENT
 from escapement.metrics import Figures
 from escapement.model import Escapement
 from escapement.status import Status
 from escapement.text import Shown
-from escapement.tolerance.differences import needs_differences, slopes_by
-from escapement.tolerance.figures import figures_of
+from escapement.tolerance.differences import lossless, needs_differences, slopes_by
+from escapement.tolerance.figures import LIMITS, figures_of
 from escapement.tolerance.law import numbers_of
 
 JUMPS = ("rise_time", "settling_time")
@@ -24,6 +26,7 @@ JUMPS = ("rise_time", "settling_time")
 _STEPS = np.array([1e-4, 2e-4, 4e-4])
 """Square roots of the errors near a kink: a blow grows with the square root of an error."""
 _TO_ZERO = np.linalg.inv(np.vander(_STEPS, increasing=True))[0]
+_CYCLE = tuple(name for name in FIGURES if name not in (*TRANSIENT, *LIMITS))
 _DIFFERENCES = "derivatives are differences; numbers that are 0 and rise times are left out"
 Table = dict[str, dict[str, float]]
 
@@ -35,7 +38,8 @@ class Sensitivities(Shown):
     absolute : by figure and number, dF/dq in SI: `absolute["period"]["torque"]`.
     relative : likewise d ln F/d ln q, per cent per cent; only where both are not zero.
     one_sided : by figure and error of a part of a perfect wheel, where figures have a kink: the
-        derivatives below and above zero. Empty unless requested.
+        derivatives below and above zero, infinite where a figure grows with the root of an error.
+        Empty unless requested.
     doubts : by figure and number, the uncertainty of a derivative computed by differences; empty
         if all are exact.
     jumps : figures that have no derivative, because they jump.
@@ -92,7 +96,9 @@ def sensitivities(escapement: Escapement, *, errors: bool = False) -> Sensitivit
     escapement = escapement.held
     numbers = numbers_of(escapement)
     if needs_differences(escapement):
-        return _by_differences(escapement, numbers, figures)
+        nothing = Sensitivities({}, {}, {}, {}, JUMPS, figures, _DIFFERENCES)
+        return _by_differences(escapement, numbers, nothing)
+    ends = {name: numbers.pop(name) for name in lossless(escapement)}
     duals, message = figures_of(escapement, figures, tuple(numbers))
     absolute: Table = {}
     relative: Table = {}
@@ -105,49 +111,50 @@ def sensitivities(escapement: Escapement, *, errors: bool = False) -> Sensitivit
             if numbers[name] != 0.0 and value != 0.0
         }
     corners = corners_of(escapement, error_axes(escapement.mechanism)) if errors else {}
-    return Sensitivities(absolute, relative, corners, {}, JUMPS, figures, message)
+    exact = Sensitivities(absolute, relative, corners, {}, JUMPS, figures, message)
+    return _by_differences(escapement, ends, exact) if ends else exact
 
 
 def _by_differences(
-    escapement: Escapement, numbers: dict[str, float], figures: Figures
+    escapement: Escapement, numbers: Mapping[str, float], found: Sensitivities
 ) -> Sensitivities:
-    """The derivatives by all numbers that are not 0, each with its uncertainty."""
-    absolute: Table = {}
-    relative: Table = {}
-    doubts: Table = {}
+    """Add the derivatives by numbers that are not 0, each with its uncertainty."""
     for name, value in numbers.items():
         if value == 0.0:
             continue
         for figure, (slope, doubt) in slopes_by(escapement, name, value).items():
-            absolute.setdefault(figure, {})[name] = slope
-            doubts.setdefault(figure, {})[name] = doubt
-            if own := getattr(figures, figure):
-                relative.setdefault(figure, {})[name] = slope * value / own
-    return Sensitivities(absolute, relative, {}, doubts, JUMPS, figures, _DIFFERENCES)
+            found.absolute.setdefault(figure, {})[name] = slope
+            found.doubts.setdefault(figure, {})[name] = doubt
+            if own := getattr(found.figures, figure):
+                found.relative.setdefault(figure, {})[name] = slope * value / own
+    return found
 
 
 def corners_of(
-    escapement: Escapement, wanted: Sequence[str]
+    escapement: Escapement, wanted: Sequence[str], figures: Sequence[str] = _CYCLE
 ) -> dict[str, dict[str, tuple[float, float]]]:
-    """Derivatives by errors of parts on either side of perfect ones.
+    """Derivatives of figures by errors of parts on either side of perfect ones.
 
     All pins are equal, and so are all slots: the derivatives for the first one hold for each.
     """
-    mechanism: Any = escapement.mechanism
     solved: dict[str, list[dict[str, float]]] = {}
     found: dict[str, dict[str, tuple[float, float]]] = {}
     for name in wanted:
         key = re.sub(r"_\d+$", "", name)
         if key not in solved:
-            solved[key] = [_side(escapement, mechanism, key, sign) for sign in (-1.0, 1.0)]
+            cycle = [name for name in figures if name not in TRANSIENT]
+            solved[key] = [_side(escapement, key, sign, cycle) for sign in (-1.0, 1.0)]
         below, above = solved[key]
         for figure in below:
             found.setdefault(figure, {})[name] = below[figure], above[figure]
     return found
 
 
-def _side(escapement: Escapement, mechanism: Any, key: str, sign: float) -> dict[str, float]:
+def _side(
+    escapement: Escapement, key: str, sign: float, figures: Sequence[str]
+) -> dict[str, float]:
     """Limits of the derivatives by an error on one side of zero."""
+    mechanism: Any = escapement.mechanism
     count = mechanism.error_counts.get(key)
     unit = 1.0 if "angle" in key else mechanism.crank_radius
     tables = []
@@ -156,9 +163,17 @@ def _side(escapement: Escapement, mechanism: Any, key: str, sign: float) -> dict
         some: Any = (error, *(0.0,) * (count - 1)) if count else error
         varied = replace(escapement, mechanism=replace(mechanism, **{key: some}))
         names = (f"{key}_0" if count else key,)
-        duals, _ = figures_of(varied, simulation.terminal(varied), names, cycle_only=True)
+        duals, _ = figures_of(varied, simulation.terminal(varied), names, figures)
         tables.append({figure: float(dual.slopes[0]) for figure, dual in duals.items()})
-    return {name: float(_TO_ZERO @ [table[name] for table in tables]) for name in tables[0]}
+    return {name: _limit(np.array([table[name] for table in tables])) for name in tables[0]}
+
+
+def _limit(slopes: FloatArray) -> float:
+    """The limit of derivatives at ever smaller errors; infinite if they grow as one over a root."""
+    near, middle, far = abs(slopes)
+    if near > 1.5 * middle and middle > 1.5 * far:
+        return float(np.copysign(np.inf, slopes[0]))
+    return float(_TO_ZERO @ slopes)
 
 
 def error_axes(mechanism: Any) -> list[str]:

@@ -25,7 +25,8 @@ class Spread:
     nominal, mean, sigma : its nominal value, mean and standard deviation.
     low, high : its ends; for a normal distribution without ends, three standard deviations from
         the mean.
-    magnitude : mean of its distance from the nominal value.
+    above, below : of its distance from the nominal value, where it is greater and where it is less:
+        the mean and the mean square over all cases.
     """
 
     nominal: float
@@ -33,7 +34,15 @@ class Spread:
     sigma: float
     low: float
     high: float
-    magnitude: float
+    above: tuple[float, float]
+    below: tuple[float, float]
+
+    def kinked(self, below: float, above: float) -> tuple[float, float]:
+        """Variance of a figure with two slopes, and the slope of the line closest to it."""
+        (more, up), (less, down) = self.above, self.below
+        mean = above * more - below * less
+        slope = (above * up + below * down - mean * (more - less)) / self.sigma**2
+        return above**2 * up + below**2 * down - mean**2, slope
 
 
 def spreads_of(plan: StudyPlan, given: Mapping[str, float]) -> dict[str, Spread]:
@@ -62,6 +71,9 @@ def spreads_of(plan: StudyPlan, given: Mapping[str, float]) -> dict[str, Spread]
         mean = float(weights @ inner)
         middle = mean if nominal is None else float(nominal)
         sigma = float(np.sqrt(weights @ (inner - mean) ** 2))
-        size = float(weights @ np.abs(inner - middle))
-        found[name] = Spread(middle, mean, sigma, float(ends[0]), float(ends[1]), size)
+        above, below = (
+            (float(weights @ side), float(weights @ side**2))
+            for side in (np.maximum(inner - middle, 0.0), np.maximum(middle - inner, 0.0))
+        )
+        found[name] = Spread(middle, mean, sigma, float(ends[0]), float(ends[1]), above, below)
     return found

@@ -16,7 +16,7 @@ Evaluate = Callable[[FloatArray], float]
 class Worst(NamedTuple):
     """The ends of a figure.
 
-    low, high : least and greatest value.
+    low, high : least and greatest value; NaN if the figure has none there.
     searched : whether they were searched for; otherwise derivatives of constant sign show that
         they lie at a vertex.
     """
@@ -37,7 +37,8 @@ def worst_case(
 
     If each derivative has the same sign at the nominal point and at the two vertices to which the
     signs point, the ends are at these vertices. Otherwise the search starts from these vertices
-    and from the extreme cases of a sample.
+    and from the extreme cases of a sample. A vertex to which derivatives point, and where the
+    figure has no value, is an end without a value: beyond some place the mechanism jams or stops.
 
     Parameters
     ----------
@@ -55,13 +56,15 @@ def worst_case(
     alike = bool(np.isfinite(first).all())
     for vertex in vertices:
         alike = alike and bool((np.sign(slopes(vertex)) * np.sign(first) >= 0.0).all())
+    at_vertices = [evaluate(vertex) for vertex in vertices]
     if alike:
-        low, high = (evaluate(vertex) for vertex in vertices)
-        return Worst(low, high, False)
+        return Worst(at_vertices[0], at_vertices[1], False)
     ends = []
-    for sign, vertex, case in zip((-1.0, 1.0), vertices, tried, strict=True):
-        starts = [vertex, case]
-        ends.append(sign * max(_climb(evaluate, sign, bounds, start) for start in starts))
+    for sign, vertex, value, case in zip((-1.0, 1.0), vertices, at_vertices, tried, strict=True):
+        starts = [vertex, case] if np.isfinite(value) else [case]
+        open_end = np.isfinite(first).all() and not np.isfinite(value)
+        climbed = (_climb(evaluate, sign, bounds, start) for start in starts)
+        ends.append(np.nan if open_end else sign * max(climbed))
     return Worst(ends[0], ends[1], True)
 
 
@@ -71,11 +74,13 @@ def _climb(evaluate: Evaluate, sign: float, bounds: FloatArray, start: FloatArra
 
     low, wide = bounds[:, 0], bounds[:, 1] - bounds[:, 0]
 
+    begin = np.clip((start - low) / wide, 0.0, 1.0)
+    worse = 1e3 * abs(evaluate(low + begin * wide))
+
     def cost(shares: FloatArray) -> float:
         value = evaluate(low + shares * wide)
-        return -sign * value if np.isfinite(value) else 1e300
+        return -sign * value if np.isfinite(value) else worse
 
-    begin = np.clip((start - low) / wide, 0.0, 1.0)
     # a figure may have kinks, so a method without derivatives is used
     found = minimize(
         cost, begin, method="Powell", bounds=[(0.0, 1.0)] * len(begin), options={"xtol": 1e-6}

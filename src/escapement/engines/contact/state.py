@@ -1,4 +1,4 @@
-"""The state of driver and follower where they move on their own, from natural units to SI."""
+"""Conversion of states with separate motions of driver and follower from natural units to SI."""
 
 from typing import Any
 

@@ -52,7 +52,7 @@ EVENT = record_dtype(
         # too coarse for interpolation, s, E at the left end, the point behind the extremum,
         # and J theta_ddot at the left end and at x = high
         **{"half": NUMBER, "coarse": FLAG, "side": NUMBER, "left_energy": NUMBER},
-        "flow": NUMBER,  # of the scene, see `power_flow`
+        "flow": NUMBER,  # flow of the scene, see `power_flow`
         **{"point": WHOLE, "first": NUMBER, "final": NUMBER, "high": NUMBER},
         # copies of these rows of the workspace
         **dict.fromkeys(("energy", "net_torque", "slowness"), ROW),

@@ -153,6 +153,7 @@ def solve_behind(scene, work, panel, side):
         solve_linear(scene, work, panel, other, -side)
         fictive = (e - dot(work.at_x, other.beta, count)) / dot(work.at_x, other.alpha, count)
         if refresh_roots(scene, work, panel, other, fictive) < 1e-14:
+            solve_linear(scene, work, panel, other, -side)
             return
     other.tail = 1.0
 

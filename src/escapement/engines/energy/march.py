@@ -5,9 +5,9 @@ from rest, a near stop) and goes on with the left half. The chain of panels thus
 as the scene needs, and later engagements use the same chain again.
 
 A panel is passed in steps: `_choose` between it and the spare panel of a start, `_pass_over` it
-to its right end, `_note_left_end`, `_check` it for extrema, `_note_inside` what happens in it,
-and `_advance`. `_pass_over`, `_check` and `_note_inside` may find that it must be halved first,
-and so may `_choose` for a start, by the tail it sets.
+to its right end, `_note_left_end`, `_check` it for extrema, `_note_inside` the events in it,
+and `_advance`. `_pass_over`, `_check` and `_note_inside` may find that it must be halved first.
+`_choose` may find this for a start, from the tail of its solution.
 """
 
 import numpy as np
@@ -92,7 +92,7 @@ def march(scene, cells, store, count, request, w, rising, events, used):
     if at_rest and sampling.net_torque_at(first.entry, state.side, 0.0, scene) <= 0.0:
         return _found(STALL, state, first.left, 0.0, count)
     if lossy:
-        # beside the march E is that of the scene without losses in its trains
+        # outside the march, E belongs to the scene whose trains lose nothing
         state = _turned(state, first.entry.g, own.rho, scene.rho)
     while state.panel != panels.CHAIN_END:
         chained = store.panels[state.panel]

@@ -23,8 +23,8 @@ from escapement.power_flow import is_lossy, within_flow
 TO_NEAREST, TO_SECOND = float(1.0 + POINTS[0]), float(1.0 + POINTS[1])
 # See `panels.FIRST_PANEL` for why these are not Python integers.
 FIRST_POINT, ALL_POINTS = np.int64(0), np.int64(N)
-# Values below this share of the driving torque are taken for rounding: next to the stop of a
-# mesh it makes the sign of a vanishing force or acceleration change many times.
+# Values below this share of the driving torque count as rounding. Next to the stop of a mesh,
+# rounding makes the sign of a vanishing force or acceleration change many times.
 NEGLIGIBLE = 1e-12
 # Two reversals in a panel of at most this half width [rad] are so close that they do not change
 # the motion, and are not searched for.
@@ -38,7 +38,7 @@ SLOPE_ERROR = 0.01
 
 @inner_jit
 def bend_at(end, side, scene):
-    """c = p - g at an end of a panel; in a dwell, where g and u are zero, it does no work."""
+    """c = p - g at an end of a panel; 0 in a dwell, where g and u are zero."""
     return bend(end.g, end.u, end.radius, side, scene)
 
 
@@ -97,8 +97,8 @@ def sample_panel(scene, work, panel, solution, side, energy):
 def turns_back(scene, work, panel, solution, side, w_left, w_right):
     """Whether power in a lossy train changes direction, on a panel wide enough to matter.
 
-    The panel is the one just sampled; `w_left` and `w_right` are at its ends. Twice between two
-    points counts as well.
+    The panel is the one just sampled; `w_left` and `w_right` are at its ends. Two changes between
+    neighbouring points count as well.
     """
     if not is_lossy(scene) or panel.half <= NARROW_TURN:
         return False
@@ -226,14 +226,14 @@ def duration(work):
 
 @inner_jit
 def find_extremum(torque, last, first, final):
-    """Changes of the sign of theta_ddot before the point `last`, or on the panel where that is N.
+    """Changes of the sign of theta_ddot before the point `last`, or on the whole panel if it is N.
 
     `torque` is J theta_ddot at the points, `first` at the left end, and `final` at the right
     end or at the reversal.
 
     Returns
     -------
-    changes, point : number of changes, and the point behind the last one, -1 without one.
+    changes, point : number of changes, and the first point after the last one, -1 if none.
     """
     if last == 0:
         return (1, 0) if first * final < 0.0 else (0, -1)

@@ -104,7 +104,11 @@ def solve_side(scene, work, panel, side, energy):
     fill_bend(scene, work, panel, solution, side)
     for _ in range(MOST_STEPS):
         solve_linear(scene, work, panel, solution, side)
-        if not viscous or refresh_roots(scene, work, panel, solution, energy) < 1e-14:
+        if not viscous:
+            return
+        if refresh_roots(scene, work, panel, solution, energy) < 1e-14:
+            # E is exact then, but an error of the roots changes b to first order
+            solve_linear(scene, work, panel, solution, side)
             return
     solution.tail = 1.0
 
@@ -149,8 +153,8 @@ def keep_share(scene, work, panel, solution, count):
 def refresh_roots(scene, work, panel, solution, energy):
     """Linearise viscous drag about the present solution from E = `energy` at the left end.
 
-    Returns the greatest relative change of a speed. A speed that is not positive, as behind a
-    stop, counts as a tiny one.
+    Returns the square of the greatest relative change of a speed, which is about the error of E.
+    A speed that is not positive, as behind a stop, counts as a tiny one.
     """
     change = 0.0
     for i in range(N):

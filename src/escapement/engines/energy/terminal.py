@@ -55,7 +55,10 @@ def terminal(
     message = base.message
     if late:
         count_text = f"{longest:_}".replace("_", " ")
-        message = f"{', '.join(late)} not given: beyond {count_text} engagements"
+        message = (
+            f"these figures take more than {count_text} engagements and are not given: "
+            f"{', '.join(late)}"
+        )
     return replace(
         base,
         **times,

@@ -140,7 +140,7 @@ class _Problem:
 
     @cached_property
     def arguments(self) -> tuple[Any, ...]:
-        """What `slope` takes beside x and y."""
+        """What `slope` takes in addition to x and y."""
         task, law = self.task, self.law
         middle = 0.5 * (task.theta + task.end)
         signs = law.signs(middle, task.sign) if task.sign else (0.0, 0.0)
@@ -193,7 +193,7 @@ class _Problem:
         with np.errstate(all="ignore"):
             solved = solve_ivp(slope, span, y, method, args=self.arguments, **more)
         if solved.status < 0:
-            raise NotConverged(f"method {method!r} gives up: {solved.message}")
+            raise NotConverged(f"method {method!r} failed: {solved.message}")
         return solved
 
     def sample(self, solved: Any) -> tuple[FloatArray, FloatArray, FloatArray]:
@@ -255,7 +255,7 @@ class _Problem:
                 break
             if not end + shift > join:
                 raise NotConverged(
-                    f"method {self.options.method!r} makes errors greater than a whole step; "
+                    f"the error of method {self.options.method!r} is larger than a whole step; "
                     "choose a smaller rtol, a smaller atol or a smaller max_step"
                 )
             end += shift
@@ -283,7 +283,7 @@ class _Problem:
 def _too_many_steps(method: str) -> str:
     other = "" if method == "DOP853" else " or method 'DOP853'"
     return (
-        f"method {method!r} needs more than {MOST_STEPS} steps for a piece of "
+        f"method {method!r} needs more than {MOST_STEPS} steps between two events of "
         f"the motion; choose a larger rtol, a larger max_step{other}"
     )
 

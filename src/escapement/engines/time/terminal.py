@@ -66,8 +66,8 @@ def terminal(escapement: Escapement, base: Figures, **settings: Any) -> Figures:
             return replace(figures, **times)
         count *= 2
     message = (
-        f"{', '.join(TRANSIENT)} not given: the motion needs more than "
-        f"{LONGEST_TRANSIENT} engagements, too many for engine 'ivp'"
+        f"these figures take more than {LONGEST_TRANSIENT} engagements, too many for engine 'ivp', "
+        f"and are not given: {', '.join(TRANSIENT)}"
     )
     return replace(figures, message=message)
 

@@ -38,7 +38,7 @@ def plot_design_charts() -> Figure:
             style.annotate(ax, f"{n}", (float(lobes[-1]), float(ratio[-1])), offset, side)
         right, heights = (11.2, (0.0, 0.4)) if outside else (10.4, (0.4, 1.06))
         ax.set(xlim=(-0.4, right), ylim=heights)
-        ax.set(xlabel=label("unreal lobes m"), ylabel=label("ratio of times V₀"))
+        ax.set(xlabel=label("lobes m"), ylabel=label("ratio of times V₀"))
         ax.set_title(f"{curve}, n stations", fontsize=style.LABEL_SIZE)
     return figure
 

@@ -162,7 +162,7 @@ def _compare(row: PrintedRun, units: str) -> dict[str, Any]:
     exact, true = (_terminal(row, mechanism, *inertias) for mechanism in (cell, cell.geneva))
     # the same with the inertias of the heading, to show that they were not used
     headed = _terminal(row, cell, *HEADINGS[row.slots])
-    own = INCH_POUND / factor("torque", units)  # of torques and inertias alike
+    own = INCH_POUND / factor("torque", units)  # the unit of torques and of inertias
     return {
         **{name: getattr(row, name) for name in PrintedRun._fields[:4]},
         "torque": row.torque_inlbf * own,

@@ -1,4 +1,4 @@
-"""Meyer's figures 9-11 with his own table in them: printed points over computed lines."""
+"""Meyer's figures 9-11, drawn with the numbers of his table as points over computed lines."""
 
 from collections.abc import Mapping, Sequence
 from typing import Any
@@ -19,7 +19,7 @@ _LOOKS: dict[str, dict[str, Any]] = {
     "as_published": {"ls": "-", "lw": 1.2, "markevery": [0]},
     "true": {"ls": style.LOOKS[1].linestyle, "lw": 1.2, "markevery": [-1]},
 }
-"""How figures of each origin are drawn, and where lines are marked."""
+"""Style of each kind of numbers, and the place of the marker on each line."""
 
 
 def plot_appendix_e(rows: Rows, slots: int) -> Figure:
@@ -35,8 +35,8 @@ def plot_appendix_e(rows: Rows, slots: int) -> Figure:
     Returns
     -------
     Figure
-        Open markers: printed. Lines: as published. Broken lines: true, where
-        that differs. A full marker at the end of a line shows its friction.
+        Open markers are printed numbers, full lines are computed as published, broken lines are
+        true where that differs. The full marker at the end of a line shows its friction.
 
     Notes
     -----

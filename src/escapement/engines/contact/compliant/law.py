@@ -1,14 +1,14 @@
 """The equations of compliant contact between pin and slot, with two degrees of freedom.
 
-With the coordinates of `slot`, in natural units, the wall s = +1 or -1 is pressed in by
-d = s D - play. It pushes the pin with
+In natural units, with the coordinates of `slot`, the pin presses the wall s = +1 or -1 in by the
+depth d = s D - play. The wall pushes the pin with the force
 
     N = k d + b d'  or, after Hunt and Crossley,  N = k d^1.5 (1 + chi d')
 
-and never pulls it: it lets go where N would fall below zero. Friction is
-F = mu N v/sqrt(v^2 + eps^2). Load, bearings and journals fade likewise where a body is slower
-than eps, so that they hold it still. There is contact where d > 0 and N > 0, so that within
-contact, and without, the law is smooth.
+and never pulls it: the contact ends where N would fall below zero. Friction is
+F = mu N v/sqrt(v^2 + eps^2), which is smooth where the sliding reverses. In the same way load,
+bearings and journals fade if a body is slower than the slip speed eps, so that they hold it at
+rest. There is contact where d > 0 and N > 0; the law is smooth during contact, and without it.
 
 Source: Hunt and Crossley (1975), Journal of Applied Mechanics 42, 440-445; chi from a restitution
 e and the speed d'_0 of the touch, 8 (1 - e)/(5 e d'_0), after Flores, Machado, Silva and Martins
@@ -26,17 +26,18 @@ from escapement.power_flow import is_lossy, passed_on, shared
 from escapement.scene import Joint, Scene
 
 STATE = 14
-"""Numbers of a state: theta, phi or D, their rates, and since the start the work that the load
-takes, what is lost in each of `dynamics.LOSSES` and in the walls, and the impulse of the walls."""
+"""Length of a state: theta, phi or D, their rates, and, summed since the start, the work that the
+load takes, the work lost in each of `dynamics.LOSSES` and in the walls, and the impulse of the
+walls."""
 LOAD, LOST, WALLS, IMPULSE = 4, 5, 12, 13
 """Places in it."""
 
 
 class Engagement(NamedTuple):
-    """A pin in its slot: what the law needs beside the state.
+    """A pin in its slot: what the law needs in addition to the state.
 
     turned : driver angle turned before this cell [rad].
-    touch : speed of the pin across the slot where it touched the wall last.
+    touch : speed of the pin across the slot when it last touched a wall.
     """
 
     scene: Scene
@@ -47,13 +48,13 @@ class Engagement(NamedTuple):
 
 @inner_jit
 def fading(speed, least):
-    """Sign of a speed, which fades where it is below `least`."""
+    """Smooth sign of a speed, which fades to 0 if the speed is below `least`."""
     return speed / np.sqrt(speed * speed + least * least)
 
 
 @inner_jit
 def chi_of(case):
-    """Damping of Hunt and Crossley over the stiffness: given, or by restitution and touch."""
+    """Hunt and Crossley's chi: from the damping, or from restitution and speed of the touch."""
     joint = case.joint
     if joint.damping > 0.0:
         return joint.damping / joint.stiffness
@@ -63,7 +64,7 @@ def chi_of(case):
 
 @inner_jit
 def elastic(depth, joint):
-    """Force of a wall's spring, and the energy that it holds."""
+    """Force of a wall's spring, and the energy stored in it."""
     depth = max(depth, 0.0)
     if joint.hertz:
         force = joint.stiffness * depth * np.sqrt(depth)
@@ -74,7 +75,7 @@ def elastic(depth, joint):
 
 @inner_jit
 def push(depth, rate, case):
-    """Force N of a wall. It goes on smoothly behind its zero, where a trial step may lie."""
+    """Force N of a wall; it continues smoothly below zero, where a trial step may lie."""
     joint = case.joint
     if joint.hertz:
         return joint.stiffness * depth * np.sqrt(abs(depth)) * (1.0 + chi_of(case) * rate)
@@ -83,7 +84,7 @@ def push(depth, rate, case):
 
 @inner_jit
 def resistance(speed, rate, scene, least):
-    """What load, drag and train hold the follower back with at a speed and an acceleration."""
+    """Torque with which load, drag and losses of the train resist the follower."""
     turn = fading(speed, least)
     held, air = scene.load * turn, scene.follower_drag * abs(speed) + scene.follower_viscous
     through, efficiency = held + scene.load_train * rate, scene.load_train_efficiency
@@ -93,7 +94,7 @@ def resistance(speed, rate, scene, least):
 
 @inner_jit
 def rates(y, mode, case, out):
-    """Fill `out` with the derivative of a state by time; the result is that of phi_dot."""
+    """Fill `out` with the derivative of a state by time; returns phi_ddot."""
     scene, joint = case.scene, case.joint
     eps, mu, pin, sense = joint.slip, scene.mu_plus, scene.pin, scene.path.numbers[9]
     at = place(y, mode, scene)
@@ -106,7 +107,7 @@ def rates(y, mode, case, out):
         bent = mu * fading(sliding, eps)
         friction = bent * force
         if scene.driver_journal + scene.follower_journal > 0.0:
-            # the journals' numbers hold where the pin slides with full friction
+            # the numbers of the journals are those of a pin that slides with full friction
             reaction = np.sqrt((1.0 + bent * bent) / (1.0 + mu * mu)) * force
         on_driver = friction * (at.sine + sense * arm) - side * force * at.cosine
         on_follower = side * force * at.radius - (at.across + arm) * friction
@@ -149,7 +150,7 @@ def rates(y, mode, case, out):
 def _behind_trains(scene, pull, on_driver, held, on_follower, way, turn):
     """Accelerations of driver and follower, each with the torque that its train loses.
 
-    held : what the load holds the follower back with. way, turn : fading signs of their speeds.
+    held : torque of the load against the follower. way, turn : fading signs of their speeds.
     """
     own, far = scene.rho - scene.barrel, scene.barrel
     rate, share = passed_on(own, far, pull, on_driver, scene.barrel_efficiency, way)
@@ -161,7 +162,7 @@ def _behind_trains(scene, pull, on_driver, held, on_follower, way, turn):
 
 @inner_jit
 def _reach(at, bending, side, case):
-    """How far a wall is from letting go, as a number with the sign of N, and its slope in time.
+    """A number that is zero where the contact ends and has the sign of N, and its slope in time.
 
     bending : D'' of the place.
     """
@@ -178,7 +179,7 @@ def _reach(at, bending, side, case):
 
 @inner_jit
 def room(y, out, mode, case):
-    """A number that is positive while a contact, or a flight, goes on, and its slope in time.
+    """A number that is positive while a contact, or a flight, lasts, and its slope in time.
 
     `out` are the `rates` of the state.
     """
@@ -209,7 +210,7 @@ def frequency(y, mode, case):
 
 @inner_jit
 def stored(y, mode, case):
-    """Energy that a wall holds while the pin touches it."""
+    """Energy stored in a wall while the pin touches it."""
     if not touches(mode):
         return 0.0
     return elastic(abs(y[1]) - case.joint.play, case.joint)[1]

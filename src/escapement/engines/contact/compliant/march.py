@@ -1,8 +1,8 @@
 """The motion with compliant contact, step by step.
 
-Steps of `radau` go from touch to letting go and from there to the next touch. A step that
-passes one of them is taken again so long that it ends there, so that the corners of the law fall
-between steps and the order is kept.
+Steps of `radau` go from the beginning of a contact to its end, and from there to the next one. A
+step that passes one of these events is repeated with the length at which it ends there. The
+corners of the law thus lie between steps, and the method keeps its order.
 """
 
 import numpy as np
@@ -33,30 +33,33 @@ CLOCK = np.dtype([
     ("time", "f8"), ("step", "f8"), ("mode", "i8"), ("engagement", "i8"), ("touch", "f8"),
     ("moved", "f8"), ("steps", "i8"),
 ])  # fmt: skip
-"""Beside its state what a motion goes on from. `moved` is when it was last faster than slip."""
+"""What the next step needs in addition to the state. `moved` is the last time at which the
+mechanism was faster than the slip speed."""
 TIME, CELL, MODE, TOUCH, FIRST, SERIES = 0, 1, 2, 3, 4, 4 + STATE
 ROW = SERIES + 2 * STAGES
-"""A row holds time, engagement, mode, speed of the last touch, state, and of the step that ends
-there the accelerations by powers of the time in it."""
+"""A row holds the time, engagement, mode, speed of the last touch and state at the end of a step,
+and the coefficients of the polynomial in time for the accelerations in that step."""
 RUNNING, ARRIVED, STANDS, TOO_LONG = 0, 1, 2, 3
-"""The rows are full, the goal is reached, nothing moves, or the steps are used up."""
+"""Why a march ends: the rows are full, the goal is reached, nothing moves, or the number of steps
+is used up."""
 
 _ROUNDING = 4e-16
 _TOUCHED = 1e-12
 _LONGEST_FLIGHT, _LONGEST = 0.02, 0.1
-"""Angles [rad] of a step in flight, so short that no wall is passed unseen, and in contact."""
+"""Greatest angle of a step [rad] in flight, so that no touch is missed, and in contact."""
 _UNSEEN = 1e-14
-"""Way across the slot before the pin turns back that may be passed over."""
+"""A step may pass the turning point of a pin that moves across the slot by less than this."""
 _FIRST = 0.3
-"""First step after an event, over the contact's time scale."""
+"""First step after an event, divided by the time scale of the contact."""
 _MOST_IDLE = 20
 _PATIENCE = 30.0
-"""A mechanism that is slower than ten slip speeds for this long [sqrt(I_f/torque)] stands."""
+"""A mechanism that is slower than ten slip speeds for this long [sqrt(I_f/torque)] counts as at
+rest."""
 
 
 @inner_jit
 def _left(work, mode, case, goal):
-    """What is positive before an event: the angle to a `goal`, or without one the `room`."""
+    """A number that is positive before an event: the angle left to a `goal`, else `law.room`."""
     if goal == goal:
         return goal - work.end[0]
     return room(work.end, work.stages[STAGES], mode, case)[0]
@@ -66,18 +69,18 @@ def _left(work, mode, case, goal):
 def _locate(y, h, mode, case, rtol, work, goal):
     """Length of the step that ends at an event within it, by false position (Illinois).
 
-    It is 0 where a step on the way fails.
+    It is 0 if a step of the search fails.
     """
     low, high, length = 0.0, h, h
     at_high = _left(work, mode, case, goal)
     at_low = goal - y[0] if goal == goal else room(y, work.stages[0], mode, case)[0]
-    # a step that begins at an event is halved until it has left it
+    # a step that begins at an event is halved until its end is past the event
     at_low, last = at_low if at_low > 100.0 * _ROUNDING else 0.0, 0
     for _ in range(100):
         length = (low * at_high - high * at_low) / (at_high - at_low)
         if not low < length < high:
             length = 0.5 * (low + high)
-        # where no double lies between, it is the end behind the event
+        # if no double lies between both ends, the step ends at the first one past the event
         done = high - low <= 1e-15 * h or not low < length < high
         length = high if done else length
         if attempt(y, length, mode, case, rtol, work) == np.inf:
@@ -98,7 +101,7 @@ def _locate(y, h, mode, case, rtol, work, goal):
 
 @inner_jit
 def _dip(h, before, behind):
-    """Length to the least value of the cubic through both ends if that is below 0, else h."""
+    """Length to the minimum of the cubic through both ends if that is below 0, else h."""
     value, slope = before
     end, rise = behind
     if not (value > 0.0 and end > 0.0 and slope < 0.0 and rise > 0.0):
@@ -123,8 +126,8 @@ def _write(rows, n, clock, y, series):
 
 @inner_jit
 def _switch(y, clock, case):
-    """Let go, or note a touch and the speed across the slot in it."""
-    # a wall that lets go while it is still pressed in loses what its spring holds
+    """Change between contact and flight, and keep the speed across the slot at a touch."""
+    # a contact that ends while the wall is still pressed in loses the energy of its spring
     y[WALLS] += stored(y, clock.mode, case)
     if clock.mode != FREE:
         to_angle(y, case.scene)
@@ -140,7 +143,7 @@ def _switch(y, clock, case):
 
 @inner_jit
 def _arrive(y, clock, case, step):
-    """Pass the end of the engagement: into the dwell, or to the next pin."""
+    """Go past the end of the engagement: into the dwell, or to the next pin."""
     scene, mode = case.scene, clock.mode
     held = stored(y, mode, case)
     if touches(mode):
@@ -167,10 +170,10 @@ def _goal(clock, scene):
 
 @inner_jit
 def _longest(y, mode, work, scene):
-    """A step in which the bodies turn by no more than the angle that is looked through.
+    """Greatest step in which the bodies turn by no more than the angle allowed.
 
-    In flight it ends where the pin turns back across the slot, too, so that every wall that it
-    reaches is met at the end of the step.
+    In flight it also ends where the pin turns back across the slot, so that the pin is deepest in
+    a wall that it reaches at the end of the step.
     """
     angle = _LONGEST_FLIGHT if mode == FREE else _LONGEST
     start = work.stages[0]
@@ -186,10 +189,11 @@ def _longest(y, mode, work, scene):
 
 @inner_jit
 def _advance(y, clock, case, rtol, end, events, work):
-    """Take a step that the error allows to `work.end`, so long at most that it ends at an event.
+    """Take a step to `work.end` that keeps the tolerance and ends at the first event in it.
 
-    `events` tells whether a touch or letting go is looked for. The result is its length, 0 where
-    none was accepted, and whether the contact changes there and the pin is at its goal.
+    `events` says whether to look for the beginning or the end of a contact. Returned are the
+    length of the step, 0 if none was accepted, whether the contact changes at its end, and whether
+    the pin is at its goal.
     """
     mode = clock.mode
     h = min(clock.step, end - clock.time, _longest(y, mode, work, case.scene))
@@ -221,19 +225,20 @@ def _advance(y, clock, case, rtol, end, events, work):
 
 @jit(allocates=True)
 def march(y, clocks, scene, joint, step, rtol, engagements, end, limit, rows):
-    """Go on with a motion until it has passed `engagements`, or the time `end`.
+    """Continue a motion until it has passed `engagements`, or the time `end`.
 
     Parameters
     ----------
-    y : shape (STATE,); it is moved on, and so is `clocks`, of one `CLOCK`.
+    y : the state, shape (STATE,). It is replaced by the last one, and so is `clocks`, of one
+        `CLOCK`.
     step : angle by which the follower turns from pin to pin [rad].
-    rows : shape (n, ROW), for the states at the ends of steps. Where the law or the pin
-        changes there are two rows of one time.
+    rows : shape (n, ROW), filled with the states at the ends of steps. Where the law or the pin
+        changes, there are two rows with the same time.
 
     Returns
     -------
     int, int
-        Rows that were written, and why it ends.
+        Number of rows that were written, and why the march ends.
     """
     clock, work, bare = clocks[0], workspace(), np.zeros((STAGES, 2))
     n, idle, fresh = 0, 0, True
@@ -244,7 +249,7 @@ def march(y, clocks, scene, joint, step, rtol, engagements, end, limit, rows):
             rates(y, clock.mode, case, work.stages[0])
             there = clock.engagement >= engagements or clock.time >= end
             if not there and room(y, work.stages[0], clock.mode, case)[0] < -_TOUCHED:
-                # a new pin may be off the wall of the one before, or in one already
+                # the next pin may be off the wall that the last one touched, or pressed into one
                 _switch(y, clock, case)
                 continue
             prepare(y, clock.mode, case, work)
@@ -258,7 +263,7 @@ def march(y, clocks, scene, joint, step, rtol, engagements, end, limit, rows):
             return n, STANDS
         if n + 2 > rows.shape[0]:
             return n, RUNNING
-        # where both the contact and the flight end at once, one of them goes on for a step
+        # if both a contact and a flight would end at once, one of them lasts for another step
         looks = idle < _MOST_IDLE
         h, passed, arrived = _advance(y, clock, case, rtol, end, looks, work)
         if h == 0.0:

@@ -5,11 +5,12 @@ they lead,
 
     V_i = v + h sum_j a_ij F_j,        Q_i = q + h sum_j a_ij V_j.
 
-Newton's method finds them, with the Jacobian of the start. The eigenvalues lambda of the
-matrix a_ij part its equations into pairs, of 1 - h lambda J_v - (h lambda)^2 J_q. The method is
-L-stable: neither a hard wall, its damping nor friction that sticks makes a step short. The error is
-that of an embedded method of order 5, h gamma (f - P(0)): P is the polynomial through the
-F_i and f the acceleration at the start. Between both ends P is the acceleration.
+Newton's method finds them, with the Jacobian at the start of the step. The eigenvalues lambda of
+the matrix a_ij split its equations into pairs with the matrix 1 - h lambda J_v - (h lambda)^2 J_q.
+The method is L-stable: hard walls, their damping and sticking friction do not make steps short.
+The error is estimated by an embedded method of order 5, h gamma (f - P(0)), where P is the
+polynomial through the F_i and f the acceleration at the start. Within the step P is used as the
+acceleration.
 
 Source: Hairer and Wanner (1996), Solving Ordinary Differential Equations II, IV.5 and IV.8.
 """
@@ -27,7 +28,7 @@ STAGES = 5
 _POINTS = legendre.legroots([*[0.0] * (STAGES - 1), -1.0, 1.0])
 NODES = 0.5 * (_POINTS + 1.0)
 POWERS = np.linalg.inv(np.vander(NODES, STAGES, increasing=True))
-"""From values at the nodes to the coefficients of the powers of the polynomial through them."""
+"""Matrix from values at the nodes to the coefficients of the polynomial through them."""
 MATRIX = np.vander(NODES, STAGES + 1, increasing=True)[:, 1:] / np.arange(1.0, STAGES + 1) @ POWERS
 _values, _vectors = np.linalg.eig(MATRIX)
 _kept = np.argsort(_values.imag)[STAGES // 2 :]
@@ -36,27 +37,30 @@ ROOTS = _values[_kept]
 GAMMA = float(ROOTS[0].real)
 APART = np.ascontiguousarray(np.linalg.inv(_vectors)[_kept])
 TOGETHER = _vectors[:, _kept] * np.array([1.0, *[2.0] * (STAGES // 2)])
-"""From values at the nodes to their parts by eigenvectors, and (the real part) back."""
+"""Matrix from values at the nodes to their components along eigenvectors, and the real part of its
+inverse."""
 
 _MOST_ITERATIONS = 8
 _FARTHEST = 2.0
 """How many times longer a step may be than the one whose polynomial gives its first guess."""
 _EXACT = 0.01
-"""Share of the tolerance that an iteration may leave."""
+"""Newton's method ends when its error is this share of the tolerance."""
 _ROUNDING = 2e-15
 _SLOW = 0.1
-"""Speed [sqrt(torque/I_f)] below which the error is no longer relative."""
+"""Below this speed [sqrt(torque/I_f)] the error is no longer relative to the speed."""
 
 
 class Work(NamedTuple):
-    """What a step fills in.
+    """Arrays that a step reads and fills.
 
-    stages : shape (1 + STAGES, STATE), rates at the start, which must be there, and at the nodes.
-    end : the state behind the step.
-    flow : shape (STAGES, 2), F. series : its polynomial P, by powers of the time over `span`.
-    span : length of the step whose polynomial that is, and where in it the next step starts;
-        a length of 0 where there is none.
-    spare, parts : of an iteration. slopes : shape (2, 4), J. inverses : of the small matrices.
+    stages : rates at the start, which the caller gives, and at the nodes, shape (1 + STAGES,
+        STATE).
+    end : the state after the step.
+    flow : F, shape (STAGES, 2). series : its polynomial P, by powers of the time over `span`.
+    span : length of the step to which that polynomial belongs, 0 if there is none, and the time
+        in it at which the next step starts.
+    spare, parts : memory of an iteration. slopes : J, shape (2, 4). inverses : inverses of the
+        small matrices.
     """
 
     stages: NDArray[np.float64]
@@ -72,7 +76,7 @@ class Work(NamedTuple):
 
 @inner_jit(allocates=True)
 def workspace():
-    """Room for a step."""
+    """Memory for a step."""
     pairs = ROOTS.size
     return Work(
         np.empty((1 + STAGES, STATE)), np.empty(STATE), np.empty((STAGES, 2)),
@@ -83,7 +87,7 @@ def workspace():
 
 @inner_jit
 def prepare(y, mode, case, work):
-    """Put the Jacobian of a state, whose rates are known, into `work`."""
+    """Compute the Jacobian at a state whose rates are known."""
     start, probe, found = work.stages[0], work.end, work.stages[1]
     for k in range(4):
         probe[0], probe[1], probe[2], probe[3] = y[0], y[1], y[2], y[3]
@@ -95,7 +99,7 @@ def prepare(y, mode, case, work):
 
 @inner_jit
 def _invert(h, work):
-    """Put the inverses of the small matrices of a step into `work`."""
+    """Compute the inverses of the small matrices of a step."""
     slopes, inverses = work.slopes, work.inverses
     for m in range(ROOTS.size):
         g = h * ROOTS[m]
@@ -125,7 +129,7 @@ def _guess(h, work):
 
 @inner_jit
 def _evaluate(y, h, mode, case, work):
-    """Rates at the nodes that F leads to; the last node is the end of the step."""
+    """Compute the rates at the nodes that follow from F; the last node is the end of the step."""
     stages, flow, end = work.stages, work.flow, work.end
     for i in range(STAGES):
         v = w = 0.0
@@ -145,7 +149,7 @@ def _evaluate(y, h, mode, case, work):
 
 @inner_jit
 def _correct(work):
-    """Take one step of Newton's; the result is the greatest change of F."""
+    """Take one step of Newton's method; returns the greatest change of F."""
     inverses, parts = work.inverses, work.parts
     for m in range(ROOTS.size):
         one = two = 0.0j
@@ -161,14 +165,14 @@ def _correct(work):
             for m in range(ROOTS.size):
                 change += (TOGETHER[i, m] * parts[m, k]).real
             work.flow[i, k] += change
-            # a change that is no number is the greatest
+            # NaN counts as the greatest change
             most = most if abs(change) <= most else abs(change)
     return most
 
 
 @inner_jit
 def _solve(y, h, mode, case, enough, work):
-    """Find F to a speed of `enough`; the result says whether it was found."""
+    """Find F up to an error of `enough` in speed; returns whether it was found."""
     last = 0.0
     for iteration in range(_MOST_ITERATIONS):
         _evaluate(y, h, mode, case, work)
@@ -190,7 +194,7 @@ def _solve(y, h, mode, case, enough, work):
 
 @inner_jit
 def _short(k, work):
-    """By how much the rate of a number at the start lies above the polynomial of a step."""
+    """Rate of a number at the start of a step less the value of the step's polynomial there."""
     found = work.stages[0, k]
     for j in range(STAGES):
         found -= POWERS[0, j] * work.stages[1 + j, k]
@@ -199,12 +203,12 @@ def _short(k, work):
 
 @inner_jit
 def _error(h, swing, scale, work):
-    """Error of a step in speeds, angles by the frequency `swing`, and energy by the speed."""
+    """Error of a step: of speeds, of angles times `swing`, and of energies over `scale`."""
     g, slopes, inverses = h * GAMMA, work.slopes, work.inverses
     p, q, v, w = g * _short(0, work), g * _short(1, work), g * _short(2, work), g * _short(3, work)
     v += g * (slopes[0, 0] * p + slopes[0, 1] * q)
     w += g * (slopes[1, 0] * p + slopes[1, 1] * q)
-    # the matrix of the step keeps what is stiff from counting
+    # with the matrix of the step, stiff components hardly count
     v, w = (
         inverses[0, 0].real * v + inverses[0, 1].real * w,
         inverses[0, 2].real * v + inverses[0, 3].real * w,
@@ -216,7 +220,7 @@ def _error(h, swing, scale, work):
 
 @inner_jit
 def attempt(y, h, mode, case, rtol, work):
-    """Take a step to `work.end`; the result is the error over the tolerance, inf if it fails."""
+    """Take a step to `work.end`; returns its error over the tolerance, inf if it fails."""
     scale = _SLOW + max(abs(y[2]), abs(y[3]))
     swing = frequency(y, mode, case)
     _invert(h, work)
@@ -242,7 +246,7 @@ def attempt(y, h, mode, case, rtol, work):
 
 @inner_jit
 def within(x, h, start, series, y):
-    """Fill y[:4] with the state at the share x of a step of length h from the row's state."""
+    """Fill y[:4] with the state at the share x of a step of length h that begins at `start`."""
     for k in range(2):
         speed = way = 0.0
         for power in range(STAGES - 1, -1, -1):

@@ -1,4 +1,4 @@
-"""What the steps of a march say of the times between them."""
+"""States at times within the steps of a march."""
 
 import numpy as np
 
@@ -19,14 +19,14 @@ from escapement.engines.contact.compliant.slot import place, slide, to_angle, to
 from escapement.jit import jit
 
 TABLE = 18
-"""Of each time theta, phi, their speeds and accelerations, moment of the contact on the follower,
-force, power lost in each of `dynamics.LOSSES`, sliding speed, speed of penetration,
-and energy that the walls hold."""
+"""Numbers at each time: theta, phi, their speeds and accelerations, moment of the contact on the
+follower, force, power lost in each of `dynamics.LOSSES`, sliding speed, speed of penetration, and
+energy stored in the walls."""
 
 
 @jit(allocates=True)
 def tabulate(rows, which, times, scene, joint, step, out):
-    """Fill out[:TABLE] at times between rows of these indices and their next ones."""
+    """Fill out[:TABLE] at times, each between the row with its index in `which` and the next."""
     y, slopes = np.zeros(STATE), np.empty(STATE)
     for i in range(times.size):
         here, then = rows[which[i]], rows[which[i] + 1]

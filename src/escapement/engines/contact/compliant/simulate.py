@@ -19,15 +19,15 @@ from escapement.scene import Joint
 from escapement.status import MESSAGES, Status
 
 LONGEST = 2000
-"""Engagements of one motion: each takes up to a megabyte."""
+"""Greatest number of engagements in one motion: each takes up to a megabyte."""
 MOST_STEPS = 1_000_000
-"""Steps of one motion; they take some seconds."""
+"""Greatest number of steps in one motion; they take some seconds."""
 SOFTEST = 1e3
 """Least stiffness [torque/r^2]."""
 SLIP = 1e-4
-"""Slip speed where none is given, in crank radii over sqrt(I_f/torque)."""
+"""Slip speed if none is given, in crank radii over sqrt(I_f/torque)."""
 _BLOCK = 32_768
-"""Rows of one call, some hundredths of a second."""
+"""Rows of one call, which takes some hundredths of a second."""
 _STIFF = (
     f"the contact needs more than {MOST_STEPS} steps: give a lower stiffness or damping, "
     "a higher slip_speed or a larger rtol"
@@ -57,9 +57,9 @@ def joint_of(escapement: Escapement) -> Joint:
 
 
 class March:
-    """A motion in natural units that goes on engagement by engagement.
+    """A motion in natural units that is continued engagement by engagement.
 
-    state, clock : as `march.march` moves them on.
+    state, clock : as `march.march` changes them.
     """
 
     def __init__(self, escapement: Escapement, speed: float, rtol: float) -> None:
@@ -73,7 +73,7 @@ class March:
         self.clock["step"] = 1.0
 
     def go(self, engagements: int, end: float = math.inf) -> tuple[FloatArray, int]:
-        """Rows up to a number of engagements or a time, and why they end."""
+        """Rows up to a number of engagements or a time, and why the march ended."""
         own, blocks, why = self.escapement, [], marching.RUNNING
         buffer = np.empty((_BLOCK, marching.ROW))
         while why == marching.RUNNING:
@@ -85,7 +85,7 @@ class March:
         return np.concatenate(blocks), why
 
     def motion(self, rows: FloatArray, why: int, asked: float) -> Motion:
-        """A motion of these rows, with the tolerance that was asked for."""
+        """The motion that consists of these rows; `asked` is the tolerance."""
         own, clock = self.escapement, self.escapement.time_unit
         cells = np.flatnonzero(np.diff(rows[:, marching.CELL])) + 1
         speeds = rows[cells, marching.FIRST + 2] / clock

@@ -1,16 +1,17 @@
-"""Where a pin is in its slot, from either pair of coordinates.
+"""Position of a pin in its slot, from either pair of coordinates.
 
-In natural units, lengths in crank radii. The pin's centre C = c + beta exp(i beta theta) turns
-with the driver; e points outwards along the slot and n = i e ahead of it. With the follower
-angle phi, counted from where the slot lies on the line of centres, and gamma = beta theta - phi
+Lengths are in crank radii. In complex numbers, with the follower's axis at 0, the pin's centre is
+at C = c + beta exp(i beta theta). The unit vector e points outwards along the slot, n = i e across
+it in the sense in which the follower turns. The follower angle phi is 0 where the slot lies on the
+line of centres. With gamma = beta theta - phi
 
     D = n.C = beta sin(gamma) - c sin(phi),        R = e.C = beta cos(gamma) + c cos(phi)
     D' = cos(gamma) theta_dot - R phi_dot          speed across the slot
     v = -sin(gamma) theta_dot + (D + s r_p) phi_dot - s beta r_p theta_dot        sliding speed
 
-In flight the state holds phi and phi_dot. While the pin touches a wall it holds D and D' in their
-place: the force of a hard wall follows from them without a loss of digits, and the wall stays
-where it is in them. There
+In flight the state holds phi and phi_dot. While the pin touches a wall it holds D and D' instead:
+the force of a hard wall follows from them without a loss of digits, and the position of the wall
+is constant in them. In this case
 
     exp(i gamma) = (c cos(theta) + beta + i beta c sin(theta)) (R + i D)/|C|^2
 """
@@ -22,7 +23,7 @@ import numpy as np
 from escapement.jit import inner_jit
 
 FREE, LOCKED = 0, 2
-"""Contact with none of the walls, and the follower locked in a dwell; +1 and -1 are the walls."""
+"""Modes: no contact with a wall, and the follower locked in a dwell; +1 and -1 are the walls."""
 
 
 class Place(NamedTuple):
@@ -51,7 +52,7 @@ def touches(mode):
 
 @inner_jit
 def place(y, mode, scene):
-    """The place of a state."""
+    """The position of the pin that belongs to a state."""
     sense, centre = _centres(scene)
     if touches(mode):
         across, sine, cosine = y[1], np.sin(y[0]), np.cos(y[0])
@@ -70,14 +71,14 @@ def place(y, mode, scene):
 
 @inner_jit
 def to_slot(y, scene):
-    """Put D and D' in the place of phi and phi_dot."""
+    """Replace phi and phi_dot in a state by D and D'."""
     at = place(y, FREE, scene)
     y[1], y[3] = at.across, at.speed
 
 
 @inner_jit
 def to_angle(y, scene):
-    """Put phi and phi_dot in the place of D and D'."""
+    """Replace D and D' in a state by phi and phi_dot."""
     sense, centre = _centres(scene)
     at = place(y, 1, scene)
     direction = np.arctan2(np.sin(y[0]), centre + sense * np.cos(y[0]))
@@ -86,7 +87,7 @@ def to_angle(y, scene):
 
 @inner_jit
 def slide(at, side, scene):
-    """Sliding speed v of the contact point along the wall of a side."""
+    """Sliding speed v of the contact point along the wall s = `side`."""
     arm = side * scene.pin
     return (at.across + arm) * at.follower - (at.sine + scene.path.numbers[9] * arm) * at.driver
 

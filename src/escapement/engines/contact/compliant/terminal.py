@@ -1,8 +1,8 @@
 """`terminal` with compliant contact: the cycle that repeats, or means over many engagements.
 
-Where the walls damp little, the pin bounces, and how often depends on the last digits of the
-speed before: the engagements then differ for good. Means over many of them, with intervals, take
-the place of a terminal cycle.
+If the walls damp little, the pin bounces, and the number of bounces depends on the last digits of
+the speed before them: the engagements then never become equal. Means over many of them, with
+intervals, replace the figures of a terminal cycle.
 """
 
 from __future__ import annotations
@@ -32,13 +32,13 @@ from escapement.painleve import friction_limits
 from escapement.status import MESSAGES, Status
 
 SETTLE = 60
-"""Engagements after which a motion that does not repeat itself is taken for one that never does."""
+"""A motion that does not repeat itself after so many engagements is assumed never to do so."""
 SAMPLE = 120
-"""Engagements over which means are taken then; fewer where their steps are used up."""
+"""Number of engagements over which means are then taken; fewer if the steps are used up."""
 BATCHES = 10
-"""Batches of them whose means give the intervals."""
+"""Number of batches of these engagements; the scatter of their means gives the intervals."""
 _STUDENT = 2.262
-"""Of Student's distribution with BATCHES - 1 degrees of freedom, 2.5 % lie above this."""
+"""Student's distribution with BATCHES - 1 degrees of freedom is above this with 2.5 %."""
 _NOISE = 1e-9
 _LONGEST_TRANSIENT = 200
 
@@ -91,7 +91,7 @@ def terminal(
         if passed.motion.status is not Status.OK:
             return replace(base, status=passed.motion.status, message=passed.motion.message)
         numbers = passed.numbers
-        # where it jams the least speed is next to nothing, and says little by itself
+        # if the mechanism jams, the least speed is almost zero and says little by itself
         scales = {"velocity_min": numbers["velocity_max"]}
         changes = [abs(numbers[n] - last[n]) / scales.get(n, last[n]) for n in last]
         if last and max(changes) <= tolerance:
@@ -106,7 +106,7 @@ def terminal(
 
 
 def _limit(speeds: list[float]) -> float:
-    """Where three handoff speeds tend to if they do so slowly and evenly; 0 if not so."""
+    """Limit of three handoff speeds that approach it slowly as a geometric series, else 0."""
     one, two, three = (speed * speed for speed in speeds)
     ratio = (three - two) / (two - one) if two != one else 0.0
     if not 0.3 < abs(ratio) < 0.999:
@@ -117,7 +117,7 @@ def _limit(speeds: list[float]) -> float:
 def _repeated(
     escapement: Escapement, cycle: _Cycle, base: Figures, initial_speed: float, rtol: float
 ) -> Figures:
-    """Figures of a cycle that repeats itself, and of the way there."""
+    """Figures of a cycle that repeats itself, and of the transient before it."""
     passed = cycle.engage()
     end = cycle.march.state[:STATE].copy()
     speed = passed.numbers["handoff_velocity"]
@@ -131,8 +131,8 @@ def _repeated(
         figures = replace(figures, message=note)
     count = transient_length(abs(contraction), initial_speed / speed)
     if count > _LONGEST_TRANSIENT:
-        why = f"the motion needs {count} engagements to get there"
-        message = f"{', '.join(TRANSIENT)} not given: {why}"
+        why = f"these figures take {count} engagements and are not given"
+        message = f"{why}: {', '.join(TRANSIENT)}"
         return replace(figures, message=f"{message}; {note}" if note else message)
     motion = simulate(
         escapement, engagements=count, duration=None, initial_speed=initial_speed, rtol=rtol
@@ -166,8 +166,9 @@ def _spread(cycle: _Cycle, base: Figures) -> Figures:
     spread = Spread(count, deviation, interval)
     share = interval["period"] / means["period"]
     message = (
-        f"the engagements do not repeat themselves: the figures are means over {count} of them, "
-        f"of the period within {share:.2g} of it (95 %), and the rest are those of the last one"
+        f"the engagements do not repeat themselves: the period and the velocities are means over "
+        f"{count} of them, the period with a relative error of at most {share:.2g} (95 %); all "
+        "other figures are those of the last engagement"
     )
     cell = last.escapement.mechanism.cell_angle
     if note := _jam_note(last):

@@ -30,23 +30,24 @@ from escapement.trajectory import Events, Extrema, Held, Impacts
 
 _HALVINGS, _NARROWINGS = 50, 10
 _SHARES = np.linspace(0.0, 1.0, 5)
-"""Places in each step at which extrema and changes of sign are looked for."""
+"""Places in each step between which extrema and changes of sign are looked for."""
 _RATE, _SLIDE, _PRESS, _HELD = 2, 15, 16, 17
-"""Rows of a table: the driver's acceleration, sliding speed, speed of penetration,
-and energy that the walls hold."""
+"""Rows of a table: the driver's acceleration, sliding speed, speed of penetration, and energy
+stored in the walls."""
 _FORCE = 7
 _PEAKS = [_RATE, 5, 6, _FORCE]
-"""And both accelerations, moment and force."""
+"""Rows of both accelerations, moment and force, whose greatest magnitudes are figures of merit."""
 _KEPT = [*_PEAKS, _SLIDE, _PRESS, _HELD]
 _CANDIDATES = 4
-"""Steps in which the greatest magnitude of a quantity is looked for; neighbours share an end."""
+"""Number of steps that are searched for a greatest magnitude; two of them may share an end."""
 
 
 @dataclass(frozen=True)
 class Rows:
     """The states at the ends of all steps of a march, in natural units.
 
-    table : shape (n, march.ROW). escapement, joint : whose they are.
+    table : rows of `march.march`, shape (n, march.ROW).
+    escapement, joint : the mechanism that moves.
     """
 
     table: FloatArray
@@ -54,7 +55,7 @@ class Rows:
     joint: Joint
 
     def at(self, which: np.ndarray, times: FloatArray) -> FloatArray:
-        """What `rows.tabulate` gives at times between rows and their next ones."""
+        """Results of `rows.tabulate` at times between rows and their next ones."""
         found = np.empty((TABLE, times.size))
         step = self.escapement.mechanism.follower_step
         tabulate(self.table, which, times, self.escapement.scene, self.joint, step, found)
@@ -62,7 +63,7 @@ class Rows:
 
     @cached_property
     def samples(self) -> dict[int, FloatArray]:
-        """Some rows of what `at` gives, each of shape (steps, shares); both ends are one-sided."""
+        """Some rows of `at`, each of shape (steps, shares), with one-sided values at both ends."""
         which, time = self.steps, self.table[:, TIME]
         low, high = time[which], time[which + 1]
         found = np.empty((len(_KEPT), which.size, _SHARES.size))
@@ -85,7 +86,7 @@ class Rows:
         return first[starts], first[np.append(starts[1:], first.size) - 1] + 1
 
     def roots(self, column: int) -> tuple[np.ndarray, FloatArray, np.ndarray]:
-        """Steps within which a row of `samples` changes its sign, when, and whether it falls."""
+        """Changes of sign of a row of `samples`: the steps, the times, and whether it falls."""
         values = self.samples[column]
         step, place = np.nonzero(values[:, :-1] * values[:, 1:] < 0.0)
         which, before = self.steps[step], values[step, place]
@@ -118,7 +119,7 @@ class Rows:
 
 
 class CompliantTrajectory(Held):
-    """See `escapement.trajectory.Trajectory`, and there what a free follower adds."""
+    """The trajectory of a motion with compliant contact; see `escapement.trajectory.Trajectory`."""
 
     def __init__(self, rows: Rows) -> None:
         self.rows, self._clock = rows, rows.escapement.time_unit
@@ -154,7 +155,7 @@ class CompliantTrajectory(Held):
 
     @cached_property
     def reversals(self) -> Events:
-        """Where the pin lets go of a wall and touches the other one next."""
+        """Instants at which the pin leaves a wall and touches the other one next."""
         last = self.rows.pieces[1]
         held = np.flatnonzero(self.sign)
         turned = held[:-1][self.sign[held[1:]] * self.sign[held[:-1]] < 0.0]
@@ -163,7 +164,7 @@ class CompliantTrajectory(Held):
 
     @cached_property
     def extrema(self) -> Extrema:
-        """Extrema of the driver speed, with those at corners where a wall is touched."""
+        """Extrema of the driver speed, including those where a contact begins or ends."""
         which, time, top = self.rows.roots(_RATE)
         before, behind = self.rows.samples[_RATE][:, 0], self.rows.samples[_RATE][:, -1]
         corners = np.flatnonzero(behind[:-1] * before[1:] < 0.0)
@@ -176,22 +177,22 @@ class CompliantTrajectory(Held):
 
     @cached_property
     def slide_changes(self) -> Events:
-        """Where the contact point changes its sense of sliding on a wall."""
+        """Instants at which the contact point changes its sense of sliding on a wall."""
         which, time, _falls = self.rows.roots(_SLIDE)
         held = np.abs(self.rows.table[which, MODE]) == 1.0
         return Events(*self._events(which[held], time[held]))
 
     @cached_property
     def impacts(self) -> Impacts:
-        """Every contact with a wall, from touch to letting go, and every stop by the lock.
+        """Every contact with a wall, from beginning to end, and every stop by the lock.
 
-        energy : what the wall takes while the contact lasts. impulse : of compression, up to
-        the deepest penetration, or the end of the contact where that comes before.
+        energy : work lost in the wall during the contact. impulse : impulse of compression, up to
+        the deepest penetration, or to the end of the contact if that is earlier.
         """
         rows, own = self.rows, self.rows.escapement
         first, table = rows.pieces[0], rows.table
         mode = table[first, MODE]
-        # the contact with a wall goes on over a handoff
+        # a contact with a wall may last over a handoff
         at = first[(mode != np.append(0.0, mode[:-1])) & (mode != 0.0)]
         locked = table[at, MODE] == LOCKED
         taken = np.append(table[at - locked, FIRST + WALLS], table[-1, FIRST + WALLS])
@@ -229,7 +230,7 @@ class CompliantTrajectory(Held):
 
     @property
     def elastic(self) -> float:
-        """Energy that the walls hold at the end, less that at the start [J]."""
+        """Energy stored in the walls at the end, less that at the start [J]."""
         held = self.rows.samples[_HELD]
         return float(held[-1, -1] - held[0, 0]) * self.rows.escapement.torque_unit
 
@@ -242,7 +243,7 @@ class CompliantTrajectory(Held):
 
     @cached_property
     def peaks(self) -> FloatArray:
-        """Greatest magnitudes, as `metrics.find_peaks` asks for them; one column."""
+        """Greatest magnitudes in the order of `metrics.find_peaks`, shape (4, 1)."""
         torque = self.rows.escapement.torque_unit
         units: FloatArray = np.array([self._clock**-2.0, self._clock**-2.0, torque, torque])
         return (np.array([self.rows.greatest(k)[0] for k in _PEAKS]) * units)[:, None]

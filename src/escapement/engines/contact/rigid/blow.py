@@ -1,14 +1,15 @@
 """A blow: the impulse between pin and wall, with Coulomb friction.
 
-Per unit of normal impulse the follower gains s h and the driver s h p/rho less. With the force
-of friction f along the wall, between -mu and mu,
+Per unit of normal impulse the follower gains the speed s h, and the driver loses s h p/rho. With
+the friction f along the wall, between -mu and mu,
 
     h = R - f (s delta + r_p) - s b_f sign(phi_dot),     s h p = s g (R - f (..)) + f v + b_d
 
-where f = mu times the sense of sliding, or what holds a contact that sticks. The inertias are
-those that a blow meets behind trains that lose power. Each is constant until the sliding speed U,
-or the speed of a body, reaches zero; friction then holds it there if it can. Compression ends
-where the speed of approach is zero, restitution at (1 + e) times its impulse (Poisson).
+where f is mu times the sense of sliding, or the smaller value that keeps a contact sticking. Behind
+trains that lose power, `_felt` gives the inertias. These rates are constant until the sliding speed
+U, or the speed of a body, reaches zero; friction then holds it at zero if it is large enough.
+Compression ends where the speed of approach is zero, restitution where the impulse is (1 + e) times
+that of compression (Poisson).
 
 Source: the equations of impulsive motion with dry friction in two dimensions, as in W. J.
 Stronge, Impact Mechanics (2000), chapter 3.
@@ -23,7 +24,7 @@ from escapement.mechanisms.slotted import pose_at
 from escapement.roots import newton_in_bracket
 
 CHATTER = 1e-5
-"""A rebound slower than this, in crank radii over sqrt(I_f/torque), is none."""
+"""A rebound slower than this, in crank radii over sqrt(I_f/torque), is neglected."""
 _MOST = 40
 _END, _STICK, _REST = 1, 2, 3
 
@@ -32,7 +33,7 @@ class Blow(NamedTuple):
     """Speeds of driver and follower behind a blow, the speed of approach and the normal impulse.
 
     rebounds : whether the pin leaves the wall again.
-    sound : whether there is one; beyond the Painleve limit there may be none.
+    sound : whether the blow has a solution; beyond the Painleve limit there may be none.
     """
 
     speed: float
@@ -45,7 +46,7 @@ class Blow(NamedTuple):
 
 @inner_jit
 def _left(push, journal, speed):
-    """What the friction of its journal leaves of a push on a body; it can hold one at rest."""
+    """A push on a body minus the friction of its journal, which can hold the body at rest."""
     if speed != 0.0:
         return push - journal * np.sign(speed)
     return np.sign(push) * max(abs(push) - journal, 0.0)
@@ -53,9 +54,10 @@ def _left(push, journal, speed):
 
 @inner_jit
 def _felt(inertia, far, efficiency, left, speed):
-    """Inertia that a body shows a blow, of which the share `far` is behind its train.
+    """Inertia with which a body resists a blow, if the part `far` of it is behind a train.
 
-    A train takes more than that to speed up, and gives back less of it where it slows down.
+    The part behind the train counts 1/eta times where the body speeds up, and eta times where it
+    slows down.
     """
     if efficiency == 1.0:
         return inertia
@@ -64,7 +66,7 @@ def _felt(inertia, far, efficiency, left, speed):
 
 @inner_jit
 def _pushes(scene, side, g, radius, slide, f, speed, turning):
-    """What acts on driver and follower per unit of normal impulse, and the inertias they show."""
+    """Impulses on driver and follower per unit of normal impulse, and their inertias."""
     # a contact that sticks loads the bearings with less than the friction of sliding
     share = np.sqrt((1.0 + f * f) / (1.0 + scene.mu_plus**2))
     lever = radius - f * (scene.pin + side * scene.path.numbers[10])
@@ -77,14 +79,14 @@ def _pushes(scene, side, g, radius, slide, f, speed, turning):
 
 @inner_jit
 def _rates(scene, side, g, radius, slide, f, speed, turning):
-    """What a unit of normal impulse adds to the speeds of driver and follower."""
+    """Changes of the speeds of driver and follower per unit of normal impulse."""
     a, b, driver, follower = _pushes(scene, side, g, radius, slide, f, speed, turning)
     return a / driver, b / follower
 
 
 @inner_jit
 def _sticking(scene, side, g, radius, slide, by_speed, by_turning, speed, turning):
-    """The friction f at which sliding, once at zero, stays there, and whether mu is enough."""
+    """The friction f that keeps the sliding speed at zero, and whether mu is large enough."""
     low, high, f = -scene.mu_plus, scene.mu_plus, 0.0
     for end in (low, high):
         a, b = _rates(scene, side, g, radius, slide, end, speed, turning)
@@ -107,7 +109,7 @@ def _sticking(scene, side, g, radius, slide, by_speed, by_turning, speed, turnin
 
 @inner_jit
 def strike(case, side, theta, speed, turning):
-    """The blow on a wall that the pin reaches at a driver angle with these speeds."""
+    """The blow on the wall that the pin reaches at a driver angle with these speeds."""
     scene = case.plus if side > 0.0 else case.minus
     g, u, _dg, radius = pose_at(scene.path, theta)
     body, offset, mu = scene.path.numbers[9], scene.path.numbers[10], scene.mu_plus

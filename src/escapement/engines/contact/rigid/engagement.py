@@ -33,9 +33,9 @@ from escapement.mechanisms.slotted import pose_at
 from escapement.power_flow import UNKNOWN
 
 DONE, OVER, STALL, SPENT, JAM, BACKS_OUT, RESTLESS, LIFTED, TURNED, STRUCK = range(10)
-"""How an engagement ends: at the handoff, or behind the time asked for; where the drive cannot go
-on, or the spring is spent; at the Painleve limit; where the driver turns back out of the slot;
-or with more than `MOST_PIECES`. A piece also ends at a lift-off, where a driver that goes back
+"""How an engagement ends: at the handoff; after the time asked for; because the drive stalls or the
+spring is spent; at the Painleve limit; because the driver turns back out of the slot; or because
+it has more than `MOST_PIECES`. A piece also ends at a lift-off, where a driver that turns back
 comes to rest, and at a blow."""
 FLIGHT, WALL, LOCKED, BLOW, EXTREMUM, LIFT, SLIDE = range(7)
 """Kinds of rows: pieces of the motion, and events."""
@@ -43,17 +43,17 @@ MOST_PIECES = 20_000
 MOST_TURNS = 1000
 """Turns of power in a train that are followed while the pin touches a wall."""
 MOST_EXTREMA = 4
-"""Extrema of the speed that are looked for in one panel."""
+"""Greatest number of extrema of the speed in one panel."""
 
 ROW = np.dtype(
     [
         *(("kind", np.int64), ("wall", np.float64), ("time", np.float64)),
         *((name, np.float64) for name in ("theta", "speed", "phi", "turning")),
-        # of a blow the speed before it, and of an extremum whether it is a maximum
+        # `before` is the speed before a blow, and of an extremum 1 for a maximum, else 0
         *((name, np.float64) for name in ("before", "approach", "impulse", "energy")),
     ]
 )
-"""A row of what happened: where a piece starts, or an event."""
+"""A row of the record: the start of a piece, or an event."""
 
 
 class Body(NamedTuple):
@@ -61,7 +61,7 @@ class Body(NamedTuple):
 
     theta, speed, phi, turning, time : as in the package's docstring.
     wall : the wall that the pin touches or has just left, 0 for none.
-    trend : sign of theta_ddot before, 0 where nothing came before.
+    trend : sign of theta_ddot before this instant, 0 if nothing is known of it.
     """
 
     theta: float
@@ -74,7 +74,7 @@ class Body(NamedTuple):
 
 
 class Notes(NamedTuple):
-    """Memory of what happens: rows, how many are used, and whether any are wanted."""
+    """Record of pieces and events: rows, how many are used, and whether any are wanted."""
 
     rows: np.ndarray
     used: np.ndarray
@@ -83,7 +83,7 @@ class Notes(NamedTuple):
 
 @inner_jit
 def note(notes, kind, body):
-    """Note a row, if there is room; the number of rows is counted in any case."""
+    """Write a row if there is room; the number of rows is counted in any case."""
     at = notes.used[0]
     notes.used[0] = at + 1
     if at < notes.rows.size:
@@ -119,7 +119,7 @@ def follower_on(case, side, theta):
 
 @inner_jit
 def _first_turn(work, trend, at_end):
-    """Places x in a panel between which theta_ddot first leaves the sign `trend`; 2 for none.
+    """Places x in a panel between which theta_ddot first loses the sign `trend`; 2 for none.
 
     `at_end` is theta_ddot at its right end.
     """
@@ -159,7 +159,7 @@ def _extrema_on(work, notes, case, panel, body, scene, way):
 
 @inner_jit
 def touch(work, notes, case, body, end_time, tail, count):
-    """The motion while the pin touches a wall: the body where that ends, and how."""
+    """Follow the motion while the pin touches a wall; returns the body at the end, and why."""
     side, theta = body.wall, body.theta
     way, w, width = 1.0 if body.speed >= 0.0 else -1.0, body.speed * body.speed, np.inf
     if w == 0.0:
@@ -167,7 +167,7 @@ def touch(work, notes, case, body, end_time, tail, count):
         rate = law_at(scene, side, theta, 0.0)[1]
         if not rate > 0.0:
             return body, _stopped(theta, scene)
-        # over an angle that no panel can be smaller than, the acceleration is constant
+        # over the smallest angle of a panel the acceleration is taken as constant
         w, theta = 2.0 * rate * SMALLEST, theta + SMALLEST
         body = _on_wall(case, body, theta, np.sqrt(w), body.time + np.sqrt(w) / rate)
     flow, turns = UNKNOWN, 0
@@ -208,7 +208,7 @@ def touch(work, notes, case, body, end_time, tail, count):
 
 @inner_jit
 def _stopped(theta, scene):
-    """How a motion ends whose driver comes to rest."""
+    """Why a motion ends whose driver comes to rest: a stall, or a spent spring."""
     return np.int64(SPENT) if is_spent(theta, scene) else np.int64(STALL)
 
 
@@ -221,7 +221,7 @@ def _on_wall(case, body, theta, speed, time):
 
 @inner_jit
 def fly(work, notes, case, body, end, locked, end_time, count):
-    """A flight to a wall or to the driver angle `end`: the body where it ends, and how."""
+    """Follow a flight to a wall or to the driver angle `end`; returns the body there, and why."""
     scene = case.plus
     while True:
         flight = launch(work, scene, body.theta, body.speed, body.phi, body.turning, end, count)
@@ -259,8 +259,8 @@ def fly(work, notes, case, body, end, locked, end_time, count):
 
 @inner_jit
 def _knocked(notes, case, body):
-    """The body behind the blow on the wall that it has reached, and whether it rebounds; the
-    third tells whether there is a solution.
+    """The body after the blow on the wall that it has reached, whether it rebounds, and whether
+    the blow has a solution.
     """
     blow = strike(case, body.wall, body.theta, body.speed, body.turning)
     rho = case.plus.rho
@@ -292,7 +292,7 @@ def holds(case, body):
 
 @inner_jit
 def engage(work, notes, case, body, end_time, tail, count):
-    """An engagement from its entry, in flight; the body at its exit, and how it ends."""
+    """Follow an engagement from its entry, in flight; returns the body at its end, and why."""
     exit_, touching = case.plus.edges[-1], False
     for _ in range(MOST_PIECES):
         if notes.wanted:
@@ -315,7 +315,7 @@ def engage(work, notes, case, body, end_time, tail, count):
                 if touching:
                     body = _on_wall(case, body, body.theta, body.speed, body.time)
         if code == DONE:
-            # the pin that leaves a wall here is the next one at once
+            # the wall that the pin touches here is the one that the next pin starts from
             wall = body.wall if abs(_gap(case, body)) < 1e-12 else 0.0
             return Body(*body[:5], wall, body.trend), code
         if code < LIFTED:

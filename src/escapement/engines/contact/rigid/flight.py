@@ -1,8 +1,8 @@
-"""Driver and follower on their own, and the first wall that the pin reaches.
+"""Driver and follower without contact, and the first wall that the pin reaches.
 
 Without drag and with a constant torque both move with constant acceleration, the follower until
-its load has brought it to rest. Otherwise a flight is cut into parts so short that speeds and
-angles are known from their values at the Gauss points.
+its load has brought it to rest. Otherwise a flight is cut into parts so short that values at the
+Gauss points determine angles and speeds.
 """
 
 from typing import NamedTuple
@@ -18,9 +18,9 @@ from escapement.power_flow import passed_on
 from escapement.roots import newton_in_bracket
 
 STRIDE = 0.03
-"""Greatest driver angle between two looks at the gaps [rad]."""
+"""Greatest driver angle between two checks of the gaps [rad]."""
 PRESSING = 1e-12
-"""A pin that begins a flight at a wall strikes it at once if it is faster towards it."""
+"""A pin that begins a flight at a wall strikes it at once if it moves towards it faster."""
 _LONGEST = 0.25
 """Longest part of a flight with drag, in natural units."""
 _SHORTEST = 1e-7
@@ -29,12 +29,12 @@ _THETA, _SPEED, _PHI, _TURNING = B, W, X, BEND
 
 
 class Flight(NamedTuple):
-    """A flight, or a part of it, as long as driver and follower go on in the same way.
+    """A flight, or a part of it in which neither driver nor follower changes its sense.
 
-    theta, speed, rate, phi, turning, slowing : driver and follower where it begins, and their
-        accelerations. length : how long it lasts.
+    theta, speed, rate, phi, turning, slowing : angle, speed and acceleration of driver and
+        follower at its start. length : how long it lasts.
     rest : time at which the follower comes to rest.
-    half : half of the length of a part with drag, 0 of constant acceleration.
+    half : half the length of a part with drag; 0 if the accelerations are constant.
     """
 
     theta: float
@@ -50,10 +50,10 @@ class Flight(NamedTuple):
 
 @inner_jit
 def driver_rate(scene, theta, speed, way):
-    """theta_ddot of a driver that nothing touches and that turns the way +1 or -1."""
+    """theta_ddot of a driver without contact that turns in the sense `way`, +1 or -1."""
     torque = torque_at(theta, scene)[0]
     lost = scene.bearing + scene.driver_drag * speed * speed
-    # way times speed, so that a part beyond whose end the driver turns back is smooth
+    # way times speed, not its magnitude: the law stays smooth if a trial passes a reversal
     lost = way * (lost + scene.driver_viscous * way * speed)
     if scene.barrel_efficiency == 1.0:
         return (torque - lost) / scene.rho
@@ -63,7 +63,7 @@ def driver_rate(scene, theta, speed, way):
 
 @inner_jit
 def follower_rate(scene, turning, way):
-    """phi_ddot of a follower that nothing touches and that goes the way +1, -1 or 0 for rest."""
+    """phi_ddot of a follower without contact that turns in the sense `way`, 0 at rest."""
     air = scene.follower_drag * turning * turning + scene.follower_viscous * way * turning
     if scene.load_train_efficiency == 1.0 or way == 0.0:
         return -way * (scene.load + air)
@@ -142,8 +142,8 @@ def _in_series(work, scene, theta, speed, phi, turning, end, count):
 
 @inner_jit
 def _passing(work, scene, part, length, goal, which):
-    """Time within a part at which its driver angle (0) reaches a goal, or one of the speeds (1 of
-    the driver, 2 of the follower) changes its sign; `length` where it does not.
+    """Time within a part at which the driver angle reaches a goal (which = 0), or the speed of
+    driver (1) or follower (2) changes its sign; `length` if this does not happen.
     """
     at_start = part.theta - goal if which == 0 else (part.speed if which == 1 else part.turning)
     low, high, t = 0.0, length, length
@@ -170,7 +170,7 @@ def place_at(work, flight, t):
         above = below = speed = phi = turning = 0.0
         for i in range(N):
             apart = x - POINTS[i]
-            # at a point itself a tiny distance gives that point all the weight
+            # exactly at a Gauss point, a tiny distance gives that point all the weight
             weight = BARYCENTRIC[i] / (apart if apart != 0.0 else 1e-30)
             below += weight
             above += weight * work[_THETA][i]
@@ -186,7 +186,7 @@ def place_at(work, flight, t):
 
 @inner_jit
 def ahead(case, theta, speed, phi, turning):
-    """D, by which the pin's centre stands ahead of the slot's line, and its speed."""
+    """D, the distance by which the pin's centre is ahead of the slot's line, and its rate."""
     sine, cosine = np.sin(theta), np.cos(theta)
     across, along = np.sin(phi), np.cos(phi)
     x = case.centre + case.crank * cosine
@@ -201,9 +201,9 @@ def _ahead_after(case, work, flight, t):
 
 @inner_jit
 def _first_look(case, flight, wall, stride):
-    """Time at which to look first whether the gap at the wall that the pin left has opened.
+    """Time at which to check first whether the gap at the wall that the pin left has opened.
 
-    A pin that rebounds comes back to that wall, after twice its speed over its deceleration.
+    A pin that rebounds returns to that wall after twice its speed over its deceleration.
     """
     step = 1e-3 * stride
     speed, speed_then = flight.speed, flight.speed + flight.rate * step
@@ -217,12 +217,12 @@ def _first_look(case, flight, wall, stride):
 
 @inner_jit
 def arrival(work, case, flight, wall):
-    """Time at which the pin first reaches a wall, and that wall; 0 for none within the flight.
+    """Time at which the pin first reaches a wall, and that wall, 0 if none within the flight.
 
     `wall` is the one that the pin leaves, or 0. Its gap must have opened before it counts.
     """
     length, play = flight.length, case.play
-    # D bends on the scale of an angle whose cube is the play
+    # D changes its slope over an angle whose cube is about the play
     stride = min(STRIDE, 0.5 * np.cbrt(play))
     stride /= max(abs(flight.speed), np.sqrt(stride * abs(flight.rate)))
     step = min(length, _first_look(case, flight, wall, stride) if wall != 0.0 else stride)
@@ -247,8 +247,8 @@ def arrival(work, case, flight, wall):
             if side * there < play:
                 if not (side * pace > 0.0 and side * then < 0.0):
                     continue
-                # between two looks the pin may have gone to the wall and back: the tangents
-                # there meet above any height that it reaches
+                # between two checks the pin may have gone to the wall and back: it stays below
+                # the point at which the tangents of both checks meet
                 meet = (side * (there - place) - side * then * (after - t)) / (side * (pace - then))
                 if side * (place + pace * meet) < play:
                     continue
@@ -267,7 +267,7 @@ def arrival(work, case, flight, wall):
 
 @inner_jit
 def _summit(work, case, flight, side, low, high):
-    """Time between two looks at which D is greatest on a side, by halving."""
+    """Time between two checks at which D is greatest towards a side, by bisection."""
     for _ in range(50):
         middle = 0.5 * (low + high)
         if side * _ahead_after(case, work, flight, middle)[1] > 0.0:
@@ -279,7 +279,7 @@ def _summit(work, case, flight, side, low, high):
 
 @inner_jit
 def _touching(work, case, flight, side, low, high):
-    """Time between two looks at which D = s c."""
+    """Time between two checks at which D = s c."""
     t = high
     for _ in range(80):
         value, slope = _ahead_after(case, work, flight, t)

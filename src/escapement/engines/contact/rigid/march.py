@@ -1,4 +1,4 @@
-"""Engagements one after the other: their handoffs, and what happens within them."""
+"""Engagements one after the other: states at their handoffs, and the events within them."""
 
 import numpy as np
 
@@ -31,19 +31,19 @@ def workspace():
 
 @inner_jit
 def tail_for(rtol):
-    """The tail that a panel may have; integrals over it are as exact as the square of that."""
+    """Greatest tail of a panel; the relative error of its integrals is about the square of it."""
     return min(0.3 * np.sqrt(rtol), 1e-4)
 
 
 @inner_jit(allocates=True)
 def after(case, turned):
-    """The case in the cell after a driver angle turned."""
+    """The case with the torque of the cell that begins after a driver angle turned."""
     return Case(cell_after(turned, case.plus), cell_after(turned, case.minus), *case[2:])
 
 
 @inner_jit
 def pass_one(work, notes, case, state, step, end_time, trend, count):
-    """An engagement from a state; the body at the next handoff, with its time, and how it ends."""
+    """Follow an engagement from a state; returns the body at the next handoff, and why it ends."""
     body = Body(case.plus.edges[0], state[1], state[2], state[3], 0.0, state[4], trend)
     body, code = engage(work, notes, case, body, end_time, tail_for(case.rtol), count)
     if code == DONE:
@@ -53,7 +53,7 @@ def pass_one(work, notes, case, state, step, end_time, trend, count):
 
 @inner_jit
 def _same(one, two):
-    """Whether two handoffs are in the same state to rounding: the later ones are as well."""
+    """Whether two handoffs have the same state except for rounding, so that all later ones do."""
     apart = 0.0
     for i in range(1, STATE):
         apart = max(apart, abs(one[i] - two[i]))
@@ -62,7 +62,7 @@ def _same(one, two):
 
 @inner_jit
 def _repeat(states, k, length, limit):
-    """Repeat the engagement that led to handoff k, to the end or the limit; the last handoff."""
+    """Repeat the engagement that led to handoff k, to the end or the limit; returns the last."""
     for j in range(k + 1, len(states)):
         for i in range(1, STATE):
             states[j, i] = states[k, i]
@@ -74,7 +74,7 @@ def _repeat(states, k, length, limit):
 
 @jit(allocates=True)
 def march(scene_tuple, joint, rtol, first, limit, trend, states, rows, engagement, used):
-    """March engagements until `states` is full, a time is passed, or the motion ends.
+    """Follow engagements until `states` is full, a time is passed, or the motion ends.
 
     Parameters
     ----------
@@ -83,10 +83,11 @@ def march(scene_tuple, joint, rtol, first, limit, trend, states, rows, engagemen
     rtol : relative error asked for.
     first : number of the first engagement.
     limit : time after which to stop.
-    trend : sign of theta_ddot before, 0 where nothing came before.
-    states : shape (n + 1, STATE), the first of which is given; filled with those at handoffs.
-    rows, engagement : filled with what happens, and in which engagement; empty where it is not
-        asked for. There may be more rows, `used[0]`, than there is room for.
+    trend : sign of theta_ddot before the first state, 0 if nothing is known of it.
+    states : shape (n + 1, STATE). The first one is given; the others are filled with the states
+        at handoffs.
+    rows, engagement : filled with pieces and events, and the engagement of each; empty if they
+        are not wanted. If `used[0]`, their number, exceeds the size, the rest is missing.
 
     Returns
     -------

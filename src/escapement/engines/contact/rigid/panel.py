@@ -2,7 +2,7 @@
 
 Twice the kinetic energy, E = (rho + g^2) w, obeys dE/dx = A - B E with `dynamics.energy_rates`,
 so that with b = int B it is E = exp(-b) (E_left + int A exp(b)). Time is int dtheta/sqrt(w).
-A panel is halved until what it leaves out is small; see `gauss`.
+A panel is halved until its tail, an estimate of its error, is small; see `gauss`.
 """
 
 from typing import NamedTuple
@@ -35,14 +35,13 @@ from escapement.mechanisms.slotted import pose_at, transmission_on
 from escapement.power_flow import UNKNOWN, within_flow
 
 ROWS = 17
-G, U, SLOPE, RADIUS, BEND, INVERSE, DECAY, GAIN, B, ENERGY, W, SLOW, NET, PLACES, X, Q, Z = range(
-    ROWS
-)
+G, U, SLOPE, RADIUS, BEND, INVERSE, DECAY, GAIN, B, ENERGY, W, SLOW, NET, PLACES = range(ROWS - 3)
+X, Q, Z = range(ROWS - 3, ROWS)
 """Rows of the workspace: values at the Gauss points. PLACES are those points, NET the torque that
 accelerates the driver, SLOW is dt/dx and SLOPE the k of `dynamics`. X is s X; Q and Z are the
 torques through lossy trains, with the sign that they keep while the power flows the same way."""
 GOES_ON, LIFTS, TURNS_BARREL, TURNS_LOAD, STOPS, JAMS = range(6)
-"""How a panel ends: in the middle of the contact, at a lift-off, where power in the barrel's train
+"""How a panel ends: while the contact lasts, at a lift-off, where power in the barrel's train
 or in that of the load turns back, where the driver stops, or where J_s is not positive."""
 SMALLEST = 1e-12
 """A panel of a smaller width [rad] is not halved."""
@@ -52,10 +51,10 @@ _SAME = 1e-9
 
 
 class Panel(NamedTuple):
-    """A panel that is solved.
+    """A solved panel.
 
-    code : how it ends. left, width : its driver angles, width < 0 where the driver goes back.
-    w, time : at its right end, and the time over it. tail : what it leaves out.
+    code : how it ends. left, width : start and width; width < 0 if the driver turns back.
+    w, time : squared speed at its end, and duration. tail : estimate of its error.
     """
 
     code: int
@@ -91,7 +90,7 @@ def _kept_at(scene, side, theta, w, row):
 
 @inner_jit
 def solve_panel(work, scene, side, left, width, w, count):
-    """Solve a panel from the squared speed `w`; the rows of the workspace hold the solution."""
+    """Solve a panel from the squared speed `w` at its start; `work` then holds the solution."""
     half = 0.5 * width
     g, u, k, radius = work[G], work[U], work[SLOPE], work[RADIUS]
     transmission_on(scene.path, left, half, work[PLACES], count, g, u, k, radius)
@@ -130,7 +129,7 @@ def solve_panel(work, scene, side, left, width, w, count):
         at_end = np.exp(-integral(work[DECAY], count)) * (energy + integral(work[GAIN], count))
         if not (viscous and change > 1e-14):
             break
-        # drag that is linear about no speed would grow without bound
+        # where the driver stops, drag that is linear about its speed would grow without bound
         if not change < 1e6:
             return Panel(STOPS, left, width, 0.0, 0.0, 1.0)
     right = pose_at(scene.path, left + width)[0]
@@ -167,7 +166,7 @@ def next_panel(work, scene, side, theta, w, width, limit, tail, lifts, count):
     elif abs(width) > 0.5 * abs(span):
         width = 0.5 * span
     found = solve_panel(work, scene, side, theta, width, w, count)
-    # a tail that is NaN is no small one
+    # a tail that is NaN counts as large
     while found.code != GOES_ON or not found.tail <= tail:
         if abs(width) < SMALLEST:
             break

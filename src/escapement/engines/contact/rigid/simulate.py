@@ -70,7 +70,7 @@ def simulate(
 ) -> Motion:
     """Motion with clearance; arguments are validated by `escapement.simulate`.
 
-    A duration of more than `longest` engagements is refused.
+    A duration with more than `longest` engagements is refused.
     """
     if escapement.friction >= friction_limits(escapement)[0]:
         return no_motion(escapement, "contact", rtol)
@@ -81,7 +81,9 @@ def simulate(
 def march_from(
     escapement: Escapement, start: FloatArray, count: int, rtol: float, horizon: float = math.inf
 ) -> tuple[int, FloatArray, float, float]:
-    """March engagements from a state: how that ends, states at handoffs, last angle and time."""
+    """Follow engagements from a state; returns why they end, the states at handoffs, and the last
+    angle and time.
+    """
     inputs = scene_tuple(escapement.scene), joint_of(escapement), rtol, 0, horizon, 0.0
     states = np.empty((count + 1, STATE))
     states[0] = start

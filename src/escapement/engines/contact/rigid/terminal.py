@@ -1,8 +1,8 @@
 """The engagement that repeats itself, and how the motion gets there.
 
-The motion itself tends to that engagement, so that it is followed, and hastened by Aitken's
-extrapolation of the speed at the handoff. Near the Painleve limit, or with rebounds, there may
-be no such engagement: then many are followed, and their spread is told.
+The motion tends to that engagement, so it is followed; Aitken's extrapolation of the speed at the
+handoff makes this faster. Near the Painleve limit, or with rebounds, there may
+be no such engagement: then many are followed, and the message gives their spread.
 """
 
 from dataclasses import replace
@@ -29,7 +29,7 @@ LONGEST_TRANSIENT = 10_000
 _STEPS, _ROUNDS = 12, 40
 _MANY, _KEPT = 1000, 500
 _ALIKE = 1e-5
-"""Spread of the period, over the period, up to which engagements are said to repeat."""
+"""Engagements repeat if their periods spread by less than this share of the period."""
 
 
 def terminal(
@@ -62,14 +62,14 @@ def _extrapolated(states: FloatArray) -> FloatArray:
     ratio = two / one if one != 0.0 else 0.0
     if abs(ratio) < 0.999 and abs(two) > 1e-15 * last:
         to = max(last + two * ratio / (1.0 - ratio), 0.5 * last)
-        # on a wall the follower's speed is in proportion to the driver's
+        # while the pin touches a wall, the follower's speed is proportional to the driver's
         state[1], state[3] = to, state[3] * to / last
     state[0] = 0.0
     return state
 
 
 def _followed(escapement: Escapement, base: Figures, initial_speed: float, rtol: float) -> Figures:
-    """The figures where no state repeats: of a motion that ends, or of many engagements."""
+    """The figures if no state repeats: those of a motion that ends, or of many engagements."""
     start = first_state(escapement, initial_speed)
     code, states, angle, _end = march_from(escapement, start, _MANY, rtol)
     if code != DONE:
@@ -83,11 +83,11 @@ def _followed(escapement: Escapement, base: Figures, initial_speed: float, rtol:
     spread = float(np.ptp(periods) / period)
     if spread <= _ALIKE:
         found = _figures(escapement, base, states[-1], initial_speed, rtol)
-        return replace(found, message=f"engagements repeat to {spread:.1g} of the period")
+        return replace(found, message=f"the engagements repeat to {spread:.1g} of the period")
     message = (
-        f"the engagements do not repeat: over {_KEPT} of them the period is {periods.min():.6g} to "
-        f"{periods.max():.6g} s, {period:.6g} s in the mean, and the handoff velocity "
-        f"{speeds.min():.6g} to {speeds.max():.6g} rad/s"
+        f"the engagements do not repeat: over {_KEPT} of them the period is between "
+        f"{periods.min():.6g} and {periods.max():.6g} s, with a mean of {period:.6g} s, and the "
+        f"handoff velocity between {speeds.min():.6g} and {speeds.max():.6g} rad/s"
     )
     return replace(base, status=Status.NOT_CONVERGED, message=message)
 
@@ -102,7 +102,10 @@ def _figures(
     start = initial_speed / figures.handoff_velocity
     count = transient_length(abs(figures.contraction), start)
     if count > LONGEST_TRANSIENT:
-        message = f"{', '.join(TRANSIENT)} not given: beyond {LONGEST_TRANSIENT} engagements"
+        message = (
+            f"these figures take more than {LONGEST_TRANSIENT} engagements and are not given: "
+            f"{', '.join(TRANSIENT)}"
+        )
         return replace(figures, message=message)
     settings: dict[str, Any] = {"initial_speed": initial_speed, "rtol": rtol}
     motion = simulate(escapement, engagements=count, duration=None, **settings)

@@ -1,4 +1,4 @@
-"""The states of a motion at given times, and what is lost over each of its pieces."""
+"""The states of a motion at given times, and the work lost over each of its pieces."""
 
 import numpy as np
 
@@ -41,10 +41,10 @@ from escapement.roots import newton_in_bracket
 from escapement.tabulation import losses_at
 
 STRICT = 1e-13
-"""The tail of a panel whose solution is interpolated."""
+"""Greatest tail of a panel whose solution is interpolated."""
 TABLE, LOST = 8 + len(LOSSES), len(LOSSES) + 1
-"""Rows of a state: `state.COLUMNS` and the power of each of `LOSSES`. Work over a piece: of each of
-`LOSSES`, and of the load."""
+"""Length of a state: `state.COLUMNS` and the power of each of `LOSSES`. Length of the work over a
+piece: one number for each of `LOSSES`, and one for the load."""
 
 
 @inner_jit
@@ -63,7 +63,7 @@ def _inside(row, x):
 
 @inner_jit
 def _place_after(work, time, width):
-    """The place x of a panel at which it has lasted for a time; row B holds the times there."""
+    """The place x of a panel that is reached after a time; row B holds the times at its points."""
     low, high, sign = -1.0, 1.0, np.sign(width)
     x = 0.0
     for _ in range(60):
@@ -128,7 +128,7 @@ def _along_wall(work, case, row, length, times, first, last, out, lost, spare, c
         scene = wall_scene(case, side, theta, way, w, flow)
         limit = next_break(case, side, theta, way, scene)
         if limit == theta:
-            # rounding has left a piece longer than the way to its end
+            # by rounding, the piece may last longer than the way to its end takes
             break
         start = w
         found = next_panel(work, scene, side, theta, w, width, limit, STRICT, False, count)

@@ -30,7 +30,7 @@ NO_ROWS, NO_ENGAGEMENT = np.empty(0, ROW), np.empty(0, np.int64)
 
 
 def joint_of(escapement: Escapement) -> FloatArray:
-    """What the kernels are told of the joint, see `march.march`."""
+    """The numbers of the joint that the kernels need, see `march.march`."""
     wheel: Any = escapement.mechanism
     joint, crank = escapement.joint, 1.0 if wheel.internal else -1.0
     numbers = (wheel.centre_distance, crank, joint.play, joint.restitution, wheel.follower_step)
@@ -39,10 +39,10 @@ def joint_of(escapement: Escapement) -> FloatArray:
 
 @dataclass
 class RigidTrajectory(Held):
-    """The states at handoffs, from which everything else follows when it is asked for.
+    """The states at handoffs, from which everything else is computed when it is read.
 
     begun : shape (n + 1, 5), states at the start and at handoffs, see `march.STATE`; each starts
-        an engagement, of which the last may be incomplete.
+        an engagement, and the last engagement may be incomplete.
     end_time : time at which the motion ends [s].
     """
 
@@ -57,7 +57,7 @@ class RigidTrajectory(Held):
 
     @cached_property
     def _happened(self) -> tuple[np.ndarray, np.ndarray]:
-        """Every row of the motion, and its engagement."""
+        """All rows of the motion, and the engagement of each."""
         # a motion that ends at a handoff has no part of the next engagement
         last = self.end_time / self.escapement.time_unit * (1.0 - 1e-14)
         states = self.begun[self.begun[:, 0] < last] if last > 0.0 else self.begun[:1]

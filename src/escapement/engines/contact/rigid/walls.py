@@ -1,4 +1,4 @@
-"""The two walls of a slot: a slotted path for each, and where it is not smooth."""
+"""The two walls of a slot: a slotted path for each, and the angles at which it is not smooth."""
 
 from typing import NamedTuple
 
@@ -13,12 +13,12 @@ from escapement.scene import Path, Scene
 
 
 class Case(NamedTuple):
-    """What the kernels of this engine are given of an escapement.
+    """The numbers of an escapement that the kernels of this engine need.
 
     plus, minus : scenes of contact with either wall, whose paths have the offset of the wall.
-    breaks : shape (2, k): of either wall the driver angles at which its law is not smooth.
+    breaks : driver angles at which the law of each wall is not smooth, shape (2, k).
     centre, crank : centre distance in crank radii, and +1 for an internal wheel, else -1: the
-        pin stands at (centre + crank cos(theta), sin(theta)).
+        pin is at (centre + crank cos(theta), sin(theta)).
     play, restitution : of the joint.
     rtol : relative error asked for.
     """
@@ -42,7 +42,7 @@ def case_of(scene, joint, rtol):
     plus = Scene(Path(scene.path.table, one), *scene[1:])
     minus = Scene(Path(scene.path.table, two), *scene[1:])
     breaks = np.empty((2, 3))
-    # where the follower stands still its losses change their sense
+    # where the follower changes its sense, its losses change their sign
     turns = scene.load + scene.follower_drag + scene.follower_journal > 0.0
     turns = turns or scene.load_train_efficiency != 1.0
     for row, side, own in ((0, 1.0, plus), (1, -1.0, minus)):
@@ -73,17 +73,17 @@ def _standstill(path, outer, inner):
 
 @inner_jit
 def wall_scene(case, side, theta, way, w, flow):
-    """The scene of a wall at a driver angle, with all losses turned round where they drive.
+    """The scene of a wall at a driver angle, with signs such that all losses resist the motion.
 
     With trains that lose power it is that of the `flow`, or of the one that holds at the squared
     speed `w` where that is `UNKNOWN`.
 
-    The load opposes the follower, which goes back where g < 0. While the driver goes back, `way`
-    is -1 and every loss takes the other sign, so that the same law holds. For the same reason a
-    train has the efficiency 1/eta where the body before it goes back.
+    The load resists the follower, which turns back where g < 0. While the driver turns back, `way`
+    is -1 and every loss has the other sign, so that the same law holds. For the same reason a train
+    has the efficiency 1/eta where the body next to it turns back.
     """
     scene = case.plus if side > 0.0 else case.minus
-    # at a standstill itself the way decides on which side of it the motion goes on
+    # exactly where g = 0, `way` decides on which side of it the motion continues
     g = pose_at(scene.path, theta + 1e-12 * way)[0]
     sense = 1.0 if g >= 0.0 else -1.0
     if way > 0.0 and (sense > 0.0 or (scene.load == 0.0 and scene.load_train_efficiency == 1.0)):
@@ -116,7 +116,7 @@ def next_break(case, side, theta, way, scene):
     row = 0 if side > 0.0 else 1
     for i in range(3):
         place = case.breaks[row, i]
-        # NaN lies nowhere
+        # both comparisons are false for a place that is NaN
         if way * (place - theta) > 1e-9 and way * (end - place) > 1e-9:
             end = place
     return next_knot(theta, end, scene) if way > 0.0 else end
