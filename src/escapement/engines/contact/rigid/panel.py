@@ -20,14 +20,28 @@ from escapement.dynamics import (
     reduced_inertia,
     root_of,
 )
-from escapement.gauss import POINTS, N, cumulate, integral, root_between, tail_of, to_powers
+from escapement.gauss import (
+    POINTS,
+    N,
+    cumulate,
+    fill_decay,
+    integral,
+    root_between,
+    tail_of,
+    to_powers,
+)
 from escapement.jit import inner_jit
 from escapement.mechanisms.slotted import pose_at, transmission_on
 
-ROWS = 15
-G, U, SLOPE, RADIUS, BEND, INVERSE, DECAY, GAIN, B, ENERGY, W, SLOW, X, NET, PLACES = range(ROWS)
+_ROWS = (
+    *("g", "u", "slope", "radius", "bend", "inverse", "pull", "decay", "gain", "b", "energy"),
+    *("w", "slow", "x", "net", "places"),
+)
+G, U, SLOPE, RADIUS, BEND, INVERSE, PULL, DECAY, GAIN, B, ENERGY, W, SLOW, X, NET, PLACES = _ROWS
 """Rows of the workspace: values at the Gauss points. PLACES are those points, X is s X, NET the
 torque that accelerates the driver, SLOW is dt/dx and SLOPE the k of `dynamics`."""
+# fields of a record do not overlap, so that loops over them become vector code
+WORKSPACE = np.dtype([(name, np.float64, N) for name in _ROWS])
 GOES_ON, LIFTS, STOPS, JAMS = 0, 1, 2, 3
 """How a panel ends: in the middle of the contact, at a lift-off, where the driver stops, or
 where J_s is not positive."""
@@ -62,61 +76,81 @@ def law_at(scene, side, theta, w):
 
 
 @inner_jit
-def solve_panel(work, scene, side, left, width, w, count):
-    """Solve a panel from the squared speed `w`; the rows of the workspace hold the solution."""
-    half = 0.5 * width
+def _sample(work, scene, side, left, half, count):
+    """Fill what does not depend on the speed at the points; whether J_s is positive at all."""
     g, u, k, radius = work[G], work[U], work[SLOPE], work[RADIUS]
     transmission_on(scene.path, left, half, work[PLACES], count, g, u, k, radius)
     middle, slope = torque_at(left + half, scene)
-    middle -= scene.bearing
-    least = 1.0
-    for i in range(N):
+    middle, slope, unsound = middle - scene.bearing, slope * half, 0
+    for i in range(count & N):
         k[i] = dragged_slope(g[i], k[i], scene)
-        work[BEND][i] = bend(g[i], u[i], radius[i], side, scene)
-        least = min(least, reduced_inertia(g[i], work[BEND][i], scene))
+        work[BEND][i] = c = bend(g[i], u[i], radius[i], side, scene)
         work[INVERSE][i] = 1.0 / (scene.rho + g[i] * g[i])
-    if not least > 0.0:
+        work[PULL][i] = middle + slope * work[PLACES][i]
+        unsound += not reduced_inertia(g[i], c, scene) > 0.0
+    return unsound == 0
+
+
+@inner_jit
+def _solve_energy(work, scene, half, energy, count):
+    """Fill E and w from E at the left end, with drag linear about the speeds in w before.
+
+    Returns E at the right end.
+    """
+    viscous = is_viscous(scene)
+    for i in range(count & N):
+        root = np.sqrt(max(work[W][i], 1e-300)) if viscous else 0.0
+        c, k, pull, inverse = work[BEND][i], work[SLOPE][i], work[PULL][i], work[INVERSE][i]
+        rates = energy_rates(work[G][i], c, k, pull, inverse, half, root, scene)
+        work[GAIN][i], work[DECAY][i] = rates[0], rates[1]
+    cumulate(work[DECAY], work[B])
+    fill_decay(work[B], work[SLOW], work[GAIN], count)
+    cumulate(work[GAIN], work[ENERGY])
+    for i in range(count & N):
+        work[ENERGY][i] = work[SLOW][i] * (energy + work[ENERGY][i])
+        work[W][i] = work[ENERGY][i] * work[INVERSE][i]
+    return np.exp(-integral(work[DECAY], count)) * (energy + integral(work[GAIN], count))
+
+
+@inner_jit
+def solve_panel(work, scene, side, left, width, w, count):
+    """Solve a panel from the squared speed `w`; the rows of the workspace hold the solution."""
+    half = 0.5 * width
+    if not _sample(work, scene, side, left, half, count):
         return Panel(JAMS, left, width, 0.0, 0.0, 1.0)
-    ratio = pose_at(scene.path, left)[0]
+    ratio, right = pose_at(scene.path, left)[0], pose_at(scene.path, left + width)[0]
     energy = (scene.rho + ratio * ratio) * w
-    viscous, at_end = is_viscous(scene), 0.0
-    for i in range(N):
-        work[W][i] = w
+    viscous, change, at_end = is_viscous(scene), 1.0, 0.0
+    for i in range(count & N):
+        work[W][i] = energy * work[INVERSE][i]
     for _ in range(30):
-        for i in range(N):
-            root = np.sqrt(max(work[W][i], 1e-300)) if viscous else 0.0
-            pull, inverse = middle + slope * half * POINTS[i], work[INVERSE][i]
-            rates = energy_rates(g[i], work[BEND][i], k[i], pull, inverse, half, root, scene)
-            work[GAIN][i], work[DECAY][i] = rates[0], rates[1]
-        cumulate(work[DECAY], work[B])
-        for i in range(N):
-            work[SLOW][i] = np.exp(-work[B][i])
-            work[GAIN][i] /= work[SLOW][i]
-        cumulate(work[GAIN], work[ENERGY])
+        for i in range(count & N):
+            work[X][i] = work[W][i]
+        at_end = _solve_energy(work, scene, half, energy, count)
+        if not viscous:
+            break
         change = 0.0
         for i in range(N):
-            work[ENERGY][i] = work[SLOW][i] * (energy + work[ENERGY][i])
-            value = work[ENERGY][i] * work[INVERSE][i]
-            change = max(change, abs(value - work[W][i]) / max(value, 1e-300))
-            work[W][i] = value
-        at_end = np.exp(-integral(work[DECAY], count)) * (energy + integral(work[GAIN], count))
-        if not (viscous and change > 1e-14):
-            break
+            value = work[W][i]
+            change = max(change, abs(value - work[X][i]) / max(value, 1e-300))
         # drag that is linear about no speed would grow without bound
         if not change < 1e6:
             return Panel(STOPS, left, width, 0.0, 0.0, 1.0)
-    right = pose_at(scene.path, left + width)[0]
+        # Newton's method squares the error, so the next change would be below rounding
+        if change <= 1e-7:
+            break
     at_end /= scene.rho + right * right
     slowest, greatest = at_end, energy
     for i in range(N):
         slowest, greatest = min(slowest, work[W][i]), max(greatest, work[ENERGY][i])
     if not slowest > 0.0:
         return Panel(STOPS, left, width, 0.0, 0.0, 1.0)
-    for i in range(N):
-        pull, root = middle + slope * half * POINTS[i], root_of(work[W][i], scene)
-        work[SLOW][i] = half / np.sqrt(work[W][i])
-        work[X][i] = side * contact(g[i], k[i], pull, work[W][i], root, scene)
-        work[NET][i] = net_torque(g[i], work[BEND][i], k[i], pull, work[W][i], root, scene)
+    for i in range(count & N):
+        g, k, pull, speed = work[G][i], work[SLOPE][i], work[PULL][i], work[W][i]
+        root = root_of(speed, scene)
+        work[SLOW][i] = half / np.sqrt(speed)
+        work[X][i] = side * contact(g, k, pull, speed, root, scene)
+        work[NET][i] = net_torque(g, work[BEND][i], k, pull, speed, root, scene)
     tail = tail_of(work[ENERGY], count) / greatest
     tail = max(tail, tail_of(work[SLOW], count) * np.sqrt(slowest) / abs(half))
     tail = max(tail, tail_of(work[INVERSE], count) * scene.rho)
@@ -124,13 +158,20 @@ def solve_panel(work, scene, side, left, width, w, count):
 
 
 @inner_jit
+def width_after(found, tail):
+    """Width to try behind a panel, which has a tail of about the one that a panel may have."""
+    return found.width * min(2.0, (tail / found.tail) ** (1.0 / N))
+
+
+@inner_jit
 def next_panel(work, scene, side, theta, w, width, limit, tail, lifts, count):
     """Solve the panel from a driver angle towards a limit, as wide as its `tail` may be.
 
-    `width` is the width to try first. With `lifts` the panel ends where the pin lifts off.
+    `width` is the width to try first, infinite where none is known. With `lifts` the panel ends
+    where the pin lifts off.
     """
     span = limit - theta
-    if not abs(width) < 0.9 * abs(span):
+    if abs(width) < np.inf and not abs(width) < 0.9 * abs(span):
         width = span
     elif abs(width) > 0.5 * abs(span):
         width = 0.5 * span

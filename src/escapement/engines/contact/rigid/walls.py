@@ -4,7 +4,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from escapement.drive import next_knot
+from escapement.drive import last_knot, next_knot
 from escapement.jit import inner_jit
 from escapement.mechanisms.slotted import pose_at, slide_change
 from escapement.roots import newton_in_bracket
@@ -77,9 +77,10 @@ def wall_scene(case, side, theta, way):
     is -1 and every loss takes the other sign, so that the same law holds.
     """
     scene = case.plus if side > 0.0 else case.minus
+    load = scene.load
     # at a standstill itself the way decides on which side of it the motion goes on
-    g = pose_at(scene.path, theta + 1e-12 * way)[0]
-    load = scene.load if g >= 0.0 else -scene.load
+    if load > 0.0 and pose_at(scene.path, theta + 1e-12 * way)[0] < 0.0:
+        load = -load
     if way > 0.0 and load == scene.load:
         return scene
     return Scene(
@@ -101,4 +102,4 @@ def next_break(case, side, theta, way, scene):
         # NaN lies nowhere
         if way * (place - theta) > 1e-9 and way * (end - place) > 1e-9:
             end = place
-    return next_knot(theta, end, scene) if way > 0.0 else end
+    return next_knot(theta, end, scene) if way > 0.0 else last_knot(theta, end, scene)
