@@ -2,6 +2,7 @@
 
 import math
 import threading
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -257,6 +258,17 @@ def test_drag_takes_as_much_where_a_blow_throws_the_driver_back():
     motion = esc.simulate(drive, 3)
     assert (motion.impacts.theta_dot < 0.0).any()
     assert abs(motion.ledger.residual) < 1e-14
+
+
+def test_a_torque_curve_does_the_work_that_its_knots_say():
+    # flights over knots, of which one is in the middle of a flight that goes back
+    angle = np.linspace(0.0, 5.0, 40)
+    curve = esc.TorqueCurve(angle, timer().torque * (0.7 + 0.3 * np.cos(20.0 * angle)))
+    for viscous in (0.0, 1.5e-6):
+        drive = timer(7.5e-3, restitution=0.37, driver_viscous=viscous)
+        motion = esc.simulate(replace(drive, torque=curve), 3)
+        assert (motion.impacts.theta_dot < 0.0).any()
+        assert abs(motion.ledger.residual) < 1e-14
 
 
 def test_extrema_are_those_of_the_states():

@@ -12,7 +12,7 @@ from escapement.engines.contact.rigid.engagement import (
     engage,
     turn_on,
 )
-from escapement.engines.contact.rigid.panel import PLACES, ROWS
+from escapement.engines.contact.rigid.panel import PLACES, WORKSPACE
 from escapement.engines.contact.rigid.walls import Case, case_of
 from escapement.gauss import POINTS, N
 from escapement.jit import inner_jit, jit
@@ -23,10 +23,14 @@ STATE = 5
 
 @inner_jit(allocates=True)
 def workspace():
-    """Rows of values at the Gauss points."""
-    work = np.empty((ROWS, N))
-    work[PLACES] = POINTS
-    return work
+    """Memory for one record of rows of values at the Gauss points.
+
+    The compiler frees memory after its last use, and does not count records among the uses: a
+    kernel that needs the record in a loop takes it from this memory within the loop.
+    """
+    memory = np.empty(1, WORKSPACE)
+    memory[0][PLACES][:] = POINTS
+    return memory
 
 
 @inner_jit
@@ -96,13 +100,13 @@ def march(scene_tuple, joint, rtol, first, limit, trend, states, rows, engagemen
         sign of theta_ddot there.
     """
     scene = scene_of(scene_tuple)
-    case, work = case_of(scene, joint[:4], rtol), workspace()
+    case, memory = case_of(scene, joint[:4], rtol), workspace()
     notes = Notes(rows, used, rows.size > 0)
     count, cell, lost, constant = np.int64(N), cell_of(scene), 0.0, is_constant(scene)
     for k in range(len(states) - 1):
         if not constant:
             case = after(case, (first + k) * cell)
-        begin, begun = states[k, 0], used[0]
+        begin, begun, work = states[k, 0], used[0], memory[0]
         body, code = pass_one(work, notes, case, states[k], joint[4], limit - begin, trend, count)
         trend = body.trend
         for i in range(begun, min(used[0], rows.size)):

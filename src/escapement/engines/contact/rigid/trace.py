@@ -31,6 +31,7 @@ from escapement.engines.contact.rigid.panel import (
     law_at,
     next_panel,
     solve_panel,
+    width_after,
 )
 from escapement.engines.contact.rigid.walls import case_of, next_break, wall_scene
 from escapement.gauss import BARYCENTRIC, POINTS, WEIGHTS, N, cumulate
@@ -157,7 +158,7 @@ def _along_wall(work, case, row, length, times, first, last, out, lost, spare, c
                 lost[j] += share * spare[8 + j, 0]
         moved = follower_on(case, side, end)[0] - follower_on(case, side, theta)[0]
         lost[LOST - 1] += case.plus.load * abs(moved)
-        theta, w, time, width = end, found.w, over, 2.0 * found.width
+        theta, w, time, width = end, found.w, over, width_after(found, STRICT)
     while first < last:
         scene = wall_scene(case, side, theta, way, w, flow)
         _touching_state(case, scene, side, theta, way, w, out, first)
@@ -171,7 +172,7 @@ def _through_flight(work, case, row, length, times, first, last, out, lost, spar
     end = scene.edges[-1] + (scene.dwell if row.kind == LOCKED else 0.0)
     theta, speed, phi, turning = row.theta, row.speed, row.phi, row.turning
     while True:
-        flight = launch(work, scene, theta, speed, phi, turning, end, count)
+        flight = launch(work, scene, theta, speed, phi, turning, end)
         # what its train loses jumps where the follower comes to rest
         part = min(flight.length, flight.rest, length - time)
         # a length is a difference of times, and their rounding may leave it longer than the flight
@@ -209,10 +210,10 @@ def trace(scene_tuple, joint, rtol, pieces, engagement, lengths, firsts, times, 
     lost : shape (pieces, LOST), zeros.
     """
     scene = scene_of(scene_tuple)
-    case, work, count = case_of(scene, joint[:4], rtol), workspace(), np.int64(N)
+    case, memory, count = case_of(scene, joint[:4], rtol), workspace(), np.int64(N)
     cell, spare = cell_of(scene), np.empty((TABLE, 1))
     for k in range(pieces.size):
-        row = pieces[k]
+        row, work = pieces[k], memory[0]
         own = after(case, engagement[k] * cell)
         at = work, own, row, lengths[k], times, firsts[k], firsts[k + 1], out, lost[k], spare, count
         if lengths[k] == 0.0 and firsts[k] == firsts[k + 1]:

@@ -25,16 +25,25 @@ from escapement.motion import State
 from escapement.scene import scene_tuple
 from escapement.trajectory import Events, Extrema, Held, Impacts
 
+_KEY = "rigid.prepared"
 _ROOM = 24  # rows that an engagement takes, in most cases
 NO_ROWS, NO_ENGAGEMENT = np.empty(0, ROW), np.empty(0, np.int64)
 
 
-def joint_of(escapement: Escapement) -> FloatArray:
-    """The numbers of the joint that the kernels need, see `march.march`."""
-    wheel: Any = escapement.mechanism
-    joint, crank = escapement.joint, 1.0 if wheel.internal else -1.0
-    numbers = (wheel.centre_distance, crank, joint.play, joint.restitution, wheel.follower_step)
-    return np.array(numbers)
+def prepared(escapement: Escapement) -> tuple[tuple[Any, ...], FloatArray, float]:
+    """Scene and joint as `march.march` takes them, and the follower angle of a pin at its entry.
+
+    They are kept on the escapement, so that its next call does not compute them again.
+    """
+    kept = escapement.kept
+    if _KEY not in kept:
+        wheel: Any = escapement.mechanism
+        joint, crank = escapement.joint, 1.0 if wheel.internal else -1.0
+        numbers = (wheel.centre_distance, crank, joint.play, joint.restitution, wheel.follower_step)
+        entry = float(wheel.follower_angle(np.array(wheel.breaks[:1]))[0])
+        kept[_KEY] = scene_tuple(escapement.scene), np.array(numbers), entry
+    result: tuple[tuple[Any, ...], FloatArray, float] = kept[_KEY]
+    return result
 
 
 @dataclass
@@ -53,7 +62,7 @@ class RigidTrajectory(Held):
 
     @cached_property
     def _inputs(self) -> tuple[Any, ...]:
-        return scene_tuple(self.escapement.scene), joint_of(self.escapement), self.rtol
+        return *prepared(self.escapement)[:2], self.rtol
 
     @cached_property
     def _happened(self) -> tuple[np.ndarray, np.ndarray]:

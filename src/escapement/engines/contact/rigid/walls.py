@@ -4,7 +4,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from escapement.drive import next_knot
+from escapement.drive import last_knot, next_knot
 from escapement.jit import inner_jit
 from escapement.mechanisms.slotted import pose_at, slide_change
 from escapement.power_flow import UNKNOWN, flowing, in_flow
@@ -84,9 +84,10 @@ def wall_scene(case, side, theta, way, w, flow):
     """
     scene = case.plus if side > 0.0 else case.minus
     # exactly where g = 0, `way` decides on which side of it the motion continues
-    g = pose_at(scene.path, theta + 1e-12 * way)[0]
-    sense = 1.0 if g >= 0.0 else -1.0
-    if way > 0.0 and (sense > 0.0 or (scene.load == 0.0 and scene.load_train_efficiency == 1.0)):
+    sense, free = 1.0, scene.load == 0.0 and scene.load_train_efficiency == 1.0
+    if not free and pose_at(scene.path, theta + 1e-12 * way)[0] < 0.0:
+        sense = -1.0
+    if way > 0.0 and sense > 0.0:
         return _flowing(scene, side, theta, w, flow)
     barrel, train = scene.barrel_efficiency, scene.load_train_efficiency
     turned = Scene(
@@ -119,4 +120,4 @@ def next_break(case, side, theta, way, scene):
         # both comparisons are false for a place that is NaN
         if way * (place - theta) > 1e-9 and way * (end - place) > 1e-9:
             end = place
-    return next_knot(theta, end, scene) if way > 0.0 else end
+    return next_knot(theta, end, scene) if way > 0.0 else last_knot(theta, end, scene)
