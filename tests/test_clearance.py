@@ -318,6 +318,19 @@ def test_a_million_engagements_do_not_drift():
     )
 
 
+def test_states_of_a_long_motion_take_only_the_engagements_that_hold_them():
+    motion = esc.simulate(timer(restitution=0.2, driver_viscous=1e-7), 2000)
+    times = motion.end_time * np.array([0.0, 0.3, 0.30001, 0.7, 1.0])
+    held = motion.trajectory.around(times).engagement
+    assert np.unique(held).size == 4
+    whole = motion.within(np.searchsorted(motion.trajectory.start, times, side="right") - 1, times)
+    found = motion.at(times)
+    for name in ("theta", "theta_dot", "phi", "contact_moment"):
+        exact = getattr(whole, name)
+        assert_allclose(getattr(found, name), exact, rtol=1e-9, atol=1e-9 * np.abs(exact).max())
+    assert motion.at([]).theta.size == 0
+
+
 def test_every_case_has_an_answer_or_says_why():
     rng, statuses = np.random.default_rng(5), set()
     for _ in range(60):

@@ -15,7 +15,7 @@ from escapement.engines.contact.rigid.engagement import (
 )
 from escapement.engines.contact.rigid.march import STATE, march
 from escapement.engines.contact.rigid.trajectory import (
-    NO_ENGAGEMENT,
+    NO_NUMBERS,
     NO_ROWS,
     RigidTrajectory,
     prepared,
@@ -85,9 +85,8 @@ def march_from(
     scene, joint, _entry = prepared(escapement)
     states = np.empty((count + 1, STATE))
     states[0] = start
-    inputs = scene, joint, rtol, 0, horizon, 0.0, states
-    used = np.zeros(1, np.int64)
-    code, done, angle, end, _trend = march(*inputs, NO_ROWS, NO_ENGAGEMENT, used)
+    inputs, used = (scene, joint, rtol, horizon, states), np.zeros(1, np.int64)
+    code, done, angle, end = march(*inputs, NO_NUMBERS, NO_ROWS, NO_NUMBERS, used)
     return code, states[: done + 1], angle, end
 
 
