@@ -131,7 +131,7 @@ class TwoBodies:
             to_stick = np.inf if held is not None else sliding / (tangent @ change)
             to_rest = np.min(-v[slows] / change[slows], initial=np.inf)
             if to_rest < min(to_stick, to_end):
-                rests = slows & (-v <= to_rest * change)
+                rests = slows & (np.abs(v) <= to_rest * np.abs(change))
                 v, total = np.where(rests, 0.0, v + change * to_rest), total + to_rest
                 continue
             if 1e-15 < to_stick < to_end:

@@ -189,10 +189,10 @@ def test_impulse_and_momentum_with_friction():
             q = np.array([behind.theta[k], behind.phi[k]]) - turned
             v = np.array([[s.theta_dot[k], s.phi_dot[k]] for s in (before, behind)])
             normal, tangent, *_ = bodies.directions(blows.wall[k], q, v[0])
-            gained = bodies.inertia * np.diff(v * drive.time_unit, axis=0)[0]
+            gained = bodies.own * np.diff(v * drive.time_unit, axis=0)[0]
             size, impulse = np.linalg.norm(tangent), blows.impulse[k] * unit
             rest = (gained - normal * impulse) / size
-            scale = np.abs(bodies.inertia * v[0] * drive.time_unit).max()
+            scale = np.abs(bodies.own * v[0] * drive.time_unit).max()
             assert abs(rest[0] * tangent[1] - rest[1] * tangent[0]) < 1e-12 * scale
             along = drive.friction * impulse * size
             assert abs(rest @ tangent) < along + 1e-12 * scale
@@ -210,7 +210,7 @@ def smooth_blow(drive, wall, q, v):
     def rates(_p, v):
         f = drive.friction * np.tanh(-(tangent @ v) / 1e-7)
         journals = rubs * arms * math.hypot(1.0, f) * np.tanh(v / 1e-7)
-        return (normal + f * tangent - journals) / bodies.inertia
+        return (normal + f * tangent - journals) / bodies.own
 
     def closed(_p, v):
         return normal @ v

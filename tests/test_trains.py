@@ -163,9 +163,6 @@ def test_a_motion_is_read_back_with_its_trains(tmp_path):
 def test_what_cannot_be_is_refused_in_one_line(capsys):
     with pytest.raises(InvalidValue, match=r"^barrel must be a Train, got 5; give for"):
         esc.Escapement(GENEVA, OWN, 0.01, barrel=5)
-    wheel = esc.Geneva(4, crank_radius=0.02, clearance=1e-5)
-    with pytest.raises(InvalidValue, match=r"^clearance must be 0 with a barrel"):
-        esc.Escapement(wheel, OWN, 0.01, barrel=esc.Train(5.0, efficiency=0.9))
     with pytest.raises(InvalidValue, match=r"^barrel_ratio must be given with barrel_inertia, got"):
         esc.sweep(esc.Escapement(GENEVA, OWN, 0.01), barrel_inertia=[1e-6])["period"]
     words = "run --torque 1 --driver-inertia 1 --follower-inertia 1 --load-train-ratio -2"
