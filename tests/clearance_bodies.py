@@ -4,8 +4,12 @@ Nothing of the package's law is used: the equations are those of Newton and Eule
 force of the contact as a third unknown and the distance from the wall as its constraint.
 """
 
+from itertools import product
+
 import numpy as np
 from scipy.integrate import solve_ivp
+
+import escapement as esc
 
 
 class TwoBodies:
@@ -17,8 +21,16 @@ class TwoBodies:
         self.centre, self.exit = wheel.centre_distance, wheel.engagement_angle / 2.0
         self.play = 0.5 * wheel.clearance / wheel.crank_radius
         self.pin = wheel.pin_radius / wheel.crank_radius
-        self.inertia = np.array([timer.inertia.driver / timer.inertia.follower, 1.0])
-        self.drive, self.load = 1.0, timer.load_torque / timer.torque
+        # the far shafts of trains by the balance of power at their ratios
+        barrel, train = timer.barrel or esc.Train(1.0), timer.load_train or esc.Train(1.0)
+        far = [barrel.inertia / barrel.ratio**2, train.inertia * train.ratio**2]
+        unit, drive = timer.inertia.follower + far[1], timer.torque / barrel.ratio
+        self.own = np.array([timer.inertia.driver, timer.inertia.follower]) / unit
+        self.far, self.passes = (
+            np.array(far) / unit,
+            np.array([barrel.efficiency, train.efficiency]),
+        )
+        self.load = timer.load_torque * train.ratio / drive
         self.friction, self.bounce = timer.friction, timer.restitution
         self.step, self.clock, self.chatter = wheel.follower_step, clock, chatter
 
@@ -44,18 +56,29 @@ class TwoBodies:
 
         `sense` is the sign of the sliding speed, 0 where it is to be found.
         """
-        force = np.array([self.drive, -self.load * np.sign(v[1])])
+        beyond = np.array([1.0, -self.load * np.sign(v[1])])
+        for shares in product(*((eta, 1.0 / eta) for eta in self.passes)):
+            inertia, force = self.own + shares * self.far, np.array(shares) * beyond
+            found = self.pushed(side, q, v, sense, inertia, force)
+            power = (beyond - self.far * found[0]) * v
+            # a train takes its share of the power, whichever way it flows
+            if ((np.array(shares) - 1.0) * power <= 1e-14).all():
+                return found
+        raise AssertionError("no direction of the power fits")
+
+    def pushed(self, side, q, v, sense, inertia, force):
+        """As `accelerations`, for given inertias and forces."""
         if side == 0.0:
-            return force / self.inertia, 0.0
+            return force / inertia, 0.0
         normal, tangent, _ahead, sliding = self.directions(side, q, v)
         way = sense or np.sign(sliding)
-        by_force = (normal + self.friction * way * tangent) / self.inertia
+        by_force = (normal + self.friction * way * tangent) / inertia
         # the derivative of the normal speed at constant speeds, by a central difference
         h = 1e-6
         ends = [self.directions(side, q + s * h * v, v)[0] @ v for s in (1, -1, 2, -2)]
         bend = (8.0 * (ends[0] - ends[1]) - (ends[2] - ends[3])) / (12.0 * h)
-        push = -(bend + normal @ (force / self.inertia)) / (normal @ by_force)
-        return force / self.inertia + by_force * push, push
+        push = -(bend + normal @ (force / inertia)) / (normal @ by_force)
+        return force / inertia + by_force * push, push
 
     def piece(self, side, sense, t, q, v):
         """Integrate to the first of the `ends` of a flight, or of a contact that slides one way."""
@@ -100,12 +123,20 @@ class TwoBodies:
         while True:
             sliding = -tangent @ v
             share = self.friction * np.sign(sliding) if held is None else held
-            change = (normal + share * tangent) / self.inertia
+            impulse = normal + share * tangent
+            slows = impulse * v < 0.0
+            inertia = self.own + np.where(slows, self.passes, 1.0 / self.passes) * self.far
+            change = impulse / inertia
             to_end = goal - total if goal < np.inf else -(normal @ v) / (normal @ change)
             to_stick = np.inf if held is not None else sliding / (tangent @ change)
+            to_rest = np.min(-v[slows] / change[slows], initial=np.inf)
+            if to_rest < min(to_stick, to_end):
+                rests = slows & (np.abs(v) <= to_rest * np.abs(change))
+                v, total = np.where(rests, 0.0, v + change * to_rest), total + to_rest
+                continue
             if 1e-15 < to_stick < to_end:
                 v, total = v + change * to_stick, total + to_stick
-                own = tangent / self.inertia
+                own = tangent / inertia
                 hold = -(normal @ own) / (tangent @ own)
                 if abs(hold) <= self.friction:
                     held = hold

@@ -2,6 +2,7 @@
 
 import math
 import threading
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -188,10 +189,10 @@ def test_impulse_and_momentum_with_friction():
             q = np.array([behind.theta[k], behind.phi[k]]) - turned
             v = np.array([[s.theta_dot[k], s.phi_dot[k]] for s in (before, behind)])
             normal, tangent, *_ = bodies.directions(blows.wall[k], q, v[0])
-            gained = bodies.inertia * np.diff(v * drive.time_unit, axis=0)[0]
+            gained = bodies.own * np.diff(v * drive.time_unit, axis=0)[0]
             size, impulse = np.linalg.norm(tangent), blows.impulse[k] * unit
             rest = (gained - normal * impulse) / size
-            scale = np.abs(bodies.inertia * v[0] * drive.time_unit).max()
+            scale = np.abs(bodies.own * v[0] * drive.time_unit).max()
             assert abs(rest[0] * tangent[1] - rest[1] * tangent[0]) < 1e-12 * scale
             along = drive.friction * impulse * size
             assert abs(rest @ tangent) < along + 1e-12 * scale
@@ -209,7 +210,7 @@ def smooth_blow(drive, wall, q, v):
     def rates(_p, v):
         f = drive.friction * np.tanh(-(tangent @ v) / 1e-7)
         journals = rubs * arms * math.hypot(1.0, f) * np.tanh(v / 1e-7)
-        return (normal + f * tangent - journals) / bodies.inertia
+        return (normal + f * tangent - journals) / bodies.own
 
     def closed(_p, v):
         return normal @ v
@@ -259,6 +260,17 @@ def test_drag_takes_as_much_where_a_blow_throws_the_driver_back():
     assert abs(motion.ledger.residual) < 1e-14
 
 
+def test_a_torque_curve_does_the_work_that_its_knots_say():
+    # flights over knots, of which one is in the middle of a flight that goes back
+    angle = np.linspace(0.0, 5.0, 40)
+    curve = esc.TorqueCurve(angle, timer().torque * (0.7 + 0.3 * np.cos(20.0 * angle)))
+    for viscous in (0.0, 1.5e-6):
+        drive = timer(7.5e-3, restitution=0.37, driver_viscous=viscous)
+        motion = esc.simulate(replace(drive, torque=curve), 3)
+        assert (motion.impacts.theta_dot < 0.0).any()
+        assert abs(motion.ledger.residual) < 1e-14
+
+
 def test_extrema_are_those_of_the_states():
     rng, drives = np.random.default_rng(149), [timer(5e-4, 0.2), timer(2e-4, 0.2, slots=3)]
     for drive in drives + [random_timer(rng) for _ in range(30)]:
@@ -304,6 +316,19 @@ def test_a_million_engagements_do_not_drift():
     assert_allclose(
         np.diff(motion.handoff_times[[1000, -1]])[0] / 998_999, cycle.period, rtol=1e-12
     )
+
+
+def test_states_of_a_long_motion_take_only_the_engagements_that_hold_them():
+    motion = esc.simulate(timer(restitution=0.2, driver_viscous=1e-7), 2000)
+    times = motion.end_time * np.array([0.0, 0.3, 0.30001, 0.7, 1.0])
+    held = motion.trajectory.around(times).engagement
+    assert np.unique(held).size == 4
+    whole = motion.within(np.searchsorted(motion.trajectory.start, times, side="right") - 1, times)
+    found = motion.at(times)
+    for name in ("theta", "theta_dot", "phi", "contact_moment"):
+        exact = getattr(whole, name)
+        assert_allclose(getattr(found, name), exact, rtol=1e-9, atol=1e-9 * np.abs(exact).max())
+    assert motion.at([]).theta.size == 0
 
 
 def test_every_case_has_an_answer_or_says_why():

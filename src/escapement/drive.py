@@ -101,6 +101,19 @@ def next_knot(theta, end, scene):
 
 
 @inner_jit
+def last_knot(theta, start, scene):
+    """Driver angle of the last knot before `theta`, or the start if that is nearer."""
+    if is_constant(scene):
+        return start
+    shift = scene.turned - scene.edges[0]
+    turned = shift + theta - KNOT_GAP
+    lap = _lap(turned, scene)
+    k = _first_behind(turned - lap, scene)
+    place = lap + scene.torque[k] - shift
+    return place if k > 0 and place > start + KNOT_GAP else start
+
+
+@inner_jit
 def has_knot(scene):
     """Whether a knot lies inside the cell after `scene.turned`."""
     end = scene.edges[-1] + scene.dwell

@@ -65,11 +65,10 @@ def check_lengths(values: Mapping[str, Any], length: float | None, plain_crank: 
             raise validate.fail(name, rule, value, remedy)
 
 
-def check_contact(contact: str, mechanism: Any, values: Mapping[str, Any], lossy: bool) -> None:
+def check_contact(contact: str, mechanism: Any, values: Mapping[str, Any]) -> None:
     """Refuse clearance and stiffness for mechanisms whose contact cannot be computed.
 
     contact : "", "rigid" or "compliant", as `Escapement.contact` says.
-    lossy : whether there are gear trains that lose power.
     """
     if not contact:
         return
@@ -78,9 +77,6 @@ def check_contact(contact: str, mechanism: Any, values: Mapping[str, Any], lossy
     if not hasattr(mechanism, "clearance"):
         rule = "0 for a mechanism that is not a Geneva wheel"
         raise validate.fail(name, rule, value, "choose geneva, or leave it out")
-    if lossy:
-        rule = "0 with a barrel or a load train that loses power"
-        raise validate.fail(name, rule, value, "give the trains an efficiency of 1")
     if not mechanism.perfect:
         raise validate.fail(name, "0 with errors of the parts", value, "leave out one or the other")
 

@@ -71,14 +71,20 @@ def _changes(motion: Any, train: str) -> Iterator[tuple[float, int, float, float
 
 
 def _passed(motion: Any, piece: int, times: FloatArray, train: str) -> FloatArray:
-    """Torque in a train at times within a piece [N m], as the driver or the follower sees it."""
+    """Torque in a train at times within a piece [N m], referred to the driver or the follower.
+
+    It is positive where power flows on towards the load.
+    """
     state = motion.within(np.full(times.size, piece), times)
     seen, own = motion.escapement.seen, getattr(motion.escapement, train)
     if train == "load_train":
-        return np.asarray(seen["load_torque"] + own.inertia * own.ratio**2 * state.phi_ddot)
+        # at a handoff rounding decides the sign of the follower's speed
+        way = np.where(state.phi_dot < -_ROUNDING * np.abs(state.theta_dot), -1.0, 1.0)
+        return np.asarray(seen["load_torque"] + way * own.inertia * own.ratio**2 * state.phi_ddot)
     curve, turned = motion.escapement.curve, state.theta - motion.at(0.0).theta
     torque = seen["torque"] if curve is None else curve(turned)
-    return np.asarray(torque - own.inertia / own.ratio**2 * state.theta_ddot)
+    way = np.where(state.theta_dot < 0.0, -1.0, 1.0)
+    return np.asarray(way * (torque - own.inertia / own.ratio**2 * state.theta_ddot))
 
 
 def _at(time: float, motion: Any, piece: int, train: str) -> float:

@@ -30,6 +30,8 @@ POWERS = (
 
 Such a series loses a few digits of the function, which is good enough to find its roots.
 """
+SERIES = 0.7
+"""Greatest |b| for which `exponentials` is accurate to rounding."""
 BARYCENTRIC = np.sqrt((1.0 - POINTS**2) * WEIGHTS) * (-1.0) ** _ORDERS
 """Weights of the barycentric formula at the points."""
 FROM_LEFT = 1.0 / (1.0 + POINTS)
@@ -105,6 +107,54 @@ def dot(a, b, count):
     for i in range(count & N):
         total += a[i] * b[i]
     return total
+
+
+@inner_jit
+def series_at(c, x):
+    """Value of the power series with coefficients c."""
+    value = 0.0
+    for k in range(N - 1, -1, -1):
+        value = value * x + c[k]
+    return value
+
+
+@inner_jit
+def exponentials(b):
+    """exp(-b) and exp(b) for |b| <= SERIES.
+
+    The power series of cosh and sinh compile to vector code, which a call of exp does not.
+    """
+    # cosh b, in powers of y = b^2
+    y = b * b
+    z = y * y
+    even = 1.0 + y * (1.0 / 2.0) + (1.0 / 24.0 + y * (1.0 / 720.0)) * z
+    last = 1.0 / 40320.0 + y * (1.0 / 3628800.0)
+    last += (1.0 / 479001600.0 + y * (1.0 / 87178291200.0)) * z
+    even += last * (z * z)
+    # sinh b / b, multiplied by b at the end
+    odd = 1.0 + y * (1.0 / 6.0) + (1.0 / 120.0 + y * (1.0 / 5040.0)) * z
+    last = 1.0 / 362880.0 + y * (1.0 / 39916800.0)
+    last += (1.0 / 6227020800.0 + y * (1.0 / 1307674368000.0)) * z
+    odd = (odd + last * (z * z)) * b
+    return even - odd, even + odd
+
+
+@inner_jit
+def fill_decay(b, alpha, gain, count):
+    """Fill alpha = exp(-b) at the points, and turn the gain A into A/alpha."""
+    large = 0
+    for i in range(count & N):
+        large += abs(b[i]) > SERIES
+    # the power series would lose digits at any point where |b| is large
+    if large > 0:
+        for i in range(N):
+            alpha[i] = np.exp(-b[i])
+            gain[i] /= alpha[i]
+        return
+    for i in range(count & N):
+        falling, growing = exponentials(b[i])
+        alpha[i] = falling
+        gain[i] *= growing
 
 
 @inner_jit

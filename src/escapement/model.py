@@ -225,8 +225,7 @@ class Escapement(Declared):
         plain_crank = getattr(self.mechanism, "plain_crank", True)
         check_lengths(vars(self), getattr(self.mechanism, "crank_radius", None), plain_crank)
         check_trains(self, self.curve is not None)
-        lossy = any(train and train.efficiency < 1.0 for train in (self.barrel, self.load_train))
-        check_contact(self.contact, self.mechanism, vars(self), lossy)
+        check_contact(self.contact, self.mechanism, vars(self))
 
     def _check_curve(self) -> None:
         """Refuse a curve together with a spring rate, or with too many points in a cell."""

@@ -212,7 +212,7 @@ class Motion(Shown):
 
     def _state(self, trajectory: Trajectory, pieces: np.ndarray, times: FloatArray) -> State:
         """State at `times`, each within the piece of that index."""
-        if whole := getattr(self.trajectory, "states_at", None):
+        if whole := getattr(trajectory, "states_at", None):
             return whole(pieces, times)  # type: ignore[no-any-return]
         escapement, clock = self.escapement, self.escapement.time_unit
         mechanism, owners, flat = escapement.mechanism, pieces.reshape(-1), times.reshape(-1)

@@ -31,7 +31,8 @@ FLOWS = 4
 @inner_jit
 def is_lossy(scene):
     """Whether a train of a scene loses power."""
-    return scene.barrel_efficiency < 1.0 or scene.load_train_efficiency < 1.0
+    # with clearance a scene holds 1/eta where a body goes back
+    return scene.barrel_efficiency != 1.0 or scene.load_train_efficiency != 1.0
 
 
 @inner_jit
@@ -128,6 +129,36 @@ def within_flow(g, k, rate, pull, w, scene):
     q, z = through_trains(g, dg, rate, torque, w, scene)
     back, given = scene.flow == 1.0 or scene.flow == 3.0, scene.flow >= 2.0
     return -q if back else q, -z if given else z
+
+
+@inner_jit
+def shared(efficiency, flow):
+    """The factor e on the torque through a train: eta where the flow of power to the body that
+    moves is +1, 1/eta where it is -1, and in between near rest.
+    """
+    half = 0.5 * (1.0 / efficiency - efficiency)
+    return efficiency + half - flow * half
+
+
+@inner_jit
+def passed_on(own, far, torque, other, efficiency, way):
+    """Acceleration of a body that moves on its own with a train behind it, and the factor e.
+
+    The far shaft passes on q = T - I theta_ddot, of which the body receives e q.
+
+    Parameters
+    ----------
+    own, far : inertia of the body, and that of the far shaft I, referred to the body.
+    torque, other : T on the far shaft, referred to the body, and all torques on the body itself.
+    efficiency : eta.
+    way : sign of the body's speed, or a number between -1 and 1 that stands for it near rest.
+    """
+    share = shared(efficiency, way)
+    rate = (share * torque + other) / (own + share * far)
+    if torque - far * rate < 0.0:
+        share = shared(efficiency, -way)
+        rate = (share * torque + other) / (own + share * far)
+    return rate, share
 
 
 @inner_jit

@@ -185,7 +185,7 @@ def transmission_on(path, left, half, points, count, g, u, dg, radius):
         g[i], u[i], dg[i] = ratio, slide, slide * (total - 2.0 * ratio)
         radius[i] = np.sqrt(length)
     if c[10] != 0.0:
-        for i in range(BLOCK):
+        for i in range(count & BLOCK):
             pose = beside_axis(c, g[i], u[i], radius[i] * radius[i])
             g[i], u[i], dg[i], radius[i] = pose
 

@@ -9,19 +9,11 @@ from escapement.mechanism import FloatArray
 from escapement.model import Escapement
 from escapement.motion import State
 
-OWN = LOSSES[:5]
-"""The losses that this engine computes: it has no trains."""
 COLUMNS = (
     *("theta", "theta_dot", "theta_ddot", "phi", "phi_dot", "phi_ddot"),
     *("contact_moment", "contact_force"),
 )
-"""Columns of a state; after them comes the power lost in each of `OWN`."""
-
-
-def every_loss(own: FloatArray) -> FloatArray:
-    """Rows for all of `dynamics.LOSSES` from those of `OWN`."""
-    none = np.zeros((len(LOSSES) - len(OWN), own.shape[1]))
-    return np.concatenate([own, none])
+"""Columns of a state, which the power lost in each of `LOSSES` follows."""
 
 
 def state_from(escapement: Escapement, t: FloatArray, table: FloatArray) -> State:
@@ -33,21 +25,20 @@ def state_from(escapement: Escapement, t: FloatArray, table: FloatArray) -> Stat
         A Geneva wheel with a crank radius.
     t : ndarray
         Times [s], of any shape.
-    table : ndarray, shape (len(COLUMNS) + len(OWN), t.size)
-        `COLUMNS`, angles since the start of the motion, and the power lost in each of `OWN`,
+    table : ndarray, shape (len(COLUMNS) + len(LOSSES), t.size)
+        `COLUMNS`, angles since the start of the motion, and the power lost in each of `LOSSES`,
         in natural units.
     """
     clock, torque = escapement.time_unit, escapement.torque_unit
     wheel: Any = escapement.mechanism
     rates, force = (1.0, 1.0 / clock, clock**-2.0), torque / wheel.crank_radius
-    scale = np.array([*rates, *rates, torque, force, *(torque / clock,) * len(OWN)])
+    scale = np.array([*rates, *rates, torque, force, *(torque / clock,) * len(LOSSES)])
     rows = (table * scale[:, None]).reshape(len(scale), *t.shape)
-    none = dict.fromkeys(LOSSES[len(OWN) :], np.zeros(t.shape))
     reaction = np.abs(rows[7]) * np.hypot(1.0, escapement.scene.mu_plus)
     return State(
         t=t,
         **dict(zip(COLUMNS, rows, strict=False)),
         driver_bearing_reaction=reaction,
         follower_bearing_reaction=reaction,
-        power_lost=dict(zip(OWN, rows[len(COLUMNS) :], strict=True)) | none,
+        power_lost=dict(zip(LOSSES, rows[len(COLUMNS) :], strict=True)),
     )

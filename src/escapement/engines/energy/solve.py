@@ -29,7 +29,16 @@ from escapement.engines.energy.panels import (
     solution_of,
 )
 from escapement.engines.energy.sampling import bend_at, net_torque_at
-from escapement.gauss import POINTS, N, cumulate, integral, tail_of
+from escapement.gauss import (
+    POINTS,
+    SERIES,
+    N,
+    cumulate,
+    exponentials,
+    fill_decay,
+    integral,
+    tail_of,
+)
 from escapement.jit import inner_jit
 
 # The error of b is compared with at least the decay that this value instead of int 2 |u| g'
@@ -44,47 +53,6 @@ STEEPEST = 20.0
 MOST_STEPS = 40
 # A squared speed that is not positive counts as this one.
 TINY = 1e-200
-# This is the greatest |b| for which `_exponentials` is accurate to rounding.
-SERIES = 0.7
-
-
-@inner_jit
-def _exponentials(b):
-    """exp(-b) and exp(b) for |b| <= SERIES.
-
-    The power series of cosh and sinh compile to vector code, which a call of exp does not.
-    """
-    # cosh b, in powers of y = b^2
-    y = b * b
-    z = y * y
-    even = 1.0 + y * (1.0 / 2.0) + (1.0 / 24.0 + y * (1.0 / 720.0)) * z
-    last = 1.0 / 40320.0 + y * (1.0 / 3628800.0)
-    last += (1.0 / 479001600.0 + y * (1.0 / 87178291200.0)) * z
-    even += last * (z * z)
-    # sinh b / b, multiplied by b at the end
-    odd = 1.0 + y * (1.0 / 6.0) + (1.0 / 120.0 + y * (1.0 / 5040.0)) * z
-    last = 1.0 / 362880.0 + y * (1.0 / 39916800.0)
-    last += (1.0 / 6227020800.0 + y * (1.0 / 1307674368000.0)) * z
-    odd = (odd + last * (z * z)) * b
-    return even - odd, even + odd
-
-
-@inner_jit
-def _fill_alpha(solution, gain, count):
-    """Fill alpha = exp(-b) at the points, and turn the gain A into A/alpha."""
-    large = 0
-    for i in range(count & N):
-        large += abs(solution.b[i]) > SERIES
-    # the power series would lose digits at any point where |b| is large
-    if large > 0:
-        for i in range(N):
-            solution.alpha[i] = np.exp(-solution.b[i])
-            gain[i] /= solution.alpha[i]
-        return
-    for i in range(count & N):
-        falling, growing = _exponentials(solution.b[i])
-        solution.alpha[i] = falling
-        gain[i] *= growing
 
 
 @inner_jit
@@ -203,13 +171,13 @@ def solve_linear(scene, work, panel, solution, side):
     total = integral(work.decay, count)
     # b = int B from the left end to each point, and alpha = exp(-b)
     cumulate(work.decay, solution.b)
-    _fill_alpha(solution, work.gain, count)
+    fill_decay(solution.b, solution.alpha, work.gain, count)
     # beta = alpha int A/alpha
     source = integral(work.gain, count)
     cumulate(work.gain, solution.beta)
     for i in range(count & N):
         solution.beta[i] *= solution.alpha[i]
-    alpha = _exponentials(total)[0] if abs(total) <= SERIES else np.exp(-total)
+    alpha = exponentials(total)[0] if abs(total) <= SERIES else np.exp(-total)
     solution.alpha_end, solution.beta_end, solution.b_end = alpha, alpha * source, total
     solution.noise = noise * max(1.0, abs(total))
     solution.pull = panel.entry.pull

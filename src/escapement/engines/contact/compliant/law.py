@@ -22,12 +22,14 @@ import numpy as np
 from escapement.drive import torque_after
 from escapement.engines.contact.compliant.slot import FREE, LOCKED, bend, place, slide, touches
 from escapement.jit import inner_jit
+from escapement.power_flow import is_lossy, passed_on, shared
 from escapement.scene import Joint, Scene
 
-STATE = 12
+STATE = 14
 """Length of a state: theta, phi or D, their rates, and, summed since the start, the work that the
-load takes, the work lost in each of `state.OWN` and in the walls, and the impulse of the walls."""
-LOAD, LOST, WALLS, IMPULSE = 4, 5, 10, 11
+load takes, the work lost in each of `dynamics.LOSSES` and in the walls, and the impulse of the
+walls."""
+LOAD, LOST, WALLS, IMPULSE = 4, 5, 12, 13
 """Places in it."""
 
 
@@ -81,10 +83,13 @@ def push(depth, rate, case):
 
 
 @inner_jit
-def resistance(speed, scene, least):
-    """Torque with which load and drag resist the follower."""
-    air = scene.follower_drag * abs(speed) + scene.follower_viscous
-    return scene.load * fading(speed, least) + air * speed
+def resistance(speed, rate, scene, least):
+    """Torque with which load, drag and losses of the train resist the follower."""
+    turn = fading(speed, least)
+    held, air = scene.load * turn, scene.follower_drag * abs(speed) + scene.follower_viscous
+    through, efficiency = held + scene.load_train * rate, scene.load_train_efficiency
+    share = shared(efficiency, -turn if through > 0.0 else turn)
+    return held + air * speed + (share - 1.0) * through
 
 
 @inner_jit
@@ -116,8 +121,17 @@ def rates(y, mode, case, out):
         at_follower, held = at_follower * turn, held * turn
     drag = (scene.driver_drag * abs(driver) + scene.driver_viscous) * driver
     air = (scene.follower_drag * abs(follower) + scene.follower_viscous) * follower
-    on_driver = (pull + on_driver - at_driver - drag) / scene.rho
-    on_follower = 0.0 if mode == LOCKED else on_follower - held - at_follower - air
+    on_driver, on_follower = on_driver - at_driver - drag, on_follower - at_follower - air
+    out[LOST + 5] = out[LOST + 6] = 0.0
+    if is_lossy(scene):
+        on_driver, barrel, on_follower, train = _behind_trains(
+            scene, pull, on_driver, held, on_follower, fading(driver, eps), fading(follower, eps)
+        )
+        out[LOST + 5], out[LOST + 6] = barrel * driver, train * follower
+    else:
+        on_driver, on_follower = (pull + on_driver) / scene.rho, on_follower - held
+    if mode == LOCKED:
+        on_follower = out[LOST + 6] = 0.0
     out[0], out[1], out[2], out[3] = driver, y[3], on_driver, on_follower
     if touches(mode):
         out[3] = bend(at, on_driver, on_follower, scene)
@@ -130,6 +144,20 @@ def rates(y, mode, case, out):
     out[WALLS] = wall
     out[IMPULSE] = force
     return on_follower
+
+
+@inner_jit
+def _behind_trains(scene, pull, on_driver, held, on_follower, way, turn):
+    """Accelerations of driver and follower, each with the torque that its train loses.
+
+    held : torque of the load against the follower. way, turn : fading signs of their speeds.
+    """
+    own, far = scene.rho - scene.barrel, scene.barrel
+    rate, share = passed_on(own, far, pull, on_driver, scene.barrel_efficiency, way)
+    barrel = (1.0 - share) * (pull - far * rate)
+    own, far = 1.0 - scene.load_train, scene.load_train
+    bend, share = passed_on(own, far, -held, on_follower, scene.load_train_efficiency, turn)
+    return rate, barrel, bend, (share - 1.0) * (held + far * bend)
 
 
 @inner_jit

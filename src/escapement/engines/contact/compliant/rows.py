@@ -18,10 +18,10 @@ from escapement.engines.contact.compliant.radau import within
 from escapement.engines.contact.compliant.slot import place, slide, to_angle, touches
 from escapement.jit import jit
 
-TABLE = 16
+TABLE = 18
 """Numbers at each time: theta, phi, their speeds and accelerations, moment of the contact on the
-follower, force, power lost in each of `state.OWN`, sliding speed, speed of penetration, and energy
-stored in the walls."""
+follower, force, power lost in each of `dynamics.LOSSES`, sliding speed, speed of penetration, and
+energy stored in the walls."""
 
 
 @jit(allocates=True)
@@ -36,13 +36,13 @@ def tabulate(rows, which, times, scene, joint, step, out):
         case = Engagement(scene, joint, turned, here[TOUCH])
         bend, at = rates(y, mode, case, slopes), place(y, mode, scene)
         on = 1.0 if touches(mode) else 0.0
-        out[13, i] = slide(at, mode, scene)
-        out[14, i] = mode * at.speed
-        out[15, i] = stored(y, mode, case)
+        out[15, i] = slide(at, mode, scene)
+        out[16, i] = mode * at.speed
+        out[17, i] = stored(y, mode, case)
         if touches(mode):
             to_angle(y, scene)
         out[0, i], out[1, i], out[2, i] = y[0] + turned, y[2], slopes[2]
         out[3, i], out[4, i], out[5, i] = y[1] + here[CELL] * step, y[3], bend
-        out[6, i] = on * (bend + resistance(y[3], scene, joint.slip))
+        out[6, i] = on * (bend + resistance(y[3], bend, scene, joint.slip))
         out[7, i] = mode * on * slopes[IMPULSE]
-        out[8:13, i] = slopes[LOST:WALLS]
+        out[8:15, i] = slopes[LOST:WALLS]

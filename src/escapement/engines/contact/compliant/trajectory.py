@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from escapement.dynamics import LOSSES
 from escapement.engines.contact.compliant.law import IMPULSE, LOAD, LOST, WALLS
 from escapement.engines.contact.compliant.march import (
     CELL,
@@ -19,7 +20,7 @@ from escapement.engines.contact.compliant.march import (
 )
 from escapement.engines.contact.compliant.rows import TABLE, tabulate
 from escapement.engines.contact.compliant.slot import LOCKED
-from escapement.engines.contact.state import COLUMNS, OWN, every_loss, state_from
+from escapement.engines.contact.state import COLUMNS, state_from
 from escapement.gauss import POINTS, WEIGHTS
 from escapement.mechanism import FloatArray
 from escapement.model import Escapement
@@ -30,7 +31,7 @@ from escapement.trajectory import Events, Extrema, Held, Impacts
 _HALVINGS, _NARROWINGS = 50, 10
 _SHARES = np.linspace(0.0, 1.0, 5)
 """Places in each step between which extrema and changes of sign are looked for."""
-_RATE, _SLIDE, _PRESS, _HELD = 2, 13, 14, 15
+_RATE, _SLIDE, _PRESS, _HELD = 2, 15, 16, 17
 """Rows of a table: the driver's acceleration, sliding speed, speed of penetration, and energy
 stored in the walls."""
 _FORCE = 7
@@ -129,7 +130,7 @@ class CompliantTrajectory(Held):
         mode = table[first, MODE]
         self.sign: FloatArray = np.where(mode == LOCKED, 0.0, mode)
         gained = (table[last, FIRST:SERIES] - table[first, FIRST:SERIES]).T
-        self.losses: FloatArray = every_loss(gained[LOST : LOST + len(OWN)] * torque)
+        self.losses: FloatArray = gained[LOST:WALLS] * torque
         self.load_work: FloatArray = gained[LOAD] * torque
 
     def states_at(self, pieces: Any, t: FloatArray) -> State:
@@ -141,7 +142,7 @@ class CompliantTrajectory(Held):
             np.searchsorted(time, times, side="right") - 1, first[owners], last[owners] - 1
         )
         times = np.clip(times, time[which], time[which + 1])
-        table = self.rows.at(which, times)[: len(COLUMNS) + len(OWN)]
+        table = self.rows.at(which, times)[: len(COLUMNS) + len(LOSSES)]
         return state_from(self.rows.escapement, t, table)
 
     def _events(

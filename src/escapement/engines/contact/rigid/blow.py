@@ -5,10 +5,11 @@ the friction f along the wall, between -mu and mu,
 
     h = R - f (s delta + r_p) - s b_f sign(phi_dot),     s h p = s g (R - f (..)) + f v + b_d
 
-where f is mu times the sense of sliding, or the smaller value that keeps a contact sticking. These
-rates are constant until the sliding speed U, or the speed of a body in its journal, reaches zero;
-friction then holds it at zero if it is large enough. Compression ends where the speed of approach
-is zero, restitution where the impulse is (1 + e) times that of compression (Poisson).
+where f is mu times the sense of sliding, or the smaller value that keeps a contact sticking. Behind
+trains that lose power, `_felt` gives the inertias. These rates are constant until the sliding speed
+U, or the speed of a body, reaches zero; friction then holds it at zero if it is large enough.
+Compression ends where the speed of approach is zero, restitution where the impulse is (1 + e) times
+that of compression (Poisson).
 
 Source: the equations of impulsive motion with dry friction in two dimensions, as in W. J.
 Stronge, Impact Mechanics (2000), chapter 3.
@@ -25,7 +26,7 @@ from escapement.roots import newton_in_bracket
 CHATTER = 1e-5
 """A rebound slower than this, in crank radii over sqrt(I_f/torque), is neglected."""
 _MOST = 40
-_END, _STICK, _JOURNAL = 1, 2, 3
+_END, _STICK, _REST = 1, 2, 3
 
 
 class Blow(NamedTuple):
@@ -52,13 +53,35 @@ def _left(push, journal, speed):
 
 
 @inner_jit
-def _rates(scene, side, g, radius, slide, f, speed, turning):
-    """Changes of the speeds of driver and follower per unit of normal impulse."""
+def _felt(inertia, far, efficiency, left, speed):
+    """Inertia with which a body resists a blow, if the part `far` of it is behind a train.
+
+    The part behind the train counts 1/eta times where the body speeds up, and eta times where it
+    slows down.
+    """
+    if efficiency == 1.0:
+        return inertia
+    return inertia + (1.0 / efficiency if left * speed >= 0.0 else efficiency) * far - far
+
+
+@inner_jit
+def _pushes(scene, side, g, radius, slide, f, speed, turning):
+    """Impulses on driver and follower per unit of normal impulse, and their inertias."""
     # a contact that sticks loads the bearings with less than the friction of sliding
     share = np.sqrt((1.0 + f * f) / (1.0 + scene.mu_plus**2))
     lever = radius - f * (scene.pin + side * scene.path.numbers[10])
     on_driver = _left(-side * g * lever - f * slide, share * scene.driver_journal, speed)
-    return on_driver / scene.rho, _left(side * lever, share * scene.follower_journal, turning)
+    on_follower = _left(side * lever, share * scene.follower_journal, turning)
+    driver = _felt(scene.rho, scene.barrel, scene.barrel_efficiency, on_driver, speed)
+    train = scene.load_train, scene.load_train_efficiency
+    return on_driver, on_follower, driver, _felt(1.0, *train, on_follower, turning)
+
+
+@inner_jit
+def _rates(scene, side, g, radius, slide, f, speed, turning):
+    """Changes of the speeds of driver and follower per unit of normal impulse."""
+    a, b, driver, follower = _pushes(scene, side, g, radius, slide, f, speed, turning)
+    return a / driver, b / follower
 
 
 @inner_jit
@@ -70,13 +93,13 @@ def _sticking(scene, side, g, radius, slide, by_speed, by_turning, speed, turnin
         if (by_speed * a + by_turning * b) * end >= 0.0:
             return end, False
     for _ in range(80):
-        a, b = _rates(scene, side, g, radius, slide, f, speed, turning)
-        slides = by_speed * a + by_turning * b
+        a, b, driver, follower = _pushes(scene, side, g, radius, slide, f, speed, turning)
+        slides = by_speed * a / driver + by_turning * b / follower
         if slides == 0.0:
             break
         # a body that its journal holds does not yield to f
-        slope = -by_speed * by_speed / scene.rho if a != 0.0 or speed != 0.0 else 0.0
-        slope -= by_turning * by_turning if b != 0.0 or turning != 0.0 else 0.0
+        slope = -by_speed * by_speed / driver if a != 0.0 or speed != 0.0 else 0.0
+        slope -= by_turning * by_turning / follower if b != 0.0 or turning != 0.0 else 0.0
         guess, low, high = newton_in_bracket(f, slides, slope, low, high, False)
         step, f = abs(guess - f), guess
         if step <= 1e-15:
@@ -99,6 +122,9 @@ def strike(case, side, theta, speed, turning):
     approach, impulse, goal = -opening, 0.0, np.inf
     sliding = by_speed * speed + by_turning * turning
     stuck, f = False, mu * np.sign(sliding)
+    # journals and trains take another part of the impulse once a body turns the other way
+    turns_driver = scene.driver_journal > 0.0 or scene.barrel_efficiency != 1.0
+    turns_follower = scene.follower_journal > 0.0 or scene.load_train_efficiency != 1.0
     for _ in range(_MOST):
         a, b = _rates(scene, side, g, radius, slide, f, speed, turning)
         opens, slides = side * radius * (b - g * a), by_speed * a + by_turning * b
@@ -109,10 +135,10 @@ def strike(case, side, theta, speed, turning):
             step, event = -opening / opens, _END
         if not stuck and sliding * slides < 0.0 and -sliding / slides < step:
             step, event = -sliding / slides, _STICK
-        if scene.driver_journal > 0.0 and speed * a < 0.0 and -speed / a < step:
-            step, event, body = -speed / a, _JOURNAL, 1
-        if scene.follower_journal > 0.0 and turning * b < 0.0 and -turning / b < step:
-            step, event, body = -turning / b, _JOURNAL, 2
+        if turns_driver and speed * a < 0.0 and -speed / a < step:
+            step, event, body = -speed / a, _REST, 1
+        if turns_follower and turning * b < 0.0 and -turning / b < step:
+            step, event, body = -turning / b, _REST, 2
         if event == 0:
             return Blow(speed, turning, approach, impulse, False, False)
         speed, turning, impulse = speed + a * step, turning + b * step, impulse + step
@@ -122,7 +148,7 @@ def strike(case, side, theta, speed, turning):
             if goal < np.inf or not rebound > CHATTER:
                 return Blow(speed, turning, approach, impulse, goal < np.inf, True)
             goal = (1.0 + case.restitution) * impulse
-        if event == _JOURNAL:
+        if event == _REST:
             speed, turning = 0.0 if body == 1 else speed, 0.0 if body == 2 else turning
         if event == _STICK or stuck:
             sliding = 0.0

@@ -21,23 +21,28 @@ from escapement.engines.contact.rigid.panel import (
     PLACES,
     SMALLEST,
     STOPS,
+    flow_behind,
     law_at,
     next_panel,
     solve_panel,
+    width_after,
 )
 from escapement.engines.contact.rigid.walls import next_break, wall_scene
 from escapement.gauss import POINTS, N, root_between, to_powers
 from escapement.jit import inner_jit
 from escapement.mechanisms.slotted import pose_at
+from escapement.power_flow import UNKNOWN
 
-DONE, OVER, STALL, SPENT, JAM, BACKS_OUT, RESTLESS, LIFTED, TURNED, STRUCK = range(10)
+DONE, OVER, STALL, SPENT, JAM, BACKS_OUT, RESTLESS, LIFTED, TURNED, STRUCK, TOUCHES = range(11)
 """How an engagement ends: at the handoff; after the time asked for; because the drive stalls or the
 spring is spent; at the Painleve limit; because the driver turns back out of the slot; or because
 it has more than `MOST_PIECES`. A piece also ends at a lift-off, where a driver that turns back
-comes to rest, and at a blow."""
+comes to rest, and at a blow; while it touches a wall it does not end."""
 FLIGHT, WALL, LOCKED, BLOW, EXTREMUM, LIFT, SLIDE = range(7)
 """Kinds of rows: pieces of the motion, and events."""
 MOST_PIECES = 20_000
+MOST_TURNS = 1000
+"""Turns of power in a train that are followed while the pin touches a wall."""
 MOST_EXTREMA = 4
 """Greatest number of extrema of the speed in one panel."""
 
@@ -159,15 +164,16 @@ def touch(work, notes, case, body, end_time, tail, count):
     side, theta = body.wall, body.theta
     way, w, width = 1.0 if body.speed >= 0.0 else -1.0, body.speed * body.speed, np.inf
     if w == 0.0:
-        scene = wall_scene(case, side, theta, 1.0)
+        scene = wall_scene(case, side, theta, 1.0, 0.0, UNKNOWN)
         rate = law_at(scene, side, theta, 0.0)[1]
         if not rate > 0.0:
             return body, _stopped(theta, scene)
         # over the smallest angle of a panel the acceleration is taken as constant
         w, theta = 2.0 * rate * SMALLEST, theta + SMALLEST
         body = _on_wall(case, body, theta, np.sqrt(w), body.time + np.sqrt(w) / rate)
+    flow, turns = UNKNOWN, 0
     while True:
-        scene = wall_scene(case, side, theta, way)
+        scene = wall_scene(case, side, theta, way, w, flow)
         limit = next_break(case, side, theta, way, scene)
         found = next_panel(work, scene, side, theta, w, width, limit, tail, True, count)
         if found.code == JAMS:
@@ -182,19 +188,29 @@ def touch(work, notes, case, body, end_time, tail, count):
             body = _turned(notes, body, np.sign(law_at(scene, side, theta, w)[1]))
             trend = _extrema_on(work, notes, case, found, body, scene, way)
         ends = found.code == GOES_ON and found.width == limit - theta
-        theta, w, width = limit if ends else theta + found.width, found.w, 2.0 * found.width
-        body = _on_wall(case, body, theta, way * np.sqrt(w), body.time + found.time)
-        body = Body(*body[:6], trend)
-        if body.time > end_time:
-            return body, np.int64(OVER)
-        if found.code == LIFTS:
-            return body, np.int64(LIFTED)
-        if way > 0.0 and not theta < scene.edges[-1]:
-            return body, np.int64(DONE)
-        if way < 0.0 and not theta > scene.edges[0]:
-            return body, np.int64(BACKS_OUT)
+        flow = flow_behind(found, scene.flow, ends)
+        theta, w, width = limit if ends else theta + found.width, found.w, width_after(found, tail)
+        body = Body(theta, way * np.sqrt(w), *body[2:4], body.time + found.time, side, trend)
+        code = np.int64(OVER) if body.time > end_time else _how(found, scene, theta, way)
+        if notes.wanted or code != TOUCHES:
+            body = _on_wall(case, body, theta, body.speed, body.time)
+        if code != TOUCHES:
+            return body, code
+        turns += 1 if found.code != GOES_ON else 0
+        if turns > MOST_TURNS:
+            return body, np.int64(RESTLESS)
         if notes.wanted and theta == case.breaks[0 if side > 0.0 else 1, 0]:
             note(notes, SLIDE, body)
+
+
+@inner_jit
+def _how(found, scene, theta, way):
+    """How a piece in contact ends behind a panel, if it does."""
+    if found.code == LIFTS:
+        return np.int64(LIFTED)
+    if way > 0.0 and not theta < scene.edges[-1]:
+        return np.int64(DONE)
+    return np.int64(BACKS_OUT) if way < 0.0 and not theta > scene.edges[0] else np.int64(TOUCHES)
 
 
 @inner_jit
@@ -215,7 +231,7 @@ def fly(work, notes, case, body, end, locked, end_time, count):
     """Follow a flight to a wall or to the driver angle `end`; returns the body there, and why."""
     scene = case.plus
     while True:
-        flight = launch(work, scene, body.theta, body.speed, body.phi, body.turning, end, count)
+        flight = launch(work, scene, body.theta, body.speed, body.phi, body.turning, end)
         if notes.wanted:
             body = _turned(notes, body, np.sign(flight.rate))
         lowest = body.theta
@@ -276,7 +292,7 @@ def _knocked(notes, case, body):
 def holds(case, body):
     """Whether the wall that the pin touches carries a force, and whether J_s is positive."""
     way = 1.0 if body.speed >= 0.0 else -1.0
-    scene = wall_scene(case, body.wall, body.theta, way)
+    scene = wall_scene(case, body.wall, body.theta, way, body.speed * body.speed, UNKNOWN)
     force, _rate, sound = law_at(scene, body.wall, body.theta, body.speed * body.speed)
     return force > 0.0, sound
 
@@ -299,8 +315,9 @@ def engage(work, notes, case, body, end_time, tail, count):
                 body, rebounds, sound = _knocked(notes, case, body)
                 if not sound:
                     return body, np.int64(JAM)
-                carries, sound = holds(case, body)
-                touching = carries and not rebounds
+                # a pin that rebounds flies on, whatever the force at the wall would be
+                if not rebounds:
+                    touching, sound = holds(case, body)
                 if touching and not sound:
                     return body, np.int64(JAM)
                 if touching:
@@ -331,7 +348,9 @@ def turn_on(work, notes, case, body, step, end_time, count):
             note(notes, BLOW, locked)
             row = _last(notes)
             row.before, row.energy = body.speed, 0.5 * moved * moved
-            row.approach, row.impulse = moved * radius, moved / radius
+            # what is behind a lossy train gives back less than it holds
+            inertia = 1.0 + (scene.load_train_efficiency - 1.0) * scene.load_train
+            row.approach, row.impulse = moved * radius, inertia * moved / radius
         if notes.wanted:
             note(notes, LOCKED, locked)
         end = scene.edges[-1] + scene.dwell

@@ -1,29 +1,34 @@
 """Driver and follower without contact, and the first wall that the pin reaches.
 
 Without drag and with a constant torque both move with constant acceleration, the follower until
-its load has brought it to rest. Otherwise a flight is cut into parts so short that values at the
-Gauss points determine angles and speeds.
+its load has brought it to rest. Otherwise a flight is cut into parts so short that the Taylor
+series of both motions give speeds and angles to rounding; their coefficients follow one from
+the other.
 """
 
 from typing import NamedTuple
 
 import numpy as np
 
-from escapement.drive import is_constant, torque_at
+from escapement.drive import KNOT_GAP, is_constant, last_knot, next_knot, torque_at
 from escapement.dynamics import is_drag_free
-from escapement.engines.contact.rigid.panel import BEND, PLACES, B, G, U, W, X
-from escapement.gauss import BARYCENTRIC, POINTS, N, cumulate, tail_of
+from escapement.engines.contact.rigid.panel import BEND, B, W, X
+from escapement.gauss import N
 from escapement.jit import inner_jit
+from escapement.power_flow import passed_on, shared
 from escapement.roots import newton_in_bracket
 
 STRIDE = 0.03
 """Greatest driver angle between two checks of the gaps [rad]."""
 PRESSING = 1e-12
 """A pin that begins a flight at a wall strikes it at once if it moves towards it faster."""
-_LONGEST = 0.25
-"""Longest part of a flight with drag, in natural units."""
-_SHORTEST = 1e-7
-# rows of the workspace for a part: angles and speeds of driver and follower
+_LONGEST, _SHORTEST = 0.5, 1e-7
+"""Longest and shortest part of a flight with drag, in natural units."""
+_LAST_TERM = 1e-16
+"""The last terms of a series over the speed, at the end of its part."""
+_TIE = 1e-12
+"""A torque through a train that is nearer to zero counts as positive: in a flight it grows."""
+# rows of the workspace for a part: coefficients of angles and speeds of driver and follower
 _THETA, _SPEED, _PHI, _TURNING = B, W, X, BEND
 
 
@@ -33,7 +38,7 @@ class Flight(NamedTuple):
     theta, speed, rate, phi, turning, slowing : angle, speed and acceleration of driver and
         follower at its start. length : how long it lasts.
     rest : time at which the follower comes to rest.
-    half : half the length of a part with drag; 0 if the accelerations are constant.
+    even : whether the accelerations are constant; otherwise the workspace holds the series.
     """
 
     theta: float
@@ -44,7 +49,7 @@ class Flight(NamedTuple):
     slowing: float
     length: float
     rest: float
-    half: float
+    even: bool
 
 
 @inner_jit
@@ -53,14 +58,21 @@ def driver_rate(scene, theta, speed, way):
     torque = torque_at(theta, scene)[0]
     lost = scene.bearing + scene.driver_drag * speed * speed
     # way times speed, not its magnitude: the law stays smooth if a trial passes a reversal
-    return (torque - way * (lost + scene.driver_viscous * way * speed)) / scene.rho
+    lost = way * (lost + scene.driver_viscous * way * speed)
+    if scene.barrel_efficiency == 1.0:
+        return (torque - lost) / scene.rho
+    own = scene.rho - scene.barrel
+    return passed_on(own, scene.barrel, torque, -lost, scene.barrel_efficiency, way)[0]
 
 
 @inner_jit
 def follower_rate(scene, turning, way):
     """phi_ddot of a follower without contact that turns in the sense `way`, 0 at rest."""
-    lost = scene.load + scene.follower_drag * turning * turning
-    return -way * (lost + scene.follower_viscous * way * turning)
+    air = scene.follower_drag * turning * turning + scene.follower_viscous * way * turning
+    if scene.load_train_efficiency == 1.0 or way == 0.0:
+        return -way * (scene.load + air)
+    own, efficiency = 1.0 - scene.load_train, scene.load_train_efficiency
+    return passed_on(own, scene.load_train, -way * scene.load, -way * air, efficiency, way)[0]
 
 
 @inner_jit
@@ -70,15 +82,15 @@ def is_even(scene):
 
 
 @inner_jit
-def launch(work, scene, theta, speed, phi, turning, end, count):
+def launch(work, scene, theta, speed, phi, turning, end):
     """The flight from a state, or its first part; `end` is the driver angle at which it ends."""
     way, sense = np.sign(turning), 1.0 if speed >= 0.0 else -1.0
     rate, slowing = driver_rate(scene, theta, speed, sense), follower_rate(scene, turning, way)
     if not is_even(scene):
-        return _in_series(work, scene, theta, speed, phi, turning, end, count)
+        return _in_series(work, scene, theta, speed, phi, turning, end)
     rest = -turning / slowing if slowing != 0.0 else np.inf
     length, square = np.inf, speed * speed + 2.0 * rate * (end - theta)
-    if speed < 0.0 and scene.bearing > 0.0:
+    if speed < 0.0 and (scene.bearing > 0.0 or scene.barrel_efficiency != 1.0):
         length = -speed / rate
     elif square >= 0.0 and speed >= 0.0:
         length = 2.0 * (end - theta) / (speed + np.sqrt(square))
@@ -86,67 +98,107 @@ def launch(work, scene, theta, speed, phi, turning, end, count):
         length = (np.sqrt(square) - speed) / rate
     elif rate < 0.0:
         length = -speed / rate
-    return Flight(theta, speed, rate, phi, turning, slowing, length, rest, 0.0)
+    return Flight(theta, speed, rate, phi, turning, slowing, length, rest, True)
 
 
 @inner_jit
-def _in_series(work, scene, theta, speed, phi, turning, end, count):
-    """The next part of a flight, by Picard's iteration on the Gauss points."""
+def _in_series(work, scene, theta, speed, phi, turning, end):
+    """The next part of a flight, in Taylor series about its start."""
     way, sense = np.sign(turning), 1.0 if speed >= 0.0 else -1.0
-    rate, slowing = driver_rate(scene, theta, speed, sense), follower_rate(scene, turning, way)
+    # the parts of the trains in the inertias, and in the torques of the drive and of the load
+    backs = _through_barrel(scene, theta, speed, sense) < -_TIE
+    driven = _through_load(scene, turning, way) < -_TIE
+    barrel = shared(scene.barrel_efficiency, -sense if backs else sense)
+    train = shared(scene.load_train_efficiency, 1.0 if driven else -1.0)
+    driver = scene.rho + (barrel - 1.0) * scene.barrel
+    follower = 1.0 + (train - 1.0) * scene.load_train
+    # at a knot, the torque behind it counts
+    torque, slope = torque_at(theta + sense * KNOT_GAP, scene)
+    torque, slope = barrel * torque, barrel * slope
+    push = torque - slope * sense * KNOT_GAP - sense * scene.bearing
+    pull = -way * train * scene.load
     angle, pace, place, turn = work[_THETA], work[_SPEED], work[_PHI], work[_TURNING]
-    one, two, half = work[G], work[U], _LONGEST
-    while True:
-        for i in range(N):
-            t = half * (1.0 + work[PLACES][i])
-            pace[i], angle[i] = speed + rate * t, theta + (speed + 0.5 * rate * t) * t
-            turn[i] = turning + slowing * t
-        change = 1.0
-        for _ in range(30):
-            if change <= 1e-15 * (1.0 + abs(speed)):
-                break
-            change = 0.0
-            for i in range(N):
-                one[i] = half * driver_rate(scene, angle[i], pace[i], sense)
-                two[i] = half * follower_rate(scene, turn[i], way)
-            cumulate(one, angle)
-            cumulate(two, place)
-            for i in range(N):
-                change = max(change, abs(speed + angle[i] - pace[i]))
-                change = max(change, abs(turning + place[i] - turn[i]))
-                pace[i], turn[i] = speed + angle[i], turning + place[i]
-                one[i], two[i] = half * pace[i], half * turn[i]
-            cumulate(one, angle)
-            cumulate(two, place)
-            for i in range(N):
-                angle[i], place[i] = theta + angle[i], phi + place[i]
-        tails = tail_of(pace, count) + tail_of(turn, count) + change
-        if half <= _SHORTEST or tails <= 1e-13 * (1.0 + abs(speed)):
-            break
-        half *= 0.5
-    part = Flight(theta, speed, rate, phi, turning, slowing, 2.0 * half, np.inf, half)
-    length = _passing(work, scene, part, part.length, end, 0)
+    angle[0], pace[0], place[0], turn[0] = theta, speed, phi, turning
+    for k in range(N - 1):
+        air = wind = 0.0
+        for i in range(k + 1):
+            air += pace[i] * pace[k - i]
+            wind += turn[i] * turn[k - i]
+        push -= sense * scene.driver_drag * air + scene.driver_viscous * pace[k]
+        pull -= way * scene.follower_drag * wind + scene.follower_viscous * turn[k]
+        share = 1.0 / (k + 1)
+        angle[k + 1], place[k + 1] = pace[k] * share, turn[k] * share
+        pace[k + 1], turn[k + 1] = push * share / driver, pull * share / follower
+        push, pull = slope * angle[k + 1], 0.0
+    rate, slowing, length = pace[1], turn[1], _LONGEST
+    for k in (N - 2, N - 1):
+        share = max(abs(pace[k]), abs(turn[k])) / (_LAST_TERM * (1.0 + abs(speed)))
+        if share * length**k > 1.0:
+            length = max(share ** (-1.0 / k), _SHORTEST)
+    part = Flight(theta, speed, rate, phi, turning, slowing, length, np.inf, False)
+    # as long as the driver goes on in the same way, it passes an angle only once
     length = _passing(work, scene, part, length, 0.0, 1)
+    end = next_knot(theta, end, scene) if sense > 0.0 else last_knot(theta, -np.inf, scene)
+    length = _passing(work, scene, part, length, end, 0)
+    if backs and scene.barrel_efficiency != 1.0:
+        length = _passing(work, scene, part, length, 0.0, 3)
+    if driven and scene.load_train_efficiency != 1.0:
+        length = _passing(work, scene, part, length, 0.0, 4)
     rest = _passing(work, scene, part, length, 0.0, 2)
     rest = rest if rest < length else np.inf
-    return Flight(theta, speed, rate, phi, turning, slowing, min(length, rest), rest, half)
+    return Flight(theta, speed, rate, phi, turning, slowing, min(length, rest), rest, False)
+
+
+@inner_jit
+def _through_barrel(scene, theta, speed, sense):
+    """The torque q through the barrel's train in a flight, times a positive number."""
+    lost = scene.bearing + (scene.driver_drag * speed + scene.driver_viscous * sense) * speed
+    own = scene.rho - scene.barrel
+    return own * torque_at(theta, scene)[0] + scene.barrel * sense * lost
+
+
+@inner_jit
+def _through_load(scene, turning, way):
+    """The torque z through the load's train in a flight, times a positive number."""
+    air = (scene.follower_drag * turning + scene.follower_viscous * way) * turning
+    return (1.0 - scene.load_train) * scene.load - scene.load_train * air
+
+
+@inner_jit
+def _watched(scene, goal, which, sense, way, theta, speed, turning):
+    """The value for which `_passing` finds the zero, and its slope in time."""
+    rate, slowing = driver_rate(scene, theta, speed, sense), follower_rate(scene, turning, way)
+    if which == 0:
+        return theta - goal, speed
+    if which == 1:
+        return speed, rate
+    if which == 2:
+        return turning, slowing
+    if which == 3:
+        slope = (scene.rho - scene.barrel) * torque_at(theta, scene)[1] * speed
+        lost = 2.0 * scene.driver_drag * speed + scene.driver_viscous * sense
+        slope += scene.barrel * sense * lost * rate
+        return _through_barrel(scene, theta, speed, sense), slope
+    air = 2.0 * scene.follower_drag * turning + scene.follower_viscous * way
+    return _through_load(scene, turning, way), -scene.load_train * air * slowing
 
 
 @inner_jit
 def _passing(work, scene, part, length, goal, which):
-    """Time within a part at which the driver angle reaches a goal (which = 0), or the speed of
-    driver (1) or follower (2) changes its sign; `length` if this does not happen.
+    """Time within a part at which its driver angle (0) reaches a goal, one of the speeds (1 of the
+    driver, 2 of the follower) or one of the torques through trains (3 of the barrel, 4 of the
+    load) changes its sign; `length` where it does not.
     """
-    at_start = part.theta - goal if which == 0 else (part.speed if which == 1 else part.turning)
+    # the senses of a part, also beyond its end, where it is smooth
+    sense, way = 1.0 if part.speed >= 0.0 else -1.0, np.sign(part.turning)
+    inputs = scene, goal, which, sense, way
+    at_start = _watched(*inputs, part.theta, part.speed, part.turning)[0]
     low, high, t = 0.0, length, length
     for _ in range(80):
         theta, speed, _phi, turning = place_at(work, part, t)
-        value = theta - goal if which == 0 else (speed if which == 1 else turning)
+        value, slope = _watched(*inputs, theta, speed, turning)
         if t == length and not value * at_start < 0.0:
             return length
-        slope = speed if which == 0 else driver_rate(scene, theta, speed, np.sign(part.speed))
-        if which == 2:
-            slope = follower_rate(scene, turning, np.sign(part.turning))
         guess, low, high = newton_in_bracket(t, value, slope, low, high, at_start < 0.0)
         step, t = abs(guess - t), guess
         if step <= 1e-15 * length:
@@ -157,19 +209,13 @@ def _passing(work, scene, part, length, goal, which):
 @inner_jit
 def place_at(work, flight, t):
     """theta, theta_dot, phi and phi_dot after a time within a flight."""
-    if flight.half > 0.0:
-        x = t / flight.half - 1.0
-        above = below = speed = phi = turning = 0.0
+    if not flight.even:
+        theta = speed = phi = turning = 0.0
         for i in range(N):
-            apart = x - POINTS[i]
-            # exactly at a Gauss point, a tiny distance gives that point all the weight
-            weight = BARYCENTRIC[i] / (apart if apart != 0.0 else 1e-30)
-            below += weight
-            above += weight * work[_THETA][i]
-            speed += weight * work[_SPEED][i]
-            phi += weight * work[_PHI][i]
-            turning += weight * work[_TURNING][i]
-        return above / below, speed / below, phi / below, turning / below
+            k = N - 1 - i
+            theta, speed = theta * t + work[_THETA][k], speed * t + work[_SPEED][k]
+            phi, turning = phi * t + work[_PHI][k], turning * t + work[_TURNING][k]
+        return theta, speed, phi, turning
     theta = flight.theta + (flight.speed + 0.5 * flight.rate * t) * t
     speed, moved = flight.speed + flight.rate * t, min(t, flight.rest)
     phi = flight.phi + (flight.turning + 0.5 * flight.slowing * moved) * moved
@@ -192,16 +238,17 @@ def _ahead_after(case, work, flight, t):
 
 
 @inner_jit
-def _first_look(case, flight, wall, stride):
+def _first_look(case, flight, wall, pace, stride):
     """Time at which to check first whether the gap at the wall that the pin left has opened.
 
-    A pin that rebounds returns to that wall after twice its speed over its deceleration.
+    `pace` is the speed of D at the start. A pin that rebounds returns to that wall after twice its
+    speed over its deceleration.
     """
     step = 1e-3 * stride
-    speed, speed_then = flight.speed, flight.speed + flight.rate * step
-    theta = flight.theta + (speed + 0.5 * flight.rate * step) * step
+    speed_then = flight.speed + flight.rate * step
+    theta = flight.theta + (flight.speed + 0.5 * flight.rate * step) * step
     phi = flight.phi + (flight.turning + 0.5 * flight.slowing * step) * step
-    opening = -wall * ahead(case, flight.theta, speed, flight.phi, flight.turning)[1]
+    opening = -wall * pace
     then = -wall * ahead(case, theta, speed_then, phi, flight.turning + flight.slowing * step)[1]
     closing = (opening - then) / step
     return min(stride, 0.8 * opening / closing) if opening > 0.0 and closing > 0.0 else stride
@@ -217,11 +264,11 @@ def arrival(work, case, flight, wall):
     # D changes its slope over an angle whose cube is about the play
     stride = min(STRIDE, 0.5 * np.cbrt(play))
     stride /= max(abs(flight.speed), np.sqrt(stride * abs(flight.rate)))
-    step = min(length, _first_look(case, flight, wall, stride) if wall != 0.0 else stride)
-    t, opened, least = 0.0, wall == 0.0, 1e-6 * stride
     place, pace = _ahead_after(case, work, flight, 0.0)
     if wall * pace > PRESSING:
         return 0.0, wall
+    step = min(length, _first_look(case, flight, wall, pace, stride) if wall != 0.0 else stride)
+    t, opened, least = 0.0, wall == 0.0, 1e-6 * stride
     while t < length:
         after = min(t + step, length)
         there, then = _ahead_after(case, work, flight, after)
@@ -233,7 +280,7 @@ def arrival(work, case, flight, wall):
         leaves, opened = (0.0 if opened else wall), True
         found, struck = np.inf, 0.0
         for side in (1.0, -1.0):
-            time = after
+            time, high = after, (there, then)
             if side == leaves:
                 continue
             if side * there < play:
@@ -245,9 +292,10 @@ def arrival(work, case, flight, wall):
                 if side * (place + pace * meet) < play:
                     continue
                 time = _summit(work, case, flight, side, t, after)
-                if side * _ahead_after(case, work, flight, time)[0] < play:
+                high = _ahead_after(case, work, flight, time)
+                if side * high[0] < play:
                     continue
-            time = _touching(work, case, flight, side, t, time)
+            time = _touching(work, case, flight, side, t, time, high[0], high[1])
             if time < found:
                 found, struck = time, side
         if struck != 0.0:
@@ -270,15 +318,17 @@ def _summit(work, case, flight, side, low, high):
 
 
 @inner_jit
-def _touching(work, case, flight, side, low, high):
-    """Time between two checks at which D = s c."""
-    t = high
+def _touching(work, case, flight, side, low, high, place, pace):
+    """Time between two checks at which D = s c; `place` and `pace`: D and its speed at `high`."""
+    t, before, slope_before = high, 0.0, 0.0
     for _ in range(80):
-        value, slope = _ahead_after(case, work, flight, t)
-        guess, low, high = newton_in_bracket(
-            t, side * value - case.play, side * slope, low, high, True
-        )
+        value, slope = side * place - case.play, side * pace
+        guess, low, high = newton_in_bracket(t, value, slope, low, high, True)
         step, t = abs(guess - t), guess
-        if step <= 1e-15 * (1.0 + t):
+        # how far the next step of Newton's method would go, by the bend of D
+        bent = abs(slope - slope_before) * step * step
+        if bent <= 2e-16 * (1.0 + t) * abs(slope) * before or step <= 1e-15 * (1.0 + t):
             break
+        before, slope_before = step, slope
+        place, pace = _ahead_after(case, work, flight, t)
     return t

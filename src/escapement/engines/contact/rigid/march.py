@@ -12,7 +12,7 @@ from escapement.engines.contact.rigid.engagement import (
     engage,
     turn_on,
 )
-from escapement.engines.contact.rigid.panel import PLACES, ROWS
+from escapement.engines.contact.rigid.panel import PLACES, WORKSPACE
 from escapement.engines.contact.rigid.walls import Case, case_of
 from escapement.gauss import POINTS, N
 from escapement.jit import inner_jit, jit
@@ -23,10 +23,14 @@ STATE = 5
 
 @inner_jit(allocates=True)
 def workspace():
-    """Rows of values at the Gauss points."""
-    work = np.empty((ROWS, N))
-    work[PLACES] = POINTS
-    return work
+    """Memory for one record of rows of values at the Gauss points.
+
+    The compiler frees memory after its last use, and does not count records among the uses: a
+    kernel that needs the record in a loop takes it from this memory within the loop.
+    """
+    memory = np.empty(1, WORKSPACE)
+    memory[0][PLACES][:] = POINTS
+    return memory
 
 
 @inner_jit
@@ -73,7 +77,7 @@ def _repeat(states, k, length, limit):
 
 
 @jit(allocates=True)
-def march(scene_tuple, joint, rtol, first, limit, trend, states, rows, engagement, used):
+def march(scene_tuple, joint, rtol, limit, states, numbers, rows, engagement, used):
     """Follow engagements until `states` is full, a time is passed, or the motion ends.
 
     Parameters
@@ -81,50 +85,50 @@ def march(scene_tuple, joint, rtol, first, limit, trend, states, rows, engagemen
     scene_tuple : as `scene.scene_tuple` gives it.
     joint : centre distance, crank, play, restitution and follower angle of a cell.
     rtol : relative error asked for.
-    first : number of the first engagement.
     limit : time after which to stop.
-    trend : sign of theta_ddot before the first state, 0 if nothing is known of it.
     states : shape (n + 1, STATE). The first one is given; the others are filled with the states
         at handoffs.
-    rows, engagement : filled with pieces and events, and the engagement of each; empty if they
-        are not wanted. If `used[0]`, their number, exceeds the size, the rest is missing.
+    numbers : shape (k,), engagements of which the rows are wanted; then `states`, of shape
+        (k, STATE), gives the state with which each begins. Empty if no rows are wanted.
+    rows, engagement : filled with pieces and events, and the engagement of each. If `used[0]`,
+        their number, exceeds the size, the rest is missing.
 
     Returns
     -------
-    code, done, angle, time, trend
-        How the last engagement ended, how many were completed, where and when it ended, and the
-        sign of theta_ddot there.
+    code, done, angle, time
+        How the last engagement ended, how many were completed, where and when it ended.
     """
     scene = scene_of(scene_tuple)
-    case, work = case_of(scene, joint[:4], rtol), workspace()
-    notes = Notes(rows, used, rows.size > 0)
+    case, memory = case_of(scene, joint[:4], rtol), workspace()
+    notes = Notes(rows, used, numbers.size > 0)
     count, cell, lost, constant = np.int64(N), cell_of(scene), 0.0, is_constant(scene)
-    for k in range(len(states) - 1):
+    code, end, trend, last = np.int64(DONE), states[0, 0], 0.0, np.int64(0)
+    for k in range(numbers.size if notes.wanted else len(states) - 1):
+        number = numbers[k] if notes.wanted else k
         if not constant:
-            case = after(case, (first + k) * cell)
-        begin, begun = states[k, 0], used[0]
+            case = after(case, number * cell)
+        begin, begun, work = states[k, 0], used[0], memory[0]
+        # the sign of theta_ddot before is not known behind engagements that are left out
+        trend = trend if number == last + 1 else 0.0
         body, code = pass_one(work, notes, case, states[k], joint[4], limit - begin, trend, count)
-        trend = body.trend
-        for i in range(begun, min(used[0], rows.size)):
-            rows[i].time += begin
-            engagement[i] = first + k
+        trend, last = body.trend, number
+        if notes.wanted:
+            for i in range(begun, min(used[0], rows.size)):
+                rows[i].time += begin
+                engagement[i] = number
+            continue
         # Kahan's sum of the times
         more = body.time - lost
         end = begin + more
         if code != DONE:
-            return code, k, body.theta, end, trend
+            return code, k, body.theta, end
         lost = (end - begin) - more
         states[k + 1, 0], states[k + 1, 1], states[k + 1, 2] = end, body.speed, body.phi
         states[k + 1, 3], states[k + 1, 4] = body.turning, body.wall
         if end >= limit:
-            return np.int64(OVER), k + 1, body.theta, end, trend
-        if constant and not notes.wanted and _same(states[k], states[k + 1]):
+            return np.int64(OVER), k + 1, body.theta, end
+        if constant and _same(states[k], states[k + 1]):
             done = _repeat(states, k + 1, body.time, limit)
-            return (
-                np.int64(DONE if states[done, 0] < limit else OVER),
-                done,
-                0.0,
-                states[done, 0],
-                trend,
-            )
-    return np.int64(DONE), len(states) - 1, 0.0, states[len(states) - 1, 0], trend
+            over = states[done, 0] >= limit
+            return np.int64(OVER if over else DONE), done, 0.0, states[done, 0]
+    return code, len(states) - 1, 0.0, end

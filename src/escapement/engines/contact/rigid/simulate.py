@@ -15,16 +15,15 @@ from escapement.engines.contact.rigid.engagement import (
 )
 from escapement.engines.contact.rigid.march import STATE, march
 from escapement.engines.contact.rigid.trajectory import (
-    NO_ENGAGEMENT,
+    NO_NUMBERS,
     NO_ROWS,
     RigidTrajectory,
-    joint_of,
+    prepared,
 )
 from escapement.mechanism import FloatArray
 from escapement.model import Escapement
 from escapement.motion import Motion, no_motion, stall_message
 from escapement.painleve import friction_limits
-from escapement.scene import scene_tuple
 from escapement.status import MESSAGES, Status
 from escapement.validate import fail
 
@@ -54,9 +53,8 @@ def outcome(code: int, angle: float, engagement: int) -> tuple[Status, str]:
 
 def first_state(escapement: Escapement, initial_speed: float) -> FloatArray:
     """The state at the start: the follower at rest, the pin in the middle of the slot."""
-    entry = np.array([escapement.mechanism.breaks[0]])
-    phi = float(escapement.mechanism.follower_angle(entry)[0])
-    return np.array([0.0, initial_speed * escapement.time_unit, phi, 0.0, 0.0])
+    speed, phi = initial_speed * escapement.time_unit, prepared(escapement)[2]
+    return np.array([0.0, speed, phi, 0.0, 0.0])
 
 
 def simulate(
@@ -84,11 +82,11 @@ def march_from(
     """Follow engagements from a state; returns why they end, the states at handoffs, and the last
     angle and time.
     """
-    inputs = scene_tuple(escapement.scene), joint_of(escapement), rtol, 0, horizon, 0.0
+    scene, joint, _entry = prepared(escapement)
     states = np.empty((count + 1, STATE))
     states[0] = start
-    none = NO_ROWS, NO_ENGAGEMENT, np.zeros(1, np.int64)
-    code, done, angle, end, _trend = march(*inputs, states, *none)
+    inputs, used = (scene, joint, rtol, horizon, states), np.zeros(1, np.int64)
+    code, done, angle, end = march(*inputs, NO_NUMBERS, NO_ROWS, NO_NUMBERS, used)
     return code, states[: done + 1], angle, end
 
 

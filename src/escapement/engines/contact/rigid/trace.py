@@ -4,9 +4,9 @@ import numpy as np
 
 from escapement.drive import cell_of, torque_at
 from escapement.dynamics import (
+    LOSSES,
     bend,
     dragged_slope,
-    losses_per_angle,
     net_torque,
     reduced_inertia,
     root_of,
@@ -22,26 +22,30 @@ from escapement.engines.contact.rigid.flight import (
 )
 from escapement.engines.contact.rigid.march import after, workspace
 from escapement.engines.contact.rigid.panel import (
-    GOES_ON,
     SLOW,
     SMALLEST,
+    STOPS,
     B,
     W,
+    flow_behind,
     law_at,
     next_panel,
     solve_panel,
+    width_after,
 )
 from escapement.engines.contact.rigid.walls import case_of, next_break, wall_scene
 from escapement.gauss import BARYCENTRIC, POINTS, WEIGHTS, N, cumulate
 from escapement.jit import inner_jit, jit
 from escapement.mechanisms.slotted import pose_at
+from escapement.power_flow import UNKNOWN, weight
 from escapement.roots import newton_in_bracket
+from escapement.tabulation import losses_at
 
 STRICT = 1e-13
 """Greatest tail of a panel whose solution is interpolated."""
-TABLE, LOST = 13, 6
-"""Length of a state: `state.COLUMNS` and the power of each of `state.OWN`. Length of the work over
-a piece: one number for each of `state.OWN`, and one for the load."""
+TABLE, LOST = 8 + len(LOSSES), len(LOSSES) + 1
+"""Length of a state: `state.COLUMNS` and the power of each of `LOSSES`. Length of the work over a
+piece: one number for each of `LOSSES`, and one for the load."""
 
 
 @inner_jit
@@ -83,11 +87,11 @@ def _touching_state(case, scene, side, theta, way, w, out, k):
     out[0, k], out[1, k], out[2, k] = theta, speed, rate
     out[3, k], out[4, k] = follower_on(case, side, theta)[0], g * speed
     out[5, k] = g * rate + dg * w
-    out[6, k] = contact_of(g, slope, pull, w, root, scene) / inertia
-    lost = losses_per_angle(g, u, radius, slope, pull, w, side, scene)
+    out[6, k] = weight(scene) * contact_of(g, slope, pull, w, root, scene) / inertia
+    lost = losses_at(g, u, radius, slope, pull, w, side, scene)
     out[7, k] = lost[0]
-    out[8, k], out[9, k], out[10, k] = lost[1] * speed, lost[2] * speed, lost[3] * speed
-    out[11, k], out[12, k] = lost[4] * speed, lost[5] * speed
+    for j in range(len(LOSSES)):
+        out[8 + j, k] = lost[1 + j] * speed
 
 
 @inner_jit
@@ -102,6 +106,13 @@ def _free_state(scene, theta, speed, phi, turning, out, k):
     out[9, k] = scene.bearing * abs(speed)
     out[11, k] = (scene.driver_drag * abs(speed) + scene.driver_viscous) * square
     out[12, k] = (scene.follower_drag * abs(turning) + scene.follower_viscous) * other
+    out[13, k] = out[14, k] = 0.0
+    # what the accelerations leave of the torques is lost in the trains
+    if scene.barrel_efficiency != 1.0:
+        out[13, k] = (torque_at(theta, scene)[0] - scene.rho * out[2, k]) * speed
+        out[13, k] -= out[9, k] + out[11, k]
+    if scene.load_train_efficiency != 1.0:
+        out[14, k] = -scene.load * abs(turning) - out[12, k] - out[5, k] * turning
 
 
 @inner_jit
@@ -111,18 +122,20 @@ def _along_wall(work, case, row, length, times, first, last, out, lost, spare, c
     way = 1.0 if row.speed >= 0.0 else -1.0
     if w == 0.0:
         way = 1.0
-        rate = law_at(wall_scene(case, side, theta, way), side, theta, 0.0)[1]
+        rate = law_at(wall_scene(case, side, theta, way, w, UNKNOWN), side, theta, 0.0)[1]
         w, theta, time = 2.0 * rate * SMALLEST, theta + SMALLEST, np.sqrt(2.0 * SMALLEST / rate)
+    flow = UNKNOWN
     while length - time > 1e-14 * length:
-        scene = wall_scene(case, side, theta, way)
+        scene = wall_scene(case, side, theta, way, w, flow)
         limit = next_break(case, side, theta, way, scene)
         if limit == theta:
             # by rounding, the piece may last longer than the way to its end takes
             break
         start = w
         found = next_panel(work, scene, side, theta, w, width, limit, STRICT, False, count)
-        if found.code != GOES_ON:
+        if found.code >= STOPS:
             break
+        flow = flow_behind(found, scene.flow, found.width == limit - theta)
         cumulate(work[SLOW], work[B])
         while first < last and times[first] <= time + found.time:
             x = _place_after(work, max(times[first] - time, 0.0), found.width)
@@ -145,9 +158,10 @@ def _along_wall(work, case, row, length, times, first, last, out, lost, spare, c
                 lost[j] += share * spare[8 + j, 0]
         moved = follower_on(case, side, end)[0] - follower_on(case, side, theta)[0]
         lost[LOST - 1] += case.plus.load * abs(moved)
-        theta, w, time, width = end, found.w, over, 2.0 * found.width
+        theta, w, time, width = end, found.w, over, width_after(found, STRICT)
     while first < last:
-        _touching_state(case, wall_scene(case, side, theta, way), side, theta, way, w, out, first)
+        scene = wall_scene(case, side, theta, way, w, flow)
+        _touching_state(case, scene, side, theta, way, w, out, first)
         first += 1
 
 
@@ -158,8 +172,9 @@ def _through_flight(work, case, row, length, times, first, last, out, lost, spar
     end = scene.edges[-1] + (scene.dwell if row.kind == LOCKED else 0.0)
     theta, speed, phi, turning = row.theta, row.speed, row.phi, row.turning
     while True:
-        flight = launch(work, scene, theta, speed, phi, turning, end, count)
-        part = min(flight.length, length - time)
+        flight = launch(work, scene, theta, speed, phi, turning, end)
+        # what its train loses jumps where the follower comes to rest
+        part = min(flight.length, flight.rest, length - time)
         # a length is a difference of times, and their rounding may leave it longer than the flight
         ends = not time + part > time or length - time - part <= 1e-14 * length
         while first < last and (times[first] <= time + part or ends):
@@ -195,10 +210,10 @@ def trace(scene_tuple, joint, rtol, pieces, engagement, lengths, firsts, times, 
     lost : shape (pieces, LOST), zeros.
     """
     scene = scene_of(scene_tuple)
-    case, work, count = case_of(scene, joint[:4], rtol), workspace(), np.int64(N)
+    case, memory, count = case_of(scene, joint[:4], rtol), workspace(), np.int64(N)
     cell, spare = cell_of(scene), np.empty((TABLE, 1))
     for k in range(pieces.size):
-        row = pieces[k]
+        row, work = pieces[k], memory[0]
         own = after(case, engagement[k] * cell)
         at = work, own, row, lengths[k], times, firsts[k], firsts[k + 1], out, lost[k], spare, count
         if lengths[k] == 0.0 and firsts[k] == firsts[k + 1]:

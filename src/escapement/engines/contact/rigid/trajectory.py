@@ -1,6 +1,6 @@
 """A motion with clearance in pieces: contact with either wall, flights and dwells."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
@@ -18,23 +18,35 @@ from escapement.engines.contact.rigid.engagement import (
 )
 from escapement.engines.contact.rigid.march import march
 from escapement.engines.contact.rigid.trace import LOST, TABLE, trace
-from escapement.engines.contact.state import OWN, every_loss, state_from
+from escapement.engines.contact.state import state_from
 from escapement.mechanism import FloatArray
 from escapement.model import Escapement
 from escapement.motion import State
 from escapement.scene import scene_tuple
 from escapement.trajectory import Events, Extrema, Held, Impacts
 
+_KEY = "rigid.prepared"
 _ROOM = 24  # rows that an engagement takes, in most cases
-NO_ROWS, NO_ENGAGEMENT = np.empty(0, ROW), np.empty(0, np.int64)
+# Ctrl-C takes effect between calls of the kernel for so many engagements
+_AT_ONCE = 4096
+_KEPT = 512
+NO_ROWS, NO_NUMBERS = np.empty(0, ROW), np.empty(0, np.int64)
 
 
-def joint_of(escapement: Escapement) -> FloatArray:
-    """The numbers of the joint that the kernels need, see `march.march`."""
-    wheel: Any = escapement.mechanism
-    joint, crank = escapement.joint, 1.0 if wheel.internal else -1.0
-    numbers = (wheel.centre_distance, crank, joint.play, joint.restitution, wheel.follower_step)
-    return np.array(numbers)
+def prepared(escapement: Escapement) -> tuple[tuple[Any, ...], FloatArray, float]:
+    """Scene and joint as `march.march` takes them, and the follower angle of a pin at its entry.
+
+    They are kept on the escapement, so that its next call does not compute them again.
+    """
+    kept = escapement.kept
+    if _KEY not in kept:
+        wheel: Any = escapement.mechanism
+        joint, crank = escapement.joint, 1.0 if wheel.internal else -1.0
+        numbers = (wheel.centre_distance, crank, joint.play, joint.restitution, wheel.follower_step)
+        entry = float(wheel.follower_angle(np.array(wheel.breaks[:1]))[0])
+        kept[_KEY] = scene_tuple(escapement.scene), np.array(numbers), entry
+    result: tuple[tuple[Any, ...], FloatArray, float] = kept[_KEY]
+    return result
 
 
 @dataclass
@@ -44,35 +56,64 @@ class RigidTrajectory(Held):
     begun : shape (n + 1, 5), states at the start and at handoffs, see `march.STATE`; each starts
         an engagement, and the last engagement may be incomplete.
     end_time : time at which the motion ends [s].
+    numbers : its engagements, ascending; all of them by default.
     """
 
     escapement: Escapement
     rtol: float
     begun: FloatArray
     end_time: float
+    numbers: Any = None
+
+    @cached_property
+    def _numbers(self) -> np.ndarray:
+        if self.numbers is not None:
+            return np.asarray(self.numbers)
+        # a motion that ends at a handoff has no part of the next engagement
+        last = self.end_time / self.escapement.time_unit * (1.0 - 1e-14)
+        return np.arange(max(int(np.searchsorted(self.begun[:, 0], last)), 1))
+
+    def around(self, t: FloatArray) -> "RigidTrajectory":
+        """A trajectory of only the engagements that contain these times [s]."""
+        # a short motion is kept as a whole, so that its next states are there at once
+        if self._numbers.size <= _KEPT:
+            return self
+        starts = self.begun[self._numbers, 0] * self.escapement.time_unit
+        held = np.unique(np.searchsorted(starts, t, side="right") - 1)
+        return replace(self, numbers=held) if held.size else self
 
     @cached_property
     def _inputs(self) -> tuple[Any, ...]:
-        return scene_tuple(self.escapement.scene), joint_of(self.escapement), self.rtol
+        return *prepared(self.escapement)[:2], self.rtol
 
     @cached_property
     def _happened(self) -> tuple[np.ndarray, np.ndarray]:
         """All rows of the motion, and the engagement of each."""
-        # a motion that ends at a handoff has no part of the next engagement
-        last = self.end_time / self.escapement.time_unit * (1.0 - 1e-14)
-        states = self.begun[self.begun[:, 0] < last] if last > 0.0 else self.begun[:1]
-        begun = np.vstack([states, states[:1]])
-        used, size = np.zeros(1, np.int64), _ROOM * len(states)
+        numbers = self._numbers
+        parts = [numbers[k : k + _AT_ONCE] for k in range(0, numbers.size, _AT_ONCE)]
+        tables = [self._happened_in(part) for part in parts]
+        rows, engagement = (np.concatenate(columns) for columns in zip(*tables, strict=True))
+        return rows, engagement
+
+    def _happened_in(self, wanted: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """The same for some engagements."""
+        # whether a handoff is an extremum depends on the engagement before it
+        numbers = np.unique(np.concatenate([np.maximum(wanted - 1, 0), wanted]))
+        begun = self.begun[numbers]
+        used, size = np.zeros(1, np.int64), _ROOM * numbers.size
         while True:
             rows, engagement = np.zeros(size, ROW), np.zeros(size, np.int64)
             used[0] = 0
-            march(*self._inputs, 0, np.inf, 0.0, begun.copy(), rows, engagement, used)
+            march(*self._inputs, np.inf, begun, numbers, rows, engagement, used)
             if used[0] <= size:
                 break
             size = int(used[0])
+        rows, engagement = rows[: used[0]], engagement[: used[0]]
         end = self.end_time / self.escapement.time_unit
-        kept = rows["time"][: used[0]] <= end
-        return rows[: used[0]][kept], engagement[: used[0]][kept]
+        # no rounding may put an event into the next engagement
+        rows["time"] = np.minimum(rows["time"], np.append(self.begun[1:, 0], np.inf)[engagement])
+        kept = (rows["time"] <= end) & np.isin(engagement, wanted)
+        return rows[kept], engagement[kept]
 
     def _events(self, kind: int) -> tuple[dict[str, Any], np.ndarray]:
         """Columns of `Events` by name for the rows of a kind, and the rows."""
@@ -142,7 +183,11 @@ class RigidTrajectory(Held):
         """Natural states at times since the start of some pieces, and the work lost in these."""
         pieces, engagement = self._pieces
         end = self.end_time / self.escapement.time_unit
-        lengths = np.diff(pieces["time"], append=end)[which]
+        # the last piece of an engagement lasts until the next engagement
+        after = np.append(self.begun[1:, 0], end)[engagement]
+        follows = np.append(np.diff(engagement) == 0, False)
+        until = np.where(follows, np.append(pieces["time"][1:], end), np.minimum(after, end))
+        lengths = (until - pieces["time"])[which]
         out, lost = np.empty((TABLE, times.size)), np.zeros((which.size, LOST))
         chosen = pieces[which], engagement[which], lengths
         trace(*self._inputs, *chosen, firsts, times, out, lost)
@@ -156,7 +201,7 @@ class RigidTrajectory(Held):
     @property
     def losses(self) -> FloatArray:
         """Work lost over each piece in each of `dynamics.LOSSES` [J], shape (7, n)."""
-        return every_loss(self._work[:, : len(OWN)].T)
+        return np.asarray(self._work[:, :-1].T)
 
     @property
     def load_work(self) -> FloatArray:

@@ -4,9 +4,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from escapement.drive import next_knot
+from escapement.drive import last_knot, next_knot
 from escapement.jit import inner_jit
 from escapement.mechanisms.slotted import pose_at, slide_change
+from escapement.power_flow import UNKNOWN, flowing, in_flow
 from escapement.roots import newton_in_bracket
 from escapement.scene import Path, Scene
 
@@ -43,6 +44,7 @@ def case_of(scene, joint, rtol):
     breaks = np.empty((2, 3))
     # where the follower changes its sense, its losses change their sign
     turns = scene.load + scene.follower_drag + scene.follower_journal > 0.0
+    turns = turns or scene.load_train_efficiency != 1.0
     for row, side, own in ((0, 1.0, plus), (1, -1.0, minus)):
         entry, exit_ = scene.edges[0], scene.edges[-1]
         breaks[row, 0] = slide_change(own.path, own.pin, side, entry, exit_)
@@ -70,25 +72,42 @@ def _standstill(path, outer, inner):
 
 
 @inner_jit
-def wall_scene(case, side, theta, way):
+def wall_scene(case, side, theta, way, w, flow):
     """The scene of a wall at a driver angle, with signs such that all losses resist the motion.
 
+    With trains that lose power it is that of the `flow`, or of the one that holds at the squared
+    speed `w` where that is `UNKNOWN`.
+
     The load resists the follower, which turns back where g < 0. While the driver turns back, `way`
-    is -1 and every loss has the other sign, so that the same law holds.
+    is -1 and every loss has the other sign, so that the same law holds. For the same reason a train
+    has the efficiency 1/eta where the body next to it turns back.
     """
     scene = case.plus if side > 0.0 else case.minus
     # exactly where g = 0, `way` decides on which side of it the motion continues
-    g = pose_at(scene.path, theta + 1e-12 * way)[0]
-    load = scene.load if g >= 0.0 else -scene.load
-    if way > 0.0 and load == scene.load:
-        return scene
-    return Scene(
+    sense, free = 1.0, scene.load == 0.0 and scene.load_train_efficiency == 1.0
+    if not free and pose_at(scene.path, theta + 1e-12 * way)[0] < 0.0:
+        sense = -1.0
+    if way > 0.0 and sense > 0.0:
+        return _flowing(scene, side, theta, w, flow)
+    barrel, train = scene.barrel_efficiency, scene.load_train_efficiency
+    turned = Scene(
         scene.path, scene.edges, scene.dwell, scene.torque, scene.turned, scene.rho,
-        way * scene.mu_plus, way * scene.mu_minus, way * load, way * scene.bearing,
+        way * scene.mu_plus, way * scene.mu_minus, way * sense * scene.load, way * scene.bearing,
         way * scene.driver_drag, way * scene.follower_drag, way * scene.driver_viscous,
         way * scene.follower_viscous, scene.pin, way * scene.driver_journal,
-        way * scene.follower_journal, *scene[17:],
+        way * scene.follower_journal, scene.gain, scene.flow,
+        scene.barrel, barrel if way > 0.0 else 1.0 / barrel,
+        scene.load_train, train if way * sense > 0.0 else 1.0 / train,
     )  # fmt: skip
+    return _flowing(turned, side, theta, w, flow)
+
+
+@inner_jit
+def _flowing(scene, side, theta, w, flow):
+    """The scene of a flow, or of the one that holds; the scene itself if nothing is lost."""
+    if flow == UNKNOWN:
+        return flowing(theta, side, w, scene)
+    return in_flow(scene, flow)
 
 
 @inner_jit
@@ -101,4 +120,4 @@ def next_break(case, side, theta, way, scene):
         # both comparisons are false for a place that is NaN
         if way * (place - theta) > 1e-9 and way * (end - place) > 1e-9:
             end = place
-    return next_knot(theta, end, scene) if way > 0.0 else end
+    return next_knot(theta, end, scene) if way > 0.0 else last_knot(theta, end, scene)
