@@ -94,7 +94,7 @@ def test_with_viscous_drag_the_contraction_is_the_integral_along_the_cycle(error
     wheel = esc.Geneva(3, pins=3 if errors else None, crank_radius=0.01, **errors)
     own = esc.Escapement(wheel, esc.Inertia(1e-6, 5e-6), 0.015, 0.3, driver_viscous=1e-4)
     figures = esc.terminal(own)
-    again = figures_of(own, figures, ("torque",), cycle_only=True)[0]["contraction"]
+    again = figures_of(own, figures, ("torque",), wanted=("contraction",))[0]["contraction"]
     assert figures.contraction / float(again) == pytest.approx(1.0, abs=1e-12)
 
 

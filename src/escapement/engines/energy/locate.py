@@ -25,6 +25,7 @@ from escapement.engines.energy.solve import (
     MOST_STEPS,
     fill_bend,
     refresh_roots,
+    solve_again,
     solve_linear,
     solve_side,
 )
@@ -153,7 +154,7 @@ def solve_behind(scene, work, panel, side):
         solve_linear(scene, work, panel, other, -side)
         fictive = (e - dot(work.at_x, other.beta, count)) / dot(work.at_x, other.alpha, count)
         if refresh_roots(scene, work, panel, other, fictive) < 1e-14:
-            solve_linear(scene, work, panel, other, -side)
+            solve_again(scene, work, panel, other, -side)
             return
     other.tail = 1.0
 

@@ -75,8 +75,7 @@ def solve_side(scene, work, panel, side, energy):
         if not viscous:
             return
         if refresh_roots(scene, work, panel, solution, energy) < 1e-14:
-            # E is exact then, but an error of the roots changes b to first order
-            solve_linear(scene, work, panel, solution, side)
+            solve_again(scene, work, panel, solution, side)
             return
     solution.tail = 1.0
 
@@ -96,6 +95,17 @@ def shift(solution, pull, count):
     solution.beta_end = solution.base_end + more * solution.share_end
     solution.pull = pull
     return True
+
+
+@inner_jit
+def solve_again(scene, work, panel, solution, side):
+    """Solve with the final roots: E is exact already, but b depends on them to first order."""
+    slowest = work.root[0]
+    for i in range(N):
+        slowest = min(slowest, work.root[i])
+    # with the tiny roots behind a stop the solution would hide that the driver stops
+    if slowest > np.sqrt(TINY):
+        solve_linear(scene, work, panel, solution, side)
 
 
 @inner_jit
