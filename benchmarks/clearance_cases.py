@@ -1,15 +1,17 @@
 """Random mechanisms with clearance and rigid impact: status, time, walls and energy balance.
 
-``python benchmarks/clearance_cases.py [CASES]`` draws plays of 1e-5 to 1e-2 crank radii on either
-side, restitutions from 0 to 0.6 and frictions up to 2 below the Painleve limit, with loads,
-bearings and drags. It simulates twenty engagements of each, looks for the terminal cycle, asks
-for 4001 states, and writes a row for each to ``results/clearance_cases.csv``: the processor time
-of the three, how far the pin went beyond a wall, in crank radii, and the share of the work that the
-energy balance leaves unaccounted for.
+``python benchmarks/clearance_cases.py [CASES] [--trains]`` draws plays of 1e-5 to 1e-2 crank radii
+on either side, restitutions from 0 to 0.6 and frictions up to 2 below the Painleve limit, with
+loads, bearings and drags. It simulates twenty engagements of each, looks for the terminal cycle,
+asks for 4001 states, and writes a row for each to ``results/clearance_cases.csv``: the processor
+time of the three, how far the pin went beyond a wall, in crank radii, and the share of the work
+that the energy balance leaves unaccounted for. With ``--trains`` each mechanism has a barrel and a
+load behind trains that lose up to half of the power; the rows go to
+``results/clearance_cases_trains.csv``.
 """
 
+import argparse
 import csv
-import sys
 import time
 from collections import Counter
 from pathlib import Path
@@ -19,12 +21,12 @@ import numpy as np
 import escapement as esc
 from escapement.painleve import friction_limits
 
-RESULTS = Path(__file__).resolve().parent / "results" / "clearance_cases.csv"
+RESULTS = Path(__file__).resolve().parent / "results"
 RADIUS, FOLLOWER, TORQUE = 0.01, 5e-6, 0.01
 
 
-def case(seed):
-    """A random escapement."""
+def case(seed, trains=False):
+    """A random escapement, if wanted with trains that lose power."""
     random = np.random.default_rng(seed)
     internal, slots = bool(random.random() < 0.25), int(random.integers(3, 13))
     clock = (FOLLOWER / TORQUE) ** 0.5
@@ -46,8 +48,17 @@ def case(seed):
         clearance=2.0 * RADIUS * 10.0 ** random.uniform(-5.0, -2.0),
     )  # fmt: skip
     inertia = esc.Inertia(FOLLOWER * 10.0 ** random.uniform(-1.5, 0.5), FOLLOWER)
-    limit = friction_limits(esc.Escapement(wheel, inertia, TORQUE, **model))[0]
-    return esc.Escapement(wheel, inertia, TORQUE, random.random() * min(limit, 2.0), **model)
+    share, torque = random.random(), TORQUE
+    if trains:
+        first, second = random.uniform(2.0, 8.0), random.uniform(1.5, 6.0)
+        barrel = FOLLOWER * first**2 * 10.0 ** random.uniform(-1.5, 0.5)
+        last = FOLLOWER / second**2 * 10.0 ** random.uniform(-2.0, 0.0)
+        model["barrel"] = esc.Train(first, random.uniform(0.5, 1.0), barrel)
+        model["load_train"] = esc.Train(second, random.uniform(0.5, 1.0), last)
+        model["load_torque"] = model.get("load_torque", 0.0) / second
+        torque *= first
+    limit = friction_limits(esc.Escapement(wheel, inertia, torque, **model))[0]
+    return esc.Escapement(wheel, inertia, torque, share * min(limit, 2.0), **model)
 
 
 def beyond(motion):
@@ -69,11 +80,14 @@ def beyond(motion):
 
 def main():
     """Run the cases, write a row for each, print a summary."""
-    count = int((sys.argv[1:] or ["1000"])[0])
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("cases", nargs="?", type=int, default=1000)
+    parser.add_argument("--trains", action="store_true")
+    asked = parser.parse_args()
     esc.terminal(case(0))
     rows = []
-    for seed in range(count):
-        own = case(seed)
+    for seed in range(asked.cases):
+        own = case(seed, asked.trains)
         begin = time.process_time()
         motion = esc.simulate(own, 20)
         middle = time.process_time()
@@ -88,7 +102,8 @@ def main():
         ))  # fmt: skip
     header = ("seed", "friction", "restitution", "motion", "terminal", "motion_seconds",
               "terminal_seconds", "states_seconds", "beyond_wall", "residual")  # fmt: skip
-    with RESULTS.open("w", newline="", encoding="utf-8") as file:
+    name = "clearance_cases_trains.csv" if asked.trains else "clearance_cases.csv"
+    with (RESULTS / name).open("w", newline="", encoding="utf-8") as file:
         csv.writer(file, lineterminator="\n").writerows([header, *rows])
     print(Counter(row[3] for row in rows), Counter(row[4] for row in rows))
     for place, name in ((5, "motion"), (6, "terminal"), (7, "states")):
