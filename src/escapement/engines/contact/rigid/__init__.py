@@ -16,6 +16,10 @@ longer has the sign of s. Then driver and follower move independently until |D| 
 friction is Coulomb's: the contact slides, sticks or slides back. The impulse of restitution is
 `restitution` times that of compression. A rebound slower than `blow.CHATTER` is neglected.
 
+Trains that lose power are treated as in `power_flow`. Along a wall, each direction of the powers
+has its own scene, and a panel ends where a direction changes. Without contact, driver and follower
+are separate, and `passed_on` gives the acceleration of each.
+
 A cell ends at its nominal angle: there the pin leaves the slot, and the next pin begins between
 the walls of the next slot without a change of speeds. In a wheel with a dwell, the follower is
 locked at its angle behind the exit and loses its speed. A motion starts with the follower at rest
