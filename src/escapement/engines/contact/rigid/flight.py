@@ -19,7 +19,7 @@ from escapement.power_flow import passed_on, shared
 from escapement.roots import newton_in_bracket
 
 STRIDE = 0.03
-"""Greatest driver angle between two checks of the gaps [rad]."""
+"""Driver angle between two checks of the gaps, at the speed with which a flight starts [rad]."""
 PRESSING = 1e-12
 """A pin that begins a flight at a wall strikes it at once if it moves towards it faster."""
 _LONGEST, _SHORTEST = 0.5, 1e-7
@@ -33,12 +33,13 @@ _THETA, _SPEED, _PHI, _TURNING = B, W, X, BEND
 
 
 class Flight(NamedTuple):
-    """A flight, or a part of it in which neither driver nor follower changes its sense.
+    """A flight, or a part of it.
 
     theta, speed, rate, phi, turning, slowing : angle, speed and acceleration of driver and
-        follower at its start. length : how long it lasts.
-    rest : time at which the follower comes to rest.
-    even : whether the accelerations are constant; otherwise the workspace holds the series.
+        follower at its start. length : how long it lasts; inf where the driver never gets to its
+        end. rest : time at which the follower comes to rest, inf if it does not.
+    even : whether the accelerations are constant. If they are not, the workspace holds the series
+        of a part, in which neither driver nor follower changes its sense.
     """
 
     theta: float
@@ -77,13 +78,13 @@ def follower_rate(scene, turning, way):
 
 @inner_jit
 def is_even(scene):
-    """Whether a free driver has constant acceleration."""
+    """Whether driver and follower have constant accelerations without contact."""
     return is_constant(scene) and is_drag_free(scene)
 
 
 @inner_jit
 def launch(work, scene, theta, speed, phi, turning, end):
-    """The flight from a state, or its first part; `end` is the driver angle at which it ends."""
+    """The flight from a state to the driver angle `end`, or its first part."""
     way, sense = np.sign(turning), 1.0 if speed >= 0.0 else -1.0
     rate, slowing = driver_rate(scene, theta, speed, sense), follower_rate(scene, turning, way)
     if not is_even(scene):
@@ -112,7 +113,7 @@ def _in_series(work, scene, theta, speed, phi, turning, end):
     train = shared(scene.load_train_efficiency, 1.0 if driven else -1.0)
     driver = scene.rho + (barrel - 1.0) * scene.barrel
     follower = 1.0 + (train - 1.0) * scene.load_train
-    # at a knot, the torque behind it counts
+    # at a knot, the torque that the driver is about to meet counts
     torque, slope = torque_at(theta + sense * KNOT_GAP, scene)
     torque, slope = barrel * torque, barrel * slope
     push = torque - slope * sense * KNOT_GAP - sense * scene.bearing
@@ -242,7 +243,7 @@ def _first_look(case, flight, wall, pace, stride):
     """Time at which to check first whether the gap at the wall that the pin left has opened.
 
     `pace` is the speed of D at the start. A pin that rebounds returns to that wall after twice its
-    speed over its deceleration.
+    speed over its deceleration; the check comes well before.
     """
     step = 1e-3 * stride
     speed_then = flight.speed + flight.rate * step
@@ -258,7 +259,9 @@ def _first_look(case, flight, wall, pace, stride):
 def arrival(work, case, flight, wall):
     """Time at which the pin first reaches a wall, and that wall, 0 if none within the flight.
 
-    `wall` is the one that the pin leaves, or 0. Its gap must have opened before it counts.
+    `wall` is the one that the pin leaves, or 0. It counts again once its gap has opened. A pin that
+    still moves towards it, or whose gap does not open in the shortest step, strikes it at once.
+    Without an arrival the time is the length of the flight.
     """
     length, play = flight.length, case.play
     # D changes its slope over an angle whose cube is about the play
