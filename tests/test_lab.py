@@ -62,6 +62,29 @@ def test_a_good_mechanism_is_called_good_and_one_way_tells_no_backlash():
     assert one_way.verdict.text.endswith("It turned one way only, so backlash cannot be seen.")
 
 
+@pytest.mark.parametrize(
+    ("counts", "stops", "both"), [(360, 40, False), (1000, 40, True), (400, 36, True)]
+)
+@pytest.mark.parametrize("told", [True, False])
+def test_rounding_that_repeats_is_no_error_of_the_mechanism(counts, stops, both, told):
+    step, encoder = 360 / counts * DEG, esc.Encoder(counts)
+
+    def found(seed, **planted):
+        planted |= {"noise": 0.1 * step, "encoder": encoder, "turns": 10, "both_ways": both}
+        readings = read(WHEEL, seed=seed, samples=10 * stops * (1 + both), **planted)
+        return esc.measure(readings, WHEEL, encoder=encoder if told else None)
+
+    results = [found(seed) for seed in range(4)]
+    assert all(result.verdict.good for result in results)
+    said = f"below half a step of the encoders ({180 / counts:.3g} degrees) cannot be told"
+    assert any(said in result.verdict.text for result in results)
+    assert any("or is the rounding of the encoders" in result.message for result in results)
+    # an error of one and a half steps is found
+    for shaft in ("input", "output"):
+        result = found(1, **{f"{shaft}_eccentricity": 1.5 * step})
+        assert f"repeats once a turn of the {shaft}" in result.verdict.text
+
+
 def test_play_of_the_encoder_of_the_input_is_told_as_a_lead():
     theta = 25.0 * (1.0 - np.abs(np.linspace(-1.0, 1.0, 1200)))
     back = np.arange(1200) >= 600

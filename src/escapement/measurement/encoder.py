@@ -13,6 +13,9 @@ from escapement.measurement.readings import FARTHEST, LEAST_SAMPLES, TURN, WITHI
 from escapement.mechanism import FloatArray, Mechanism, checked
 
 _HARMONICS = range(2, 6)  # an error that repeats once a turn is left to the eccentricity
+_SAME = 1e-7  # angles as close as this are equal, but differ by the rounding of a file [rad]
+_FEWEST_GAPS = 10  # fewer gaps between readings can be multiples of the smallest by chance
+_OFF_GRID = 0.05  # greatest deviation from a grid, in steps
 
 
 @dataclass(frozen=True)
@@ -90,6 +93,21 @@ def sensor_uncertainty(encoder: Encoder, slope: FloatArray) -> FloatArray:
     """Standard uncertainty of the error at each sample, from both encoders [rad]."""
     one = math.hypot(0.5 * encoder.quantum, encoder.greatest_deviation) / math.sqrt(3.0)
     return one * np.hypot(1.0, slope)
+
+
+def step_of(angle: FloatArray) -> float:
+    """Step of the encoder that showed these angles, 0 if they do not show it [rad].
+
+    Only an output that turns unevenly shows it, since an input may have stopped at even steps.
+    """
+    gaps = np.diff(np.unique(np.mod(angle, TURN)))
+    gaps = gaps[gaps > _SAME]
+    if not _FEWEST_GAPS <= gaps.size < 0.9 * angle.size:
+        return 0.0
+    steps = gaps / gaps.min()
+    counts = np.round(steps)
+    on_grid = np.abs(steps - counts).max() < _OFF_GRID
+    return float(gaps.sum() / counts.sum()) if on_grid else 0.0
 
 
 def check_drive(mechanism: Any, encoder: Any) -> None:

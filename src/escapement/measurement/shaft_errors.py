@@ -21,7 +21,7 @@ special = Lazy("scipy.special")
 _ORDERS = (1, 2)  # cycles a turn: of an eccentric disc, and of a tilted or an oval one
 _FITS = 4  # the width of a backlash changes its column in the fit; it converges in so many fits
 SURE = 1e-3  # a smaller probability that noise alone causes an error counts as certainty
-_IN_95 = 1.96  # standard errors to either side of the mean, for 95 % of a normal distribution
+IN_95 = 1.96  # standard errors to either side of the mean, for 95 % of a normal distribution
 _TELLING = 3.0  # the size of an error with fewer standard errors than this is called hidden
 _LEAST = 5e-324  # it stands for a p-value that is too small for a double
 # a wave that differs from all others by a smaller share is not fitted; rounding is far below
@@ -63,7 +63,7 @@ class ShaftError(NamedTuple):
 
 def interval(size: float, error: float) -> str:
     """A size in degrees with its interval, in words."""
-    size, half = math.degrees(size), math.degrees(_IN_95 * error)
+    size, half = math.degrees(size), math.degrees(IN_95 * error)
     return f"{size:.3g} degrees (95 % interval {size - half:.3g} to {size + half:.3g})"
 
 

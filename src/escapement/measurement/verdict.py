@@ -6,19 +6,22 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from escapement.measurement.backlash import Backlash
+from escapement.measurement.encoder import step_of
 from escapement.measurement.readings import wraps
-from escapement.measurement.shaft_errors import SURE, chance, told_backlash
+from escapement.measurement.shaft_errors import IN_95, SURE, ShaftError, chance, told_backlash
 
 _ALIKE = 0.05  # a smaller correlation of neighbouring errors hardly changes a p-value
 _CLOSE_TO_HALF_A_TURN = 0.8 * math.pi
 _MUCH = 0.25  # errors above this share of a step mean that the mechanism is another one
+_NOISE, _ROUNDING = "noise with correlated neighbours", "the rounding of the encoders"
 
 
 class Verdict(NamedTuple):
     """Whether a mechanism is good, as far as its readings show.
 
     good : True if the errors are small for this mechanism, and neither backlash nor an error that
-        repeats with a shaft is certain.
+        repeats with a shaft is certain. Half a step of the encoders or less is never certain.
     text : one or two sentences that say what is wrong, and with which shaft.
     """
 
@@ -37,27 +40,54 @@ def verdict_on(result: Any) -> Verdict:
             "column is the input, and the unit of the angles.",
         )
     lacking = "" if result.backlash else " It turned one way only, so backlash cannot be seen."
-    if wrong := [told for told, certain in _findings(result) if certain]:
+    findings = dict(_findings(result))
+    if wrong := [told for told, doubt in findings.items() if not doubt]:
         return Verdict(False, f"Not good: {'; '.join(wrong)}.{lacking}")
     size = f"{math.degrees(result.standard_deviation):.3g} degrees"
     text = f"Good: no error is certain to repeat with a shaft, and the errors scatter by {size}"
     if result.sensor_share:
         share = math.degrees(result.sensor_share.standard)
         text += f", where the encoders alone explain {share:.3g}"
+    if _ROUNDING in findings.values():
+        lacking += (
+            " Errors below half a step of the encoders "
+            f"({math.degrees(0.5 * _step(result)):.3g} degrees) cannot be told from their "
+            "rounding, which repeats where positions do: stop at other positions in every turn, "
+            "or, if you do so already, use finer encoders."
+        )
     return Verdict(True, f"{text}.{lacking}")
 
 
-def _findings(result: Any) -> Iterator[tuple[str, bool]]:
-    """Errors that noise seldom causes: the words for each, and whether it is certain."""
-    rest = result.rest_autocorrelation
-    for error in result.shaft_errors:
-        if error.p_value < SURE:
-            certain = chance(error.p_value, rest) < SURE
-            yield error.told(certain), certain
-    for play in result.backlash:
-        if play.p_value < SURE:
-            certain = chance(play.p_value, rest) < SURE
-            yield told_backlash(play, certain), certain
+def _findings(result: Any) -> Iterator[tuple[str, str]]:
+    """Errors that independent noise seldom causes: the words for each, and what else it may be."""
+    rest, step = result.rest_autocorrelation, _step(result)
+    for found in (*result.shaft_errors, *result.backlash):
+        if found.p_value < SURE:
+            doubt = _NOISE if chance(found.p_value, rest) >= SURE else ""
+            doubt = doubt or (_ROUNDING if _may_be_rounding(result, found, step) else "")
+            told = told_backlash if isinstance(found, Backlash) else ShaftError.told
+            yield told(found, not doubt), doubt
+
+
+def _step(result: Any) -> float:
+    """Step of the encoders, 0 if it is unknown [rad]."""
+    return float(result.encoder.quantum if result.encoder else step_of(result.output))
+
+
+def _may_be_rounding(result: Any, found: ShaftError | Backlash, step: float) -> bool:
+    """Whether rounding to this step alone may look like an error that was found."""
+    if isinstance(found, Backlash):
+        size, share = abs(found.width), 0.5
+    else:
+        size, share = found.amplitude, math.sqrt(0.5)
+    if size < 0.5 * step:
+        return True
+    # a fit that can hardly separate an error from others may find it greater than all that was read
+    through = float(np.mean(result.fit.slope**2))
+    effect = size * share * (math.sqrt(through) if found.shaft == "input" else 1.0)
+    vague = effect > result.standard_deviation or size - IN_95 * found.standard_error < 0.5 * step
+    most = 0.5 * step * math.sqrt(1.0 + through)
+    return bool(vague and result.standard_deviation < most)
 
 
 def remarks_on(result: Any) -> Iterator[str]:
@@ -107,9 +137,9 @@ def _on_repeated_errors(result: Any) -> Iterator[str]:
             f"neighbouring errors are alike (correlation {alike:.2f}), but {spoilt} "
             "assume that they are independent: do not trust those"
         )
-    for told, certain in _findings(result):
-        if not certain:
-            yield f"{told}, or is noise with correlated neighbours"
+    for told, doubt in _findings(result):
+        if doubt:
+            yield f"{told}, or is {doubt}"
     unknown = dict.fromkeys(it.shaft for it in result.shaft_errors if math.isnan(it.p_value))
     if unknown:
         yield (
