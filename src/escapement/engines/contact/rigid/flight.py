@@ -85,10 +85,10 @@ def is_even(scene):
 @inner_jit
 def launch(work, scene, theta, speed, phi, turning, end):
     """The flight from a state to the driver angle `end`, or its first part."""
-    way, sense = np.sign(turning), 1.0 if speed >= 0.0 else -1.0
-    rate, slowing = driver_rate(scene, theta, speed, sense), follower_rate(scene, turning, way)
     if not is_even(scene):
         return _in_series(work, scene, theta, speed, phi, turning, end)
+    way, sense = np.sign(turning), 1.0 if speed >= 0.0 else -1.0
+    rate, slowing = driver_rate(scene, theta, speed, sense), follower_rate(scene, turning, way)
     rest = -turning / slowing if slowing != 0.0 else np.inf
     length, square = np.inf, speed * speed + 2.0 * rate * (end - theta)
     if speed < 0.0 and (scene.bearing > 0.0 or scene.barrel_efficiency != 1.0):
@@ -168,18 +168,18 @@ def _through_load(scene, turning, way):
 @inner_jit
 def _watched(scene, goal, which, sense, way, theta, speed, turning):
     """The value for which `_passing` finds the zero, and its slope in time."""
-    rate, slowing = driver_rate(scene, theta, speed, sense), follower_rate(scene, turning, way)
     if which == 0:
         return theta - goal, speed
     if which == 1:
-        return speed, rate
-    if which == 2:
-        return turning, slowing
+        return speed, driver_rate(scene, theta, speed, sense)
     if which == 3:
         slope = (scene.rho - scene.barrel) * torque_at(theta, scene)[1] * speed
         lost = 2.0 * scene.driver_drag * speed + scene.driver_viscous * sense
-        slope += scene.barrel * sense * lost * rate
+        slope += scene.barrel * sense * lost * driver_rate(scene, theta, speed, sense)
         return _through_barrel(scene, theta, speed, sense), slope
+    slowing = follower_rate(scene, turning, way)
+    if which == 2:
+        return turning, slowing
     air = 2.0 * scene.follower_drag * turning + scene.follower_viscous * way
     return _through_load(scene, turning, way), -scene.load_train * air * slowing
 
