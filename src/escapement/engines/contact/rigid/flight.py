@@ -106,9 +106,9 @@ def launch(work, scene, theta, speed, phi, turning, end):
 def _in_series(work, scene, theta, speed, phi, turning, end):
     """The next part of a flight, in Taylor series about its start."""
     way, sense = np.sign(turning), 1.0 if speed >= 0.0 else -1.0
-    # the parts of the trains in the inertias, and in the torques of the drive and of the load
-    backs = _through_barrel(scene, theta, speed, sense) < -_TIE
-    driven = _through_load(scene, turning, way) < -_TIE
+    # whether power flows backwards through a lossy train, and the factors e of both trains
+    backs = scene.barrel_efficiency != 1.0 and _through_barrel(scene, theta, speed, sense) < -_TIE
+    driven = scene.load_train_efficiency != 1.0 and _through_load(scene, turning, way) < -_TIE
     barrel = shared(scene.barrel_efficiency, -sense if backs else sense)
     train = shared(scene.load_train_efficiency, 1.0 if driven else -1.0)
     driver = scene.rho + (barrel - 1.0) * scene.barrel
@@ -141,9 +141,9 @@ def _in_series(work, scene, theta, speed, phi, turning, end):
     length = _passing(work, scene, part, length, 0.0, 1)
     end = next_knot(theta, end, scene) if sense > 0.0 else last_knot(theta, -np.inf, scene)
     length = _passing(work, scene, part, length, end, 0)
-    if backs and scene.barrel_efficiency != 1.0:
+    if backs:
         length = _passing(work, scene, part, length, 0.0, 3)
-    if driven and scene.load_train_efficiency != 1.0:
+    if driven:
         length = _passing(work, scene, part, length, 0.0, 4)
     rest = _passing(work, scene, part, length, 0.0, 2)
     rest = rest if rest < length else np.inf
