@@ -8,9 +8,18 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from escapement.errors import InputFileError, InvalidValue
+from escapement.errors import InvalidValue
 from escapement.study.parse import load_plan, parse_plan
-from escapement.units import SYSTEMS, factor, measured, printed, unit_name
+from escapement.units import (
+    INCH,
+    INCH_POUND,
+    POUND_FORCE,
+    SYSTEMS,
+    factor,
+    measured,
+    printed,
+    unit_name,
+)
 
 KINDS = (
     *("torque", "inertia", "length", "force", "power", "drag", "viscous", "speed"),
@@ -131,18 +140,27 @@ def test_a_study_takes_units_everywhere(tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("line", "remedy"),
+    ("text", "kind", "si"),
     [
-        ("friction = 0,1", "write a decimal point, as 0.1"),
-        ("torque = 5 mN m", 'put a number with its unit in quotes: "5 mN m"'),
-        ("torque = = 5", "correct it there"),
+        ("10 oz-in", "torque", 10 * INCH * POUND_FORCE / 16),
+        ("10 ozf-in", "torque", 10 * INCH * POUND_FORCE / 16),
+        ("2 lb-in", "torque", 2 * INCH_POUND),
+        ("2 in-lb", "torque", 2 * INCH_POUND),
+        ("2 in lbs", "torque", 2 * INCH_POUND),
+        ("1 ft-lb", "torque", 12 * INCH_POUND),
+        ("3 kg cm", "torque", 3 * 9.80665 * 0.01),
+        ("7 g mm", "torque", 7 * 9.80665e-6),
+        ("1000 dyn cm", "torque", 1e-4),
+        ("2 oz-in/rad", "rate", 2 * INCH * POUND_FORCE / 16),
+        ("5 lb/in", "stiffness", 5 * POUND_FORCE / INCH),
+        ("0.01 oz-in-s2", "inertia", 0.01 * INCH_POUND / 16),
+        ("35 g cm2", "inertia", 35e-7),
+        ("2 lb in2", "inertia", 2 * 0.45359237 * INCH**2),
+        ("7850 kg/m3", "density", 7850.0),
     ],
 )
-def test_toml_that_is_none_names_the_usual_reasons(tmp_path, line, remedy):
-    (tmp_path / "s.toml").write_text(f"[mechanism]\nslots = 4\n{line}\n")
-    with pytest.raises(InputFileError) as caught:
-        load_plan(tmp_path / "s.toml")
-    assert str(caught.value).endswith("; " + remedy)
+def test_weights_are_read_as_forces_where_a_force_is_asked_for(text, kind, si):
+    assert measured("x", text, kind, "SI", "") == pytest.approx(si, rel=1e-15)
 
 
 def test_the_command_line_takes_units(command):

@@ -49,10 +49,14 @@ _METRIC: dict[str, tuple[Any, str]] = {
 }  # fmt: skip
 _OTHERS: dict[str, tuple[Any, str]] = {
     "in": ("0.0254", "m"), "lb": ("0.45359237", "kg"), "lbf": ("9.80665", "lb m s-2"),
-    "oz": ("0.0625", "lb"), "ozf": ("0.0625", "lbf"), "min": (60, "s"), "rpm": (1, "rev min-1"),
+    "oz": ("0.0625", "lb"), "ozf": ("0.0625", "lbf"), "lbs": (1, "lb"), "inch": (1, "in"),
+    "ft": (12, "in"), "dyn": ("0.00001", "N"), "min": (60, "s"), "h": (60, "min"),
+    "rpm": (1, "rev min-1"),
     "rev": (2 * _PI, "rad"), "deg": (_PI / 180, "rad"), "degree": (1, "deg"), "°": (1, "deg"),
     "%": ("0.01", ""),
 }  # fmt: skip
+_FORCES = {"g": "gf", "lb": "lbf", "lbs": "lbf", "oz": "ozf"}
+"""The force that a mass weighs: in oz-in and kg cm, units of torque, masses stand for weights."""
 _KNOWN = {
     prefix + unit: (Fraction(10) ** power, unit)
     for unit in _METRIC
@@ -66,8 +70,11 @@ _COMMA = re.compile(r"\s*[-+]?\d*,\d+[^.,]*")
 
 
 @cache
-def _size(unit: str) -> tuple[Fraction, tuple[int, ...]]:
-    """Size of a unit in the base units, and their powers in it; ValueError for no such unit."""
+def _size(unit: str, weights: bool = False) -> tuple[Fraction, tuple[int, ...]]:
+    """Size of a unit in the base units, and their powers in it; ValueError for no such unit.
+
+    weights : whether masses stand for what they weigh.
+    """
     size, powers, end = Fraction(1), [0, 0, 0, 0], 0
     unit = unicodedata.normalize("NFKC", unit).replace("−", "-").strip().removeprefix("1")
     while end < len(unit):
@@ -75,6 +82,7 @@ def _size(unit: str) -> tuple[Fraction, tuple[int, ...]]:
             raise ValueError(f"{unit[end:]!r} is no unit")
         end, power = found.end(), int(found[3] or 1) * (-1 if found[1] else 1)
         scale, name = _KNOWN[found[2]]
+        name = _FORCES.get(name, name) if weights else name
         many, others = (_METRIC | _OTHERS)[name]
         inner, inside = _size(others)
         size *= (scale * Fraction(many) * inner) ** power
@@ -114,6 +122,8 @@ def measured(label: str, value: Any, kind: str, system: str, remedy: str) -> Any
     expected, powers = _size(unit_name(kind, system))
     try:
         size, own = _size(found[2])
+        if own != powers:
+            size, own = _size(found[2], weights=True)
     except ValueError as error:
         raise validate.fail(label, f"in a known unit ({error})", value, remedy) from None
     if own != powers:

@@ -2,7 +2,6 @@
 
 import math
 import time
-import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
@@ -22,6 +21,7 @@ from escapement.study.parse import parse_plan, plan_from
 from escapement.study.plan import StudyPlan, unit_kind
 from escapement.study.run import run_plan
 from escapement.text import words
+from escapement.toml_file import parse_toml
 from escapement.torque_curve import TorqueCurve
 
 EXAMPLES: dict[str, dict[str, Any]] = {
@@ -180,9 +180,10 @@ class Answers:
         if not isinstance(text, str):
             raise validate.fail("text", "a study in TOML", text, "give it as a text")
         try:
-            plan = parse_plan(tomllib.loads(text))
-        except tomllib.TOMLDecodeError as error:
-            raise InvalidValue(f"the text must be TOML, got: {error}; correct it there") from None
+            content = parse_toml(text)
+        except ValueError as error:
+            raise InvalidValue(f"the text must be valid TOML, {error}") from None
+        plan = parse_plan(content)
         if plan.cases != 1:
             rule = "a study of one case"
             raise validate.fail("text", rule, f"{plan.cases} cases", "give each axis one value")

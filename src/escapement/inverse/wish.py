@@ -3,17 +3,16 @@
 from __future__ import annotations
 
 import math
-import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from pathlib import Path
 from typing import Any
 
 from escapement import units, validate
-from escapement.errors import InputFileError, InvalidValue
-from escapement.files import AnyPath, check_input
+from escapement.errors import InvalidValue
+from escapement.files import AnyPath
 from escapement.quantity import Quantity
 from escapement.text import Shown
+from escapement.toml_file import read_toml
 
 Range = tuple[float, float]
 _NUMBER = "give a number, or [low, high]"
@@ -180,11 +179,7 @@ def load_wish(path: AnyPath) -> tuple[Wish, str]:
     InvalidValue
         When a key is unknown or its value breaks a rule.
     """
-    check_input(path, "wish")
-    try:
-        content = tomllib.loads(Path(path).read_text(encoding="utf-8-sig"))
-    except (OSError, ValueError) as error:
-        raise InputFileError(f"wish {path} must be valid TOML, got: {error}") from None
+    content = read_toml(path, "wish")
     try:
         return wish_of(content)
     except InvalidValue as error:

@@ -1,7 +1,6 @@
 """Makes a plan from a study file, its content, or a design in Python."""
 
 import re
-import tomllib
 import zlib
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
@@ -13,8 +12,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from escapement import units, validate
-from escapement.errors import InputFileError, InvalidValue
-from escapement.files import AnyPath, check_input
+from escapement.errors import InvalidValue
+from escapement.files import AnyPath
 from escapement.fitting import IMPERFECT, check_lengths
 from escapement.mechanism import Mechanism
 from escapement.mechanisms import DEFAULT_KIND, KINDS, kind_of
@@ -26,6 +25,7 @@ from escapement.study.elements import part_lists
 from escapement.study.plan import StudyPlan, model_numbers, settings_of
 from escapement.study.result import DEFAULT
 from escapement.study.varied import CASE, WIDTHS, axis_values, sample_columns
+from escapement.toml_file import read_toml
 from escapement.torque_curve import TorqueCurve
 from escapement.train import PLACES, check_ratios
 from escapement.validate import known_keys
@@ -35,12 +35,6 @@ MOST_CASES = 10**12
 _TOP = ("title", "units", "results", "mechanism", "inertia", *PLACES, "sweep", "sample", "solver")
 _NUMBERS = declared(Escapement)
 _SOLVER = declared(Solver)
-# usual mistakes in writing a number, and the remedy for each
-_HABITS = {
-    r"(?m)^\s*\w+\s*=\s*[-+]?\d*,\d": "write a decimal point, as 0.1",
-    r"(?m)^\s*\w+\s*=\s*[-+.\d]+(e[-+]?\d+)? ?[a-zA-Z]": "put a number with its unit in quotes: "
-    '"5 mN m"',
-}
 
 
 def load_plan(path: AnyPath) -> StudyPlan:
@@ -62,18 +56,7 @@ def load_plan(path: AnyPath) -> StudyPlan:
 
 def load_tables(path: AnyPath, *apart: str) -> tuple[StudyPlan, dict[str, Any]]:
     """The plan of a study file, and tables of it that are not the study's; errors as above."""
-    check_input(path, "study file")
-    try:
-        # editors on Windows begin a file with a byte order mark
-        content = tomllib.loads(Path(path).read_text(encoding="utf-8-sig"))
-    except OSError as error:
-        raise InputFileError(f"study file {path} must be readable, got: {error.strerror}") from None
-    except (ValueError, RecursionError) as error:
-        text = Path(path).read_text(encoding="utf-8", errors="replace")
-        remedy = next((told for habit, told in _HABITS.items() if re.search(habit, text)), "")
-        raise InputFileError(
-            f"study file {path} must be valid TOML, got: {error}; {remedy or 'correct it there'}"
-        ) from None
+    content = read_toml(path, "study file")
     try:
         others = {name: _table(content, name) for name in apart}
         for name in apart:
