@@ -97,8 +97,8 @@ def check_refused(written, tmp_path, change):
     with pytest.raises(InputFileError) as caught:
         read_motion(path)
     said = str(caught.value)
-    assert said.startswith(f"motion {path} must be whole, and is damaged: ")
-    assert said.endswith("; write it anew")
+    assert said.startswith(f"motion {path} must be whole, and cannot be read in full: ")
+    assert said.endswith("or compute it again under another name")
 
 
 NAMES = ["t", "theta", "theta_dot", "piece_start", "piece_engagement", "reversal_time"]

@@ -112,10 +112,10 @@ def some_cases(
     longer. Numbers are in `units`, or in the study's units if that is None. The unit of every
     column is returned as well.
     """
-    import h5py
     import numpy as np
 
     from escapement.study.plan import unit_kind
+    from escapement.study.stored import open_hdf5
     from escapement.study.tables import is_table, read_rows
 
     along = [{name: values} | plan.varied[name] for name, values in plan.dimensions.items()]
@@ -128,7 +128,7 @@ def some_cases(
         numbers = [int(np.ravel_multi_index(place, plan.shape)) for place in places]
         results: dict[str, Any] = dict(read_rows(path, numbers))
     else:
-        with h5py.File(path, "r") as hdf5:
+        with open_hdf5(path) as hdf5:
             wanted = (*shown, "status")
             results = {name: [hdf5[name][place] for place in places] for name in wanted}
     for row, place in enumerate(places):

@@ -14,7 +14,6 @@ from os import PathLike
 from pathlib import Path
 from typing import Any
 
-import h5py
 import numpy as np
 
 from escapement import __version__
@@ -29,7 +28,7 @@ from escapement.status import Status
 from escapement.study.hdf5 import FILTERS
 from escapement.study.parse import parse_plan, plan_from
 from escapement.study.reader import configuration_of
-from escapement.study.stored import LAYOUT, SCHEMA_VERSION, opened
+from escapement.study.stored import LAYOUT, SCHEMA_VERSION, open_hdf5, opened
 from escapement.text import csv_lines
 from escapement.torque_curve import TorqueCurve
 from escapement.trajectory import Events, Extrema
@@ -194,12 +193,12 @@ def _create(
 
 
 def is_motion(path: str | PathLike[str]) -> bool:
-    """Whether `path` is an HDF5 file of a motion."""
+    """Whether `path` is an HDF5 file of a motion; InputFileError where a lock is in the way."""
     if not Path(path).is_file():
         return False
     # HDF5 raises one or the other for a damaged file, or one that is not HDF5
     try:
-        with h5py.File(path, "r") as hdf5:
+        with open_hdf5(path) as hdf5:
             return bool(hdf5.attrs.get("content") == CONTENT)
     except (OSError, RuntimeError):
         return False

@@ -18,6 +18,7 @@ from escapement.study.stored import (
     Stored,
     check_values,
     damaged,
+    open_hdf5,
     opened,
 )
 from escapement.text import plain
@@ -108,15 +109,13 @@ def failed_cases(path: Path, frame: Study) -> int | None:
     InputFileError
         When it is that study, and damaged.
     """
-    import h5py
-
     try:
-        with h5py.File(path, "r") as hdf5:
+        with open_hdf5(path) as hdf5:
             check_same(path, configuration_of(hdf5), hdf5.attrs, frame)
             try:
                 return _count_whole(hdf5, frame)
             except DAMAGE as error:
-                raise damaged("study", path, error, " with force=True") from None
+                raise damaged("study", path, error) from None
     except EscapementError:
         raise
     except DAMAGE:

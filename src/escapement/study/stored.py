@@ -18,8 +18,31 @@ SCHEMA_VERSION = 2
 """Version of the file layout: raised when an older reader would misread a newer file."""
 LAYOUT = {"schema_version": SCHEMA_VERSION, "Conventions": "CF-1.11"}
 """Root attributes that tell how to read a file."""
+_UNLOCKED = "set the environment variable HDF5_USE_FILE_LOCKING=FALSE"
 DAMAGE = (OSError, RuntimeError, LookupError, ValueError, TypeError, AttributeError)
 """Errors that h5py and NumPy raise for a damaged file."""
+
+
+@contextmanager
+def open_hdf5(path: AnyPath) -> Iterator[Any]:
+    """An HDF5 file, open for reading; InputFileError where a lock is in the way."""
+    import h5py
+
+    try:
+        with h5py.File(path, "r") as hdf5:
+            yield hdf5
+    except OSError as error:
+        if isinstance(error, BlockingIOError) or "already open" in str(error):
+            # a program that was killed may leave this mark, so there may be nothing to close
+            raise InputFileError(
+                f"file {path} must not be open for writing in another program, such as a notebook "
+                f"or a viewer, and is; close it there, or {_UNLOCKED} to read it as it is"
+            ) from None
+        if "unable to lock" in str(error):
+            raise InputFileError(
+                f"file {path} must be on a file system with locks, and is not; {_UNLOCKED}"
+            ) from None
+        raise
 
 
 @contextmanager
@@ -37,7 +60,7 @@ def opened(
     check_input(path, what)
     remedy = f"name an HDF5 file that escapement {command} wrote"
     try:
-        with h5py.File(path, "r") as hdf5:
+        with open_hdf5(path) as hdf5:
             layout = hdf5.attrs.get("schema_version")
             missing = [name for name in needed if name not in hdf5 and name not in hdf5.attrs]
             if missing or not isinstance(layout, np.integer | int):
@@ -63,11 +86,12 @@ def opened(
         ) from None
 
 
-def damaged(what: str, path: AnyPath, error: Exception, how: str = "") -> InputFileError:
+def damaged(what: str, path: AnyPath, error: Exception) -> InputFileError:
     """The error for a file that cannot be read in full."""
     reason = " ".join(str(error).split())
     return InputFileError(
-        f"{what} {path} must be whole, and is damaged: {reason}; write it anew{how}"
+        f"{what} {path} must be whole, and cannot be read in full: {reason}; restore a copy of it, "
+        "or compute it again under another name"
     )
 
 
