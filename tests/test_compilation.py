@@ -230,12 +230,22 @@ def announced(environment, terminal=False, call="call()"):
 
 
 def test_compiling_is_announced_in_one_line(toy, tmp_path):
-    """Where its output is kept; not for code of the cache, but where there can be no cache."""
+    """But not for code of the cache; where there can be no cache, its folder is named once."""
     line = "escapement: compiling for this machine, once; it takes up to a minute\n"
     assert announced(toy) == line
     assert announced(toy) == ""
     (tmp_path / "file").touch()
-    assert announced(toy | {"NUMBA_CACHE_DIR": str(tmp_path / "file")}) == line
+    lost = (
+        f"escapement: compiled code cannot be kept in {tmp_path / 'file' / 'escapement'} (Not a "
+        "directory), so that each run compiles; set NUMBA_CACHE_DIR to a folder that can be written"
+    )
+    for place in ("NUMBA_CACHE_DIR", "XDG_CACHE_HOME", "HOME"):
+        there = {"NUMBA_CACHE_DIR": "", "XDG_CACHE_HOME": "", place: str(tmp_path / "file")}
+        told = announced(toy | there).splitlines()
+        inner = "file/.cache/" if place == "HOME" else "file/"
+        assert told == [lost.replace("file/", inner), line.replace(", once", "").strip()]
+    there = {"NUMBA_CACHE_DIR": str(tmp_path / "file")}
+    assert announced(toy | there, terminal=True).count("cannot be kept") == 1
 
 
 def test_a_terminal_counts_what_is_compiled_and_is_left_clean(toy):

@@ -43,15 +43,16 @@ def kernel_digest(package: Path) -> str:
 
 @cache
 def _cache_directory() -> str | None:
-    """Folder of compiled kernels, or None where no folder can be written."""
+    """Folder of compiled kernels, or None where it cannot be written, as the notice will say."""
     chosen = os.environ.get("NUMBA_CACHE_DIR") or os.environ.get("XDG_CACHE_HOME")
+    usual = Path(chosen or os.path.expanduser("~/.cache"))
     try:
-        usual = Path(chosen) if chosen else Path.home() / ".cache"
         folder = usual / "escapement" / kernel_digest(Path(__file__).parent)
         folder.mkdir(parents=True, exist_ok=True)
         with tempfile.TemporaryFile(dir=folder):
             return str(folder)
-    except (OSError, RuntimeError):
+    except OSError as error:
+        notice.lost = f"{usual / 'escapement'} ({error.strerror})"
         return None
 
 
@@ -62,6 +63,7 @@ class Notice:
     Numba compiles under a lock, so calls never overlap.
 
     silent : whether it says nothing; the environment variable ESCAPEMENT_QUIET asks for that.
+    lost : the folder in which compiled code cannot be kept, and why; told once.
     spent : time that compiling took so far [s].
     """
 
@@ -70,6 +72,7 @@ class Notice:
         self._depth = self._done = 0
         self._start = self.spent = 0.0
         self._told = False
+        self.lost = ""
 
     def begin(self) -> None:
         """A kernel has to be compiled, and perhaps others for it."""
@@ -87,13 +90,20 @@ class Notice:
     def _show(self) -> None:
         from multiprocessing import parent_process
 
-        text = "escapement: compiling for this machine, once"
+        text = "escapement: compiling for this machine" + ", once" * (not self.lost)
         # standard error may be None, or closed
         with contextlib.suppress(AttributeError, OSError, ValueError):
             # each worker of a cluster on this machine would print the same
             if self.silent or parent_process() is not None:
                 return
+            if self.lost and not self._told:
+                print(
+                    f"escapement: compiled code cannot be kept in {self.lost}, so that each run "
+                    "compiles; set NUMBA_CACHE_DIR to a folder that can be written",
+                    file=sys.stderr,
+                )
             if sys.stderr.isatty():
+                self._told = True
                 columns = shutil.get_terminal_size().columns - 1
                 text += f": {self._done} functions, {time.monotonic() - self._start:.0f} s"
                 sys.stderr.write(f"\r{text * (self._depth > 0):{columns}.{columns}}\r")
