@@ -85,14 +85,25 @@ def test_sweep_keeps_an_existing_file_unless_forced(command, study, tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("shape", "cases"), [((1,), 1), ((7,), 7), ((40,), 12), ((4, 25), 12), ((9, 9, 9), 12)]
+    ("shape", "cases"),
+    [
+        ((1,), 1),
+        ((7,), 7),
+        ((40,), 11),
+        ((4, 25), 12),
+        ((9, 9, 9), 9),
+        ((2, 2, 2, 2), 9),
+        ((3,) * 6, 11),
+    ],
 )
-def test_spread_covers_both_ends(shape, cases):
+def test_spread_covers_both_ends_and_the_middle(shape, cases):
     places = spread(shape, 12)
     assert len(places) == cases
     assert len(set(places)) == cases
     assert tuple(0 for _ in shape) in places
     assert tuple(size - 1 for size in shape) in places
+    for axis, size in enumerate(shape):
+        assert any(abs(2 * place[axis] - size + 1) <= 1 for place in places)
 
 
 def test_plot_of_a_study(command, study, tmp_path):

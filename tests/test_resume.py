@@ -280,6 +280,8 @@ def test_resume_on_the_command_line(tmp_path, solved, monkeypatch, capsys):
     assert "continue with resume=True (--resume)" in capsys.readouterr().err
     assert main(["sweep", "s.toml", "--resume"]) == 0
     errors = capsys.readouterr().err
-    assert re.search(r"40 cases in s.h5, \d+ of them from an earlier run", errors)
+    assert re.search(
+        r"40 cases in s.h5, \d+ of them above, \d+ of them from an earlier run", errors
+    )
     assert main(["sweep", "s.toml", "--resume", "--json"]) == 0
     assert '"resumed": 40' in capsys.readouterr().out

@@ -18,7 +18,7 @@ from escapement.status import Status
 from escapement.study.parse import parse_plan, plan_from
 from escapement.study.reader import read_study
 from escapement.study.result import RESULTS
-from escapement.study.run import Tally, run_plan, sweep, write_plan
+from escapement.study.run import Tally, _mixed, run_plan, sweep, write_plan
 from escapement.study.scenes import evaluate
 from escapement.units import INCH_POUND
 from study_tools import assert_as_alone
@@ -268,11 +268,32 @@ def show(monkeypatch):
     return shown
 
 
-def test_a_log_gets_a_line_every_half_minute_and_one_at_the_end(show):
-    lines = show(io.StringIO(), [10, 29, 31, 45, 60, 62, 100]).splitlines()
+def test_a_log_gets_an_early_line_one_a_minute_and_one_at_the_end(show):
+    lines = show(io.StringIO(), [1, 3, 31, 45, 62, 64, 100]).splitlines()
     counts = [line.split(" cases")[0].strip() for line in lines]
-    assert counts == ["42 % 3 of 7", "85 % 6 of 7", "100 % 7 of 7"]
+    assert counts == ["28 % 2 of 7", "85 % 6 of 7", "100 % 7 of 7"]
+    assert lines[0].endswith("7.5 s left, 1 failed")
     assert lines[-1].endswith("took 1 min 40 s, 3 failed")
+
+
+def test_compiling_is_told_apart_from_solving(show, monkeypatch):
+    class Notice:
+        times = iter([0.0, 0.0, *[40.0] * 99])  # nothing was compiled when the bar was made
+        spent = property(lambda self: next(self.times))
+
+    monkeypatch.setattr(progress, "notice", Notice())
+    lines = show(io.StringIO(), [41, 43, 45, 50]).splitlines()
+    assert lines[0].strip() == "50 % 2 of 4 cases, 0.667/s, 3.0 s left, 1 failed"
+    assert lines[-1].endswith("4 of 4 cases, 0.4/s, took 10 s, and compiling 40 s, 2 failed")
+
+
+def test_any_beginning_of_the_blocks_is_spread_over_all():
+    for size in (1, 10, 640):
+        order = _mixed(range(size))
+        assert sorted(order) == [*range(size)]
+        for share in (0.1, 0.3):
+            first = np.sort(order[: max(1, round(share * size))])
+            assert abs(first.mean() - 0.5 * size) <= 0.05 * size + 5
 
 
 def test_a_terminal_gets_one_line_that_is_drawn_again(show):

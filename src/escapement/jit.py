@@ -74,6 +74,11 @@ class Notice:
         self._told = False
         self.lost = ""
 
+    @property
+    def busy(self) -> bool:
+        """Whether a kernel is being compiled."""
+        return self._depth > 0
+
     def begin(self) -> None:
         """A kernel has to be compiled, and perhaps others for it."""
         if self._depth == 0:

@@ -1,4 +1,4 @@
-"""Progress of long work: a bar on a terminal, a line every half minute elsewhere."""
+"""Progress of long work: a bar on a terminal, a line a minute elsewhere."""
 
 import math
 import shutil
@@ -10,9 +10,21 @@ from typing import Self, TextIO
 from escapement.jit import notice
 
 _REDRAW = 0.1  # s between two drawings of the bar
-_LINE = 30.0  # s between two lines in a log
+_LINE = 60.0  # s between two lines in a log
+_FIRST = 2.0  # s of solving after which a log gets its first line
 _LOG = 1.0  # s between two lines of a log for programs
 _BAR = 24  # characters
+
+active: list["Progress"] = []
+"""Those that are being shown."""
+stage = ""
+"""What is being computed, for work of which nobody counts the cases."""
+
+
+def set_stage(text: str) -> None:
+    """Note what is being computed from here on."""
+    global stage
+    stage = text
 
 
 class Progress:
@@ -51,29 +63,39 @@ class Progress:
         # sys.stderr is None where standard error was closed before Python started
         closed = getattr(self._stream, "closed", self._stream is None)
         self._terminal = not closed and self._stream.isatty()
-        self._quiet, self._what, self._log = quiet or closed, what, log
-        self._start, self._compiled = time.monotonic(), notice.spent
+        self._quiet, self._log = quiet or closed, log
+        self._begun, self._compiled_before = time.monotonic(), notice.spent
         self._logged = -math.inf
-        self._shown = -math.inf if self._terminal else self._start
-        self._counts = (0, 0, 0)
+        self.count(what)
+
+    def count(self, what: str) -> None:
+        """Begin to count something else, the plural of which is `what`."""
+        self._what, self._counts = what, (0, 0, 0)
+        self._start, self._compiled = time.monotonic(), notice.spent
+        # the first line of a log comes early, as an estimate of the whole time
+        self._shown = -math.inf if self._terminal else self._start + _FIRST - _LINE
 
     def __call__(self, done: int, total: int, failed: int) -> None:
         """Note the cases done, their total and those failed; show them if it is time."""
         self._counts, now = (done, total, failed), time.monotonic()
-        interval = _REDRAW if self._terminal else _LINE
         if done >= total:
             return  # the end is shown once
-        if now - self._shown >= interval:
-            self._shown = now
+        solved = now - (notice.spent - self._compiled)
+        if solved - self._shown >= (_REDRAW if self._terminal else _LINE):
+            self._shown = solved
             self._show("")
         if self._log is not None and now - self._logged >= _LOG:
             self._logged = now
             self._log(*self._counts, self._rate)
 
     def __enter__(self) -> Self:
+        if not self._quiet:
+            active.append(self)
         return self
 
     def __exit__(self, *error: object) -> None:
+        if self in active:
+            active.remove(self)
         self._show("\n")
         if self._log is not None:
             self._log(*self._counts, self._rate)
@@ -102,10 +124,13 @@ class Progress:
     def _text(self) -> str:
         """The share done, counts, rate, time left or taken, and failures."""
         done, total, failed = self._counts
-        elapsed, rate = time.monotonic() - self._start, self._rate
+        rate = self._rate
         told = f"{duration((total - done) / rate)} left" if rate > 0.0 else "starting"
         if done >= total:
-            told = f"took {duration(elapsed)}"
+            compiled = notice.spent - self._compiled_before
+            told = f"took {duration(time.monotonic() - self._begun - compiled)}"
+            if compiled >= 0.05:
+                told += f", and compiling {duration(compiled)}"
         failures = f", {failed} failed" if failed else ""
         share = f"{100 * done // total:3d} % {done} of {total} {self._what}"
         return f"{share}, {rate:.3g}/s, {told}{failures}"

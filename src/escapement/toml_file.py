@@ -94,7 +94,8 @@ def _text(data: bytes) -> str:
 def _remedy(text: str, number: int) -> str:
     """What to write in a line that is no TOML; nothing if no usual slip explains the error."""
     lines = text.splitlines()
-    line, wrong = lines[number - 1], []
+    line = lines[number - 1]
+    wrong: list[str] = []
     for rule, slip, mended in _SLIPS:
         changed = re.sub(slip, mended, line).rstrip()
         if changed == line.rstrip():

@@ -131,7 +131,7 @@ def program() -> NoReturn:
 
 def _dispatch(argv: Sequence[str]) -> int:
     """Understand the command and its arguments, then run the module that has it."""
-    from escapement.cli import _log
+    from escapement.cli import _log, _waiting
     from escapement.cli._arguments import parser_of, understand_command
 
     try:
@@ -141,7 +141,8 @@ def _dispatch(argv: Sequence[str]) -> int:
         return 0
     if args.log is not None:
         _log.start(args.log, argv)
-    code: int = command.execute(args)
+    with _waiting.shown(argv[0], quiet=getattr(args, "quiet", False)):
+        code: int = command.execute(args)
     return code
 
 
@@ -161,8 +162,9 @@ def _complain(message: str, code: int) -> int:
 
 def _tell(event: str, message: str) -> None:
     """One line on stderr, and in the log."""
-    from escapement.cli import _log
+    from escapement.cli import _log, _waiting
 
+    _waiting.clear()
     line = " ".join(message.split())
     _log.record(event, message=line)
     print(f"escapement: {event}: {line}", file=sys.stderr)

@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any
 
 import escapement as esc
-from escapement.cli import _log
+from escapement.cli import _log, _waiting
 from escapement.cli._arguments import Arguments, UsageError
 from escapement.errors import CannotCreate
 from escapement.files import (
@@ -63,6 +63,7 @@ _REASONS = {
 
 def tell(args: Arguments, record: Record, table: Callable[[], None], message: str = "") -> None:
     """Print what a command found: a JSON object, or a table, and what to know of it on stderr."""
+    _waiting.end()
     if args.json:
         print_json(record)
     else:
@@ -143,6 +144,7 @@ def in_units(value: Any, quantity: str, system: str) -> Any:
 
 def note(message: str) -> None:
     """A line on stderr, and in the log."""
+    _waiting.clear()
     _log.record("note", message=message)
     print(f"escapement: {message}", file=sys.stderr)
 

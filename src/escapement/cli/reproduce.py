@@ -5,7 +5,7 @@ from pathlib import Path
 from typing import Any
 
 import escapement as esc
-from escapement.cli import _arguments, _log, _output
+from escapement.cli import _arguments, _log, _output, _waiting
 from escapement.cli._arguments import Arguments, Parser, UsageError, one_of
 from escapement.files import FORMATS, replace_file
 from escapement.text import as_csv, as_json
@@ -40,10 +40,13 @@ def execute(args: Arguments) -> int:
         raise UsageError(
             f"--format must come with --output DIR, got {args.format!r} alone; name a folder"
         )
+    from escapement.progress import set_stage
+
     several = args.source == ALL
     records: dict[str, Any] = {}
     with _output.folder(args.output):
         for source in SOURCES if several else (args.source,):
+            set_stage(source)
             if records and not args.json:
                 print("\n")
             # files of two sources could have the same name
@@ -66,5 +69,6 @@ def _reproduce(source: str, folder: Path | None, args: Arguments) -> dict[str, A
             _output.note(f"tables and figures in {folder}")
             _log.record("saved", file=str(folder))
     if not args.json:
+        _waiting.clear()
         made.show()
     return dict(made.record)

@@ -68,7 +68,8 @@ def execute(args: Arguments) -> int:
         below = [spelt(units[name]) for name in cases[0]]
         print_columns([[*map(words, cases[0])], below], ([*case.values()] for case in cases))
         before = f", {tally.resumed} of them from an earlier run" if tally.resumed else ""
-        _output.note(f"{tally.cases} case{'s' * (tally.cases != 1)} in {path}{before}")
+        shown = f", {len(cases)} of them above" if len(cases) < tally.cases else ""
+        _output.note(f"{tally.cases} case{'s' * (tally.cases != 1)} in {path}{shown}{before}")
 
     sizes = dict(zip(plan.dimensions, plan.shape, strict=True))
     record = {"output": str(path), "axes": sizes} | tally._asdict() | {"some_cases": cases}
@@ -153,15 +154,23 @@ def in_system(kind: str, own: str, system: str | None) -> tuple[float, str]:
 
 
 def spread(shape: tuple[int, ...], most: int) -> list[tuple[int, ...]]:
-    """At most `most` grid places: the ends of every axis, then places between them."""
+    """At most `most` grid places: the ends of every axis, the middle, and places between them."""
     counts = list(shape)
-    while math.prod(counts) > most:
-        counts[counts.index(max(counts))] -= 1
+    marked = [tuple(place) for place in zip(*((0, n // 2, n - 1) for n in shape), strict=True)]
+
+    def added() -> list[tuple[int, ...]]:
+        few = any(n < min(size, 3) for size, n in zip(shape, counts, strict=True))
+        return marked if few else []
+
+    while math.prod(counts) + len(added()) > most:
+        largest = max(counts)
+        # an odd number of places between two ends has the middle among them
+        counts[counts.index(largest)] -= 2 if largest > 3 and largest % 2 else 1
     picks = [
         [round(i * (size - 1) / (count - 1)) for i in range(count)] if count > 1 else [size // 2]
         for size, count in zip(shape, counts, strict=True)
     ]
-    return list(itertools.product(*picks))
+    return sorted({*itertools.product(*picks), *added()})
 
 
 def load_case(path: Path, selection: str | None) -> "tuple[StudyPlan, int]":

@@ -15,6 +15,7 @@ from escapement.inverse.wish import BOUNDS, Wish
 from escapement.mechanism import FloatArray
 from escapement.mechanisms import Geneva
 from escapement.model import Escapement, Inertia
+from escapement.progress import set_stage
 from escapement.run_down import rundown
 from escapement.text import Shown
 
@@ -85,7 +86,10 @@ def design(wish: Wish, *, count: int = 40, seed: int = 0) -> Designs:
         reason = f"no wheel with these slots moves at a friction of {wish.friction[1]:g}"
         remedy = "all jam, or their pins do not fit; allow less friction or other slots"
         return Designs(wish, (), 0, f"{reason}: {remedy}")
-    tables = [_sampled(wheel, wish, seed) for wheel in wheels]
+    tables = []
+    for number, wheel in enumerate(wheels, 1):
+        set_stage(f"wheel {number} of {len(wheels)}")
+        tables.append(_sampled(wheel, wish, seed))
     owner = np.repeat(np.arange(len(wheels)), [len(places) for places, _ in tables])
     places = np.concatenate([places for places, _ in tables])
     values = {name: np.concatenate([table[name] for _, table in tables]) for name in BOUNDS}
@@ -95,7 +99,10 @@ def design(wish: Wish, *, count: int = 40, seed: int = 0) -> Designs:
     costs = np.log(np.column_stack([values[name][good] for name in wish.objectives]))
     front = undominated(costs)
     front = front[spread_out(costs[front], count)]
-    found = [_polished(wheels[owner[i]], places[i], wish) for i in good[front]]
+    found = []
+    for number, i in enumerate(good[front], 1):
+        set_stage(f"improving design {number} of {front.size}")
+        found.append(_polished(wheels[owner[i]], places[i], wish))
     made = [made for wheel, place in found if (made := _made(wheel, place, wish))]
     if not made:
         reason = "designs that seemed to satisfy the bounds do not satisfy them exactly"

@@ -50,16 +50,22 @@ class _PageWriter(AbstractMovieWriter):
 
 def write_film(film: FuncAnimation, path: Path) -> None:
     """Write a film to a file, whose suffix is one of `escapement.files.FILMS`."""
+    # what makes a motion has loaded this already; figures of files do without it
+    from escapement.progress import set_stage
+
+    def note(done: int, total: int) -> None:
+        set_stage(f"picture {done + 1} of {total}")
+
     rate = 1e3 / film._interval  # type: ignore[attr-defined]
     if path.suffix == ".gif":
-        film.save(path, writer="pillow")
+        film.save(path, writer="pillow", progress_callback=note)
     elif path.suffix == ".html":
-        film.save(path, writer=_PageWriter(fps=rate), dpi=_DPI)
+        film.save(path, writer=_PageWriter(fps=rate), dpi=_DPI, progress_callback=note)
     else:
         codec, choices = _VIDEOS[path.suffix]
         writer = FFMpegWriter(fps=rate, codec=codec, extra_args=_COMMON + choices)
         try:
-            film.save(path, writer=writer, dpi=_DPI)
+            film.save(path, writer=writer, dpi=_DPI, progress_callback=note)
         except subprocess.CalledProcessError:
             raise StorageError(
                 f"ffmpeg failed to write a film with its encoder {codec}; install an ffmpeg that "

@@ -29,6 +29,7 @@ from escapement.study.stored import LAYOUT
 from escapement.study.writer import Unfinished, study_writer
 
 _SLICE = 256, 16384  # fewest and most scenes solved at a time: up to 0.2 s
+_GOLDEN = (5.0**0.5 - 1.0) / 2.0
 _ROOT = Path(__file__).parents[1]
 _ROOMS = ("mechanisms", "engines", "study")
 
@@ -223,9 +224,10 @@ def _run(
         if isinstance(report, Progress):
             report.before = done
         report(done, plan.cases, failed)
-        shared = solved_scenes(plan, solvers) if study.missing else None
+        counted = report if isinstance(report, Progress) else None
+        shared = solved_scenes(plan, solvers, counted) if study.missing else None
         work = Work(plan, study.cut, numerics(), shared)
-        for block in solvers.completed(task, work, study.missing):
+        for block in solvers.completed(task, work, _mixed(study.missing)):
             study.add(block)
             start, stop = study.cut.span(block.number)
             done, failed = done + stop - start, failed + block.failed
@@ -233,7 +235,17 @@ def _run(
     return Tally(plan.cases, failed, study.resumed)
 
 
-def solved_scenes(plan: StudyPlan, pool: Pool) -> scenes.SharedScenes | None:
+def _mixed(items: Sequence[Any]) -> list[Any]:
+    """The items in an order of which every beginning is spread evenly over all of them.
+
+    The time that the first ones take then tells that of all, even if dear cases stand side by side.
+    """
+    return [items[i] for i in np.argsort(_GOLDEN * np.arange(len(items)) % 1.0).tolist()]
+
+
+def solved_scenes(
+    plan: StudyPlan, pool: Pool, progress: Progress | None = None
+) -> scenes.SharedScenes | None:
     """The scenes that blocks have in common, solved; None where each block solves its own."""
     shared = scenes.shared_scenes(plan)
     if shared is None:
@@ -241,9 +253,16 @@ def solved_scenes(plan: StudyPlan, pool: Pool) -> scenes.SharedScenes | None:
     size = shared.cases.size
     step = min(max(size // 64, _SLICE[0]), _SLICE[1])
     figures, status = np.empty((len(plan.results) - 1, size)), np.empty(size, dtype=np.uint8)
-    parts = ((start, shared.cases[start : start + step]) for start in range(0, size, step))
-    for start, (numbers, outcomes) in pool.completed(solve_slice, plan, parts):
-        figures[:, start : start + step], status[start : start + step] = numbers, outcomes
+    starts = _mixed(range(0, size, step))
+    parts = ((start, shared.cases[start : start + step]) for start in starts)
+    if progress is not None:
+        progress.count("different cases")
+    for done, (start, found) in enumerate(pool.completed(solve_slice, plan, parts), 1):
+        figures[:, start : start + step], status[start : start + step] = found
+        if progress is not None:
+            progress(min(done * step, size), size, 0)
+    if progress is not None:
+        progress.count("cases")
     return shared._replace(figures=figures, status=status)
 
 

@@ -19,6 +19,7 @@ from escapement.fitting import IMPERFECT
 from escapement.mechanism import FloatArray
 from escapement.merits import FIGURES
 from escapement.model import Escapement
+from escapement.progress import set_stage
 from escapement.status import Status
 from escapement.study.parse import parse_plan, plan_from
 from escapement.study.plan import StudyPlan
@@ -165,6 +166,7 @@ def budget_of(
     found = simulation.terminal(nominal)
     if found.status is not Status.OK:
         raise InvalidValue(f"the nominal design must have a terminal cycle: {found.message}")
+    set_stage(f"solving {plan.cases} cases")
     study = run_plan(plan, **options)
     names = [name for name in plan.results if name != "status"]
     known = numbers_of(nominal.held)

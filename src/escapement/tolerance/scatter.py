@@ -17,11 +17,12 @@ from escapement.mechanism import FloatArray
 from escapement.merits import TRANSIENT
 from escapement.metrics import Figures
 from escapement.model import Escapement
+from escapement.progress import set_stage
 from escapement.status import MESSAGES, Status
 from escapement.study.plan import StudyPlan, unit_kind
 from escapement.study.result import Study
 from escapement.study.varied import correlation_matrix
-from escapement.text import Shown
+from escapement.text import Shown, words
 from escapement.tolerance import intervals
 from escapement.tolerance.differences import lossless, needs_differences, slopes_by
 from escapement.tolerance.figures import figures_of
@@ -145,6 +146,7 @@ def scatter_of(
     corners: Corners,
 ) -> Scatter:
     """The scatter of one figure; `corners` has its two slopes by errors of perfect parts."""
+    set_stage(f"worst case of {words(figure)}")
     system = plan.configuration["units"]
     values = study.results[figure] * units.factor(unit_kind(figure), system)
     answered = np.isfinite(values)
