@@ -124,6 +124,11 @@ def test_python_runs_and_prints_what_is_shown(page, workplace):
         printed = io.StringIO()
         with contextlib.redirect_stdout(printed):
             exec(compile(block.text, name_of(page), "exec"), names)
+        for value in names.values():
+            home = type(value).__module__
+            if home.startswith("escapement") and "measurement" not in home:
+                assert len(repr(value)) <= 600, type(value)
+                assert "\n" not in repr(value), type(value)
         if block.below is None:
             assert printed.getvalue() == ""
         else:

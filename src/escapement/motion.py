@@ -37,8 +37,8 @@ if TYPE_CHECKING:
 _SAMPLES = 100  # per engagement on the default grid: a curve over a full page looks smooth
 
 
-@dataclass(frozen=True)
-class State:
+@dataclass(frozen=True, repr=False)
+class State(Shown):
     """Driver, follower and contact at the times `t`: arrays of one shape.
 
     t [s]; theta, phi [rad]; theta_dot, phi_dot [rad/s]; theta_ddot, phi_ddot

@@ -78,6 +78,10 @@ def words(key: str) -> str:
     return key.removesuffix("_deg").replace("_", " ")
 
 
+_FEW = 4
+"""Greatest number of items of a list that are shown each."""
+
+
 class Shown:
     """Base of dataclasses that print themselves in short, with units, and as a table in notebooks.
 
@@ -110,7 +114,10 @@ class Shown:
 
 
 def _brief(value: Any) -> str:
-    """A number to six figures, a status by its label, an array by its size and range."""
+    """A number to six figures, a status by its label, an array by its size and range.
+
+    Of a long list and of a dictionary, the number of items and the names.
+    """
     if getattr(value, "ndim", None) == 0:  # a number of NumPy
         value = value.item()
     if getattr(value, "size", 0):
@@ -118,5 +125,11 @@ def _brief(value: Any) -> str:
             return f"{value.sum()} of {value.size}"
         if value.dtype.kind == "U":
             return ", ".join(f"{n} {word}" for word, n in Counter(value.tolist()).items())
-        return f"{value.size} from {value.min():.6g} to {value.max():.6g}"
+        known = value[value == value]  # NaN is not equal to itself
+        ends = f" from {known.min():.6g} to {known.max():.6g}" if known.size else " without a value"
+        return f"{value.size}{ends}"
+    if isinstance(value, Mapping):
+        return ", ".join(map(str, value)) or "none"
+    if isinstance(value, list | tuple) and len(value) > _FEW:
+        return f"{len(value)} items"
     return f"{value:.6g}" if isinstance(value, float) else str(getattr(value, "label", value))

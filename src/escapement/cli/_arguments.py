@@ -248,9 +248,9 @@ def add_output(group: ArgumentGroup, file: str, text: str) -> None:
     group.add_argument("--force", action="store_true", help=f"replace {file} if it exists")
 
 
-def add_folder(parser: Parser, what: str, otherwise: str = "") -> None:
+def add_folder(parser: Parser, what: str) -> None:
     """Add a folder to fill; `_output.folder` makes it."""
-    text = f"folder for {what}; it is created, and files in it are replaced{otherwise}"
+    text = f"folder for {what}; it is created, and files in it are replaced"
     parser.add_argument("-o", "--output", type=Path, metavar="DIR", help=text)
 
 

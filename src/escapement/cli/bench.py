@@ -1,7 +1,6 @@
 """Run time against error of the engines and of SciPy's solvers."""
 
 import sys
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 from escapement.cli import _arguments, _log, _output
@@ -11,13 +10,10 @@ from escapement.text import print_columns
 if TYPE_CHECKING:
     from escapement.benchmark.work_precision import Results
 
-FOLDER = Path("benchmarks") / "results"
-
 
 def configure(parser: Parser) -> None:
     """Add the command's arguments."""
-    what = "tables (CSV), the figure and the machine's description"
-    _arguments.add_folder(parser, what, f" (default: {FOLDER}; with --quick none)")
+    _arguments.add_folder(parser, "tables (CSV), the figure and the machine's description")
     parser.add_argument("--quick", action="store_true", help="ten seconds instead of many minutes")
 
 
@@ -25,16 +21,13 @@ def execute(args: Arguments) -> int:
     """Measure, print, and fill the folder."""
     from escapement.benchmark import work_precision
 
-    # the results of ten seconds are not kept unless a folder is named
-    usual = FOLDER if args.output is None and not args.quick else None
-    folder = args.output or usual
-    with _output.folder(usual and usual.parent), _output.folder(folder):
+    with _output.folder(args.output):
         results = work_precision.run(quick=args.quick, note=_output.note)
         try:
             _output.tell(args, results.as_dict(), lambda: print_tables(results))
             sys.stdout.flush()
         finally:  # neither a full disk nor a reader that left may cost many minutes of work
-            for path in work_precision.write(results, folder) if folder is not None else []:
+            for path in work_precision.write(results, args.output) if args.output else []:
                 _output.note(f"wrote {path}")
                 _log.record("saved", file=str(path))
     return 0

@@ -22,6 +22,7 @@ from escapement.mechanisms import Geneva
 from escapement.mechanisms.slotted import transmission_at
 from escapement.roots import newton_in_bracket
 from escapement.scene import Path
+from escapement.text import Shown
 
 _ROUNDING = 8.0 * np.finfo(np.float64).eps  # an F this close to a limit is the limit
 
@@ -112,8 +113,8 @@ def limit_angle(slots: ArrayLike) -> FloatArray:
     return np.asarray(-np.arccos(2.0 * size * np.cos(turn) - a / 3.0))
 
 
-@dataclass(frozen=True)
-class ReversalStudy:
+@dataclass(frozen=True, repr=False)
+class ReversalStudy(Shown):
     """Filemon's figures over numbers of slots n and inertia ratios F.
 
     All except `reversals` have the shape to which n and F broadcast. Torques are those of a drive

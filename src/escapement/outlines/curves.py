@@ -48,6 +48,9 @@ class Curve(NamedTuple):
     corners: ComplexArray
     bulges: FloatArray
 
+    def __repr__(self) -> str:
+        return f"Curve({self.corners.size} corners)"
+
     @classmethod
     def circle(cls, radius: float, centre: complex = 0.0) -> Self:
         """A whole circle, counter-clockwise: two halves."""

@@ -21,6 +21,7 @@ from escapement.solver import Solver
 from escapement.study.elements import joined
 from escapement.study.result import kept
 from escapement.study.varied import CASE
+from escapement.text import Shown
 from escapement.torque_curve import TorqueCurve
 from escapement.train import train_numbers
 
@@ -59,8 +60,8 @@ def settings_of(build: Any, meshed: bool) -> dict[str, Setting]:
     return ordered | {n: e for n, e in (words | model_numbers()).items() if e.fits(meshed)}
 
 
-@dataclass(frozen=True, eq=False)
-class StudyPlan:
+@dataclass(frozen=True, eq=False, repr=False)
+class StudyPlan(Shown):
     """Everything that a study needs to run, without its results.
 
     Cases are numbered in C order over the dimensions: the axes, then the cases of the
@@ -97,6 +98,14 @@ class StudyPlan:
     solver: Solver
     fingerprint: str = ""
     curve: TorqueCurve | None = None
+
+    def _shown(self) -> list[tuple[str, Any, str]]:
+        return [
+            ("title", self.title, ""),
+            ("dimensions", self.dimensions, ""),
+            ("cases", self.cases, ""),
+            ("engine", self.solver.engine, ""),
+        ]
 
     @property
     def title(self) -> str:

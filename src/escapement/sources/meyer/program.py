@@ -96,6 +96,9 @@ class Printout(NamedTuple):
     theta_ddot: FloatArray
     phi_dot: FloatArray
 
+    def __repr__(self) -> str:
+        return f"Printout({self.time.size} rows)"
+
 
 class Reading(NamedTuple):
     """What a reader takes from a printout; NaN where the run is too short.
