@@ -47,13 +47,8 @@ SYMBOLS |= {"beta_max": r"\beta_{max}", "F12": "F_{12}", "F23": "F_{23}"}
 LIMIT_ANGLES = [3.620, 8.484, 12.649, 16.065, 18.874, 21.209, 23.174, 24.848]
 KEYS = {
     *("inertia_ratio", "reversal_limits", "reversals_deg", "zone", "torque_max", "torque_max_deg"),
-    *(
-        "torque_mean",
-        "power_mean_to_dead_centre",
-        "power_max",
-        "torque_max_over_mean",
-        "greatest_speed",
-    ),
+    *("torque_mean", "torque_max_over_mean", "power_mean_to_dead_centre", "power_max"),
+    "greatest_speed",
     *("greatest_follower_inertia", "least_load_torque"),
 }
 
