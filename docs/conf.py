@@ -8,21 +8,26 @@ signature and docstring of each name in the API reference, and links to and from
 import html
 import inspect
 import re
+import sys
 from pathlib import Path
 from pkgutil import resolve_name
 
 import ziamath
 from docutils import nodes
+from sphinx.util.logging import getLogger
 from sphinx.writers.html5 import HTML5Translator
 
 import escapement as esc
 from escapement.explorer import page
 
+sys.path.insert(0, str(Path(__file__).parent))
+from site_links import broken
+
 project = "escapement"
 author = "The escapement developers"
 version = release = esc.__version__
 extensions = ["myst_parser", "sphinx.ext.autodoc", "numpydoc"]
-myst_enable_extensions = ["dollarmath"]
+myst_enable_extensions = ["dollarmath", "html_image"]
 myst_heading_anchors = 3
 numpydoc_show_class_members = False
 autodoc_typehints = "none"
@@ -166,7 +171,7 @@ def skipped(app, what, name: str, value, skip: bool, options) -> bool | None:
 
 
 def finish(app, error: Exception | None) -> None:
-    """Write the explorer beside the first page, which shows it in a frame."""
+    """Write the explorer beside the first page, which shows it in a frame; check all links."""
     if error is None and app.builder.format == "html":
         timer = esc.Escapement(
             esc.Geneva(4, crank_radius=0.02),
@@ -175,6 +180,8 @@ def finish(app, error: Exception | None) -> None:
             friction=0.35,
         )
         (Path(app.outdir) / EXPLORER).write_text(page(timer), encoding="utf-8")
+        for line in broken(Path(app.outdir)):
+            getLogger(__name__).warning(line)  # which fails a build with --fail-on-warning
 
 
 def formula(writer: HTML5Translator, node: nodes.Element) -> None:

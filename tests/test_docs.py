@@ -326,6 +326,22 @@ def test_links_lead_somewhere(page):
         assert not anchor or anchor in anchors(linked), target
 
 
+@pytest.mark.parametrize(
+    ("name", "heading", "least"),
+    [
+        ("meyer.md", "## What the thesis says and asks, and what is true", 16),
+        ("drive-torque.md", "### What the paper says, and where it is answered", 12),
+        ("gear-driven.md", "### What the paper says, and where it is answered", 12),
+        ("elliptical-planetary.md", "### What the paper says, and where it is answered", 10),
+    ],
+)
+def test_every_statement_of_a_source_has_an_answer(name, heading, least):
+    table = re.split(r"^##+ ", page_text(name).partition(f"{heading}\n")[2], flags=re.MULTILINE)[0]
+    rows = [line.strip("|").split(" | ") for line in table.splitlines() if line.startswith("| ")]
+    assert len(rows) == least + 1  # a header
+    assert all(len(row) == 3 and all(cell.strip() for cell in row) for row in rows)
+
+
 def test_every_page_is_on_the_map():
     listed = {target.partition("#")[0] for target in links((DOCS / "index.md").read_text("utf-8"))}
     assert {page.name for page in DOCS.glob("*.md")} - {"index.md"} <= listed

@@ -128,6 +128,8 @@ def test_load_that_varies_with_the_follower_angle():
     work = quad(load, start, 0.0)[0]
     kinetic = 0.5 * inertia * speed**2 * float(geneva.ratio_max(8)) ** 2
     assert result.torque_mean * -wheel.breaks[0] == pytest.approx(work + kinetic, rel=1e-13)
+    time = -wheel.breaks[0] / speed
+    assert result.power_mean_to_dead_centre * time == pytest.approx(work + kinetic, rel=1e-13)
 
     def moment(theta):
         rate = float(wheel.transmission(theta).dg)

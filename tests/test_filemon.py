@@ -47,7 +47,8 @@ SYMBOLS |= {"beta_max": r"\beta_{max}", "F12": "F_{12}", "F23": "F_{23}"}
 LIMIT_ANGLES = [3.620, 8.484, 12.649, 16.065, 18.874, 21.209, 23.174, 24.848]
 KEYS = {
     *("inertia_ratio", "reversal_limits", "reversals_deg", "zone", "torque_max", "torque_max_deg"),
-    *("torque_mean", "power_max", "torque_max_over_mean", "greatest_speed"),
+    *("torque_mean", "torque_max_over_mean", "power_mean_to_dead_centre", "power_max"),
+    "greatest_speed",
     *("greatest_follower_inertia", "least_load_torque"),
 }
 
@@ -227,8 +228,8 @@ def test_drive_torque_in_inches(report):
     one, other = (
         report("drive-torque", "--speed", 9, "--friction", ".2", *words) for words in (si, inches)
     )
-    scaled = ("torque_max", "torque_mean", "power_max", "greatest_follower_inertia")
-    for name in (*scaled, "least_load_torque"):
+    scaled = ("torque_max", "torque_mean", "power_mean_to_dead_centre", "power_max")
+    for name in (*scaled, "greatest_follower_inertia", "least_load_torque"):
         assert one[name] == pytest.approx(other[name] * INCH_POUND)
     for name in ("torque_max_over_mean", "greatest_speed"):
         assert one[name] == pytest.approx(other[name])
@@ -284,3 +285,16 @@ def test_rows_for_json():
     assert (six["slots"], six["printed"]["F12"]) == (6, 0.4707)
     assert six["true"]["F12"] == pytest.approx(0.7409398)
     assert [erratum["column"] for erratum in six["errata"]] == ["F12"]
+
+
+# --- what the page says of the paper ------------------------------------------------------
+
+
+def test_overloads_of_a_motor_that_is_chosen_by_the_mean():
+    ratio = np.append(np.geomspace(0.1, 1e4, 400), 1e12)
+    found = esc.reversal_study(np.arange(3, 11)[:, None], ratio).peak_to_mean
+    low, high = found.min(axis=1), found.max(axis=1)
+    told = [f"{low[k]:.1f} to {high[k]:.1f} with {k + 3}" for k in range(4)]
+    told.append(f"{low[4:].min():.1f} to {high[4:].max():.1f} with 7 to 10")
+    page = (DOCS / "drive-torque.md").read_text("utf-8")
+    assert all(words in page.replace("with 3 slots", "with 3") for words in told), told

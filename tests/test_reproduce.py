@@ -100,10 +100,12 @@ def test_a_format_without_a_folder_is_refused(refusal):
     )
 
 
-@pytest.mark.parametrize(("source", "formulas"), [("filemon", 7), ("dijksman", 4)])
-def test_corrected_equations_hold_and_printed_ones_do_not(reproduced, source, formulas):
+@pytest.mark.parametrize(
+    ("source", "count", "formulas"), [("meyer", 21, 5), ("filemon", 11, 7), ("dijksman", 11, 4)]
+)
+def test_corrected_equations_hold_and_printed_ones_do_not(reproduced, source, count, formulas):
     slips = reproduced[1][source]["equations"]
-    assert len(slips) == 11
+    assert len(slips) == count
     assert all(slip["printed"] != slip["true"] for slip in slips)
     tried = [slip for slip in slips if slip["printed_error"] is not None]
     assert len(tried) == formulas
@@ -115,6 +117,7 @@ def test_corrected_equations_hold_and_printed_ones_do_not(reproduced, source, fo
 @pytest.mark.parametrize(
     ("source", "list_key", "keys"),
     [
+        ("meyer", "equations", {"printed_error", "true_error"}),
         ("filemon", "equations", {"printed_error", "true_error"}),
         ("dijksman", "equations", {"printed_error", "true_error"}),
         ("prikhodko", "rows", {"true", "value"}),
@@ -137,7 +140,11 @@ def test_meyer_prints_rows_reasons_and_counts(command):
     assert first in [line.split() for line in lines]
     assert "the heading swaps the inertias" in out
     assert "the program hard-codes a 90-degree cell" in out
-    assert lines[-3].split() == ["as", "published", "49", "49", "44", "2.7", "%", "47"]
+    table = [line.split() for line in lines]
+    assert ["as", "published", "49", "49", "44", "2.7", "%", "47"] in table
+    # rise time and limit of the four-pin mechanism with his own disc
+    assert ["disc", "4.5e-07", "4.5e-07", "3.34", "11.25", "1.414"] in table
+    assert lines[-2].strip() == "Appendix E, row 33: rise time 0.028 s"
 
 
 def test_reports_keep_to_100_columns(command):

@@ -39,6 +39,7 @@ from escapement.model import Inertia as Inertia
 from escapement.motion import Motion as Motion
 from escapement.motion_file import read_motion as read_motion
 from escapement.motion_file import write_motion as write_motion
+from escapement.negator import negator_torque as negator_torque
 from escapement.outlines.export import export as export
 from escapement.outlines.export import motion_check as motion_check
 from escapement.outlines.parts import disc_inertia as disc_inertia

@@ -23,7 +23,9 @@ class Fits(Declared):
         Radii of the shafts [m]; 0 for one that suits the wheel.
     clearance : float
         Slot width minus pin diameter of a gear-driven wheel [m]; a `Geneva` has its own
-        clearance.
+        clearance. Of a planetary drive with elliptical gears the backlash of their teeth.
+    teeth : int
+        Teeth of each elliptical gear; 0 for the fewest odd number that a rack does not undercut.
     kerf : float
         Width of the cut [m]: the path of the cutter is offset from the edges by half of it.
     """
@@ -37,6 +39,11 @@ class Fits(Declared):
         "radius of the follower's shaft", 0.0, ", 0 for one that suits the wheel"
     ))  # fmt: skip
     clearance: float = field(default=0.0, metadata=_length("slot width minus pin diameter", 0.0))
+    teeth: int = field(default=0, metadata=quantity(
+        "elliptical-planetary: teeth of each elliptical gear", whole=True, minimum=0, maximum=500,
+        metavar="Z", note=", 0 for the fewest odd number that is not undercut",
+        remedy="give a whole number",
+    ))  # fmt: skip
     kerf: float = field(default=0.0, metadata=_length("width of the cut", 0.0))
 
     def __post_init__(self) -> None:

@@ -31,7 +31,8 @@ def execute(args: Arguments) -> int:
     mechanism = _arguments.read_mechanism(args)
     result = esc.drive_torque(mechanism, **_arguments.typed(args, declared(Case)))
     _output.draw(args.plot, lambda plots: plots.plot_drive_torque(result, units=args.units))
-    kinds = {"torque_max": "torque", "torque_mean": "torque", "power_max": "power", **LIMITS}
+    kinds = dict.fromkeys(("torque_max", "torque_mean"), "torque") | LIMITS
+    kinds |= dict.fromkeys(("power_mean_to_dead_centre", "power_max"), "power")
     _output.report(args, summarise(result), kinds, _doubt(result, args.units))
     return 0
 
@@ -54,6 +55,7 @@ def summarise(result: "DriveTorque") -> dict[str, Any]:
         "torque_max_deg": math.degrees(result.torque_max_angle),
         "torque_mean": result.torque_mean,
         "torque_max_over_mean": result.peak_to_mean,
+        "power_mean_to_dead_centre": result.power_mean_to_dead_centre,
         "power_max": result.power_max,
         **limits_without_reversal(result),
     }

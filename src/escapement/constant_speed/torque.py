@@ -66,6 +66,11 @@ class DriveTorque(Case):
         vars(self).update(_torque_figures(self, self.reversals))
 
     @property
+    def power_mean_to_dead_centre(self) -> float:
+        """Mean power over the first half of the engagement, Filemon's N2 = M_2av omega_2 [W]."""
+        return self.torque_mean * self.speed
+
+    @property
     def power_max(self) -> float:
         """Greatest power of the drive [W]."""
         return self.torque_max * self.speed

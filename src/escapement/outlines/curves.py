@@ -183,19 +183,24 @@ def stadium(radius: float, length: float) -> Curve:
     return chain([-side, length - side, length + side, side], [0.0, math.pi, 0.0, math.pi])
 
 
-def biarcs(points: ComplexArray, tangents: ComplexArray) -> Curve:
-    """A smooth closed curve of two arcs from each point to the next.
+def biarcs(
+    points: ComplexArray, tangents: ComplexArray, arriving: ComplexArray | None = None
+) -> Curve:
+    """A closed curve of two arcs from each point to the next.
 
     Parameters
     ----------
     points : ndarray of complex, shape (n,)
-        Points of a smooth closed curve, without the first at the end.
+        Points of a closed curve, without the first at the end.
     tangents : ndarray of complex, shape (n,)
-        Unit vectors along it there.
+        Unit vectors along it there, of the way that begins.
+    arriving : ndarray of complex, shape (n,), optional
+        Those of the way that ends there, where the curve has corners. Default: it is smooth.
 
     The arcs meet in between with a tangent in common, at equal control lengths.
     """
-    way, ahead = np.roll(points, -1) - points, np.roll(tangents, -1)
+    ends = tangents if arriving is None else arriving
+    way, ahead = np.roll(points, -1) - points, np.roll(ends, -1)
     along = np.real(way.conj() * (tangents + ahead))
     apart = 1.0 - np.real(tangents.conj() * ahead)
     # the positive root of 2 apart d^2 + 2 along d = |way|^2, in a form without cancellation

@@ -19,7 +19,7 @@ class Part(NamedTuple):
     name : str
         Its name.
     edge : Curve
-        Its edge; of a gear its pitch curve.
+        Its edge; of a gear without teeth its pitch curve.
     holes : tuple of Curve
         What is cut out of it, clockwise.
     marks : tuple of Curve

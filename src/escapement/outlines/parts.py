@@ -18,6 +18,7 @@ from escapement.model import Inertia
 from escapement.outlines.curves import Curve
 from escapement.outlines.gears import EllipticalOutline, GearDrivenOutline, pitch_curve
 from escapement.outlines.geneva import GenevaOutline, locking_disc
+from escapement.outlines.meshed import MeshedOutline, elliptical_teeth, toothed_gears
 from escapement.outlines.part import Part, hole, link
 
 _WALL = 0.07  # around pins and shafts, in the mechanism's unit of length
@@ -55,16 +56,26 @@ def parts_of(mechanism: Any, fits: Fits | None = None) -> tuple[Part, ...]:
         If the size or the radius of the pins is missing, or a hole leaves no wall.
     """
     fits = fits or Fits()
+    if fits.teeth and not isinstance(mechanism, EllipticalPlanetary):
+        raise validate.fail("teeth", "0 but for elliptical gears", fits.teeth, "leave it out")
     found = _parts(checked(mechanism), fits)
     for part in found:
         part.check()
     return tuple(found)
 
 
-def outline_of(mechanism: Any, fits: Fits) -> GenevaOutline | GearDrivenOutline | EllipticalOutline:
+def outline_of(
+    mechanism: Any, fits: Fits
+) -> GenevaOutline | GearDrivenOutline | EllipticalOutline | MeshedOutline:
     """The bodies of a mechanism, in their final size."""
     if isinstance(mechanism, EllipticalPlanetary):
-        return EllipticalOutline(mechanism)
+        gears = toothed_gears(mechanism, fits.teeth, fits.clearance)
+        driven, driving = gears["driven"], gears["driving"]
+        if driven is None or driving is None:
+            return EllipticalOutline(mechanism)
+        return MeshedOutline(
+            mechanism, driven, driving, elliptical_teeth(mechanism, fits.teeth) or 0
+        )
     size, _ = _sized(mechanism)
     if isinstance(mechanism, GearDriven):
         return GearDrivenOutline(mechanism, fits.clearance)
@@ -144,7 +155,12 @@ def _(mechanism: EllipticalPlanetary, fits: Fits) -> list[Part]:
         ("sun", Curve.circle(mechanism.sun_radius), axis),
         ("planet", Curve.circle(mechanism.planet_radius), shaft),
     ]
-    found = [Part(name, edge, (hole,), toothed=True) for name, edge, hole in gears]
+    cut = toothed_gears(mechanism, fits.teeth, fits.clearance)
+    # a gear that is drawn without its teeth is only engraved
+    found = [
+        Part(name, cut[name] or pitch, (hole,), toothed=cut[name] is None)
+        for name, pitch, hole in gears
+    ]
     return [*found, link("carrier", mechanism.centre_distance, *radii, fits)]
 
 

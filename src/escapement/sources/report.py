@@ -24,6 +24,8 @@ from escapement.text import print_columns
 UNEXPLAINED = "unexplained"
 WIDTH = 100
 """Characters of a line."""
+WORDS = "printed_error and true_error are null where a slip is a matter of words"
+"""The message of a record with slips."""
 Record = dict[str, Any]
 """Content of the JSON, or a part of it."""
 Table = Sequence[Sequence[Any]]
@@ -212,7 +214,7 @@ def compare(
         "cells": len(cells),
         "agreeing": sum(cell.agrees for cell in cells),
         "equations": [vars(slip) for slip in slips],
-        "message": "printed_error and true_error are null where a slip is a matter of words",
+        "message": WORDS,
     }
 
 
@@ -260,6 +262,11 @@ def print_errata(
         where = place.format(cell.place, columns[cell.column])
         say(f"  {where}: {cell.printed} must be {cell.true}")
         say(f"      {cell.reason}")
+    print_slips(slips, tried)
+
+
+def print_slips(slips: Iterable[Slip], tried: str = "") -> None:
+    """Print every slip; `tried` names the mechanisms on which formulas were tried."""
     print("\nSlips in equations and text, some perhaps the scan's:")
     if tried:
         say(f"  [greatest error of the printed and of the true formula for {tried}]")
