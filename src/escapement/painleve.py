@@ -110,58 +110,51 @@ def least_lever(scene, exit_):
 
 
 @inner_jit
-def vanishing_friction(moment, slope, journal):
-    """Least mu at which moment - slope mu - journal sqrt(1 + mu^2) vanishes, or inf.
+def nearness(moment, slope, journal):
+    """One over the least mu at which moment - slope mu - journal sqrt(1 + mu^2) vanishes.
 
-    It is 0 where the moment of a body does not exceed the friction of a journal. With mu = tan x
-    it is the least root of moment cos x - slope sin x = journal.
+    It is infinite where the moment of a body does not exceed the friction of a journal, and not
+    positive where there is no such mu. With mu = tan x, moment cos x - slope sin x = journal.
     """
     b, c = slope / moment, journal / moment
     if not abs(c) < 1.0:
-        return 0.0
-    below = b + c * np.sqrt(1.0 + b * b - c * c)
-    return (1.0 - c * c) / below if below > 0.0 else np.inf
+        return np.inf
+    return (b + c * np.sqrt(1.0 + b * b - c * c)) / (1.0 - c * c)
 
 
 @inner_jit
-def _limit_at(theta, way, scene):
-    """Friction at which `margin` vanishes at a driver angle; `way` is the sign of v there."""
+def _nearness_at(theta, way, scene):
+    """`nearness` of the friction at which `margin` vanishes at an angle; `way` is the sign of v."""
     g, u, _dg, radius = pose_at(scene.path, theta)
     inertia, ratio, share = scene.rho + g * g, abs(g), np.hypot(1.0, scene.mu_minus)
     driver, follower = scene.driver_journal / share, scene.follower_journal / share
     slide = way * slide_at(g, u, radius, -1.0, scene)
     slope = ratio * slide + inertia * way * (scene.pin - scene.path.numbers[10])
     journal = ratio * (driver + ratio * follower) - inertia * sign_of(g) * follower
-    return vanishing_friction(inertia * radius, slope, journal)
+    return nearness(inertia * radius, slope, journal)
 
 
 @inner_jit
-def _least_limit(low, high, scene):
-    """The least `_limit_at` between two driver angles that v does not change its sign between.
+def _nearest(low, high, scene):
+    """The greatest `_nearness_at` between two angles that v keeps its sign between, and its angle.
 
-    There it has at most one minimum, besides the ends.
+    There it has one maximum, inside or at an end, which golden section finds.
     """
     g, u, _dg, radius = pose_at(scene.path, 0.5 * (low + high))
     way = np.copysign(1.0, slide_at(g, u, radius, -1.0, scene))
-    limit, angle = _limit_at(low, way, scene), low
-    at_high = _limit_at(high, way, scene)
-    if at_high < limit:
-        limit, angle = at_high, high
     a, b = low, high
     x, y = b - GOLDEN * (b - a), a + GOLDEN * (b - a)
-    at_x, at_y = _limit_at(x, way, scene), _limit_at(y, way, scene)
+    at_x, at_y = _nearness_at(x, way, scene), _nearness_at(y, way, scene)
     while b - a > 1e-12:
-        if at_x < at_y:
+        if at_x > at_y:
             b, y, at_y = y, x, at_x
             x = b - GOLDEN * (b - a)
-            at_x = _limit_at(x, way, scene)
+            at_x = _nearness_at(x, way, scene)
         else:
             a, x, at_x = x, y, at_y
             y = a + GOLDEN * (b - a)
-            at_y = _limit_at(y, way, scene)
-    if min(at_x, at_y) < limit:
-        return min(at_x, at_y), 0.5 * (a + b)
-    return limit, angle
+            at_y = _nearness_at(y, way, scene)
+    return max(at_x, at_y), 0.5 * (a + b)
 
 
 @jit
@@ -169,23 +162,24 @@ def friction_limit(scene, low, high):
     """Least friction at which `margin` vanishes between two driver angles, and the angle.
 
     If the lever of the other side vanishes at less friction, that is the limit, and the angle is
-    NaN. It does not depend on the friction of the scene. Below the limit margin and lever are
-    positive: both are, as functions of mu, of the form that `vanishing_friction` solves.
+    NaN. The limit does not depend on the friction of the scene; below it margin and lever are
+    positive.
     """
     entry, exit_ = scene.edges[0], scene.edges[-1]
     change = slide_change(scene.path, scene.pin, -1.0, entry, exit_)
     if not low < change < high:
         change = high
-    limit, angle = _least_limit(low, change, scene)
+    most, angle = _nearest(low, change, scene)
     if change < high:
-        behind, place = _least_limit(change, high, scene)
-        if behind < limit:
-            limit, angle = behind, place
+        behind, place = _nearest(change, high, scene)
+        if behind > most:
+            most, angle = behind, place
     radius = min(pose_at(scene.path, 0.0)[3], pose_at(scene.path, exit_)[3])
     arm = scene.pin + abs(scene.path.numbers[10])
-    journal = scene.follower_journal / np.hypot(1.0, scene.mu_minus)
-    jammed = vanishing_friction(radius, arm, journal)
-    return (limit, angle) if limit <= jammed else (jammed, np.nan)
+    lever = nearness(radius, arm, scene.follower_journal / np.hypot(1.0, scene.mu_minus))
+    if lever > most:
+        most, angle = lever, np.nan
+    return 1.0 / most if most > 0.0 else np.inf, angle
 
 
 @inner_jit

@@ -85,54 +85,51 @@ export function slideChanges(scene) {
 }
 
 /**
- * Least mu at which moment - slope mu - journal sqrt(1 + mu^2) vanishes, or Infinity; it is 0 where
- * the moment does not exceed the friction of a journal. It is tan x where x is the least root of
- * moment cos x - slope sin x = journal.
+ * One over the least mu at which moment - slope mu - journal sqrt(1 + mu^2) vanishes. It is infinite
+ * where the moment does not exceed the friction of a journal, and not positive where there is no
+ * such mu. With mu = tan x, moment cos x - slope sin x = journal.
  */
-function vanishingFriction(moment, slope, journal) {
+function nearness(moment, slope, journal) {
   const [b, c] = [slope / moment, journal / moment];
-  if (!(Math.abs(c) < 1)) return 0;
-  const below = b + c * Math.sqrt(1 + b * b - c * c);
-  return below > 0 ? (1 - c * c) / below : Infinity;
+  return Math.abs(c) < 1 ? (b + c * Math.sqrt(1 + b * b - c * c)) / (1 - c * c) : Infinity;
 }
 
-/** Friction at which J h of the side s = -1 vanishes at an angle; `way` is the sign of v there. */
-function limitAt(scene, theta, way) {
+/** `nearness` of the friction at which J h of the side s = -1 vanishes; `way` is the sign of v. */
+function nearnessAt(scene, theta, way) {
   const at = pose(scene, theta);
   const { rho, r_p, mu } = scene;
   const [inertia, share] = [rho + at.g * at.g, Math.hypot(1, mu)];
   const [driver, follower] = [scene.b_d / share, scene.b_f / share];
   const slope = at.g * way * slideAt(scene, at, -1) + inertia * way * r_p;
-  return vanishingFriction(inertia * at.R, slope, at.g * (driver + at.g * follower) - inertia * follower);
+  return nearness(inertia * at.R, slope, at.g * (driver + at.g * follower) - inertia * follower);
 }
 
-/** The least limit between angles that v keeps its sign between; inside is one minimum at most. */
-function leastLimit(scene, low, high) {
+/** The greatest nearness between angles that v keeps its sign between: there it has one maximum. */
+function nearest(scene, low, high) {
   const way = Math.sign(slideAt(scene, pose(scene, 0.5 * (low + high)), -1)) || 1;
-  const at = (theta) => ({ friction: limitAt(scene, theta, way), theta });
+  const at = (theta) => ({ value: nearnessAt(scene, theta, way), theta });
   let [a, b] = [low, high];
   const golden = 0.6180339887498949;
   let x = at(b - golden * (b - a));
   let y = at(a + golden * (b - a));
   while (b - a > 1e-12) {
-    if (x.friction < y.friction) [b, y, x] = [y.theta, x, at(y.theta - golden * (y.theta - a))];
+    if (x.value > y.value) [b, y, x] = [y.theta, x, at(y.theta - golden * (y.theta - a))];
     else [a, x, y] = [x.theta, y, at(x.theta + golden * (b - x.theta))];
   }
-  return least([at(low), at(high), x, y]);
+  return x.value > y.value ? x : y;
 }
-
-const least = (limits) => limits.reduce((one, two) => (two.friction < one.friction ? two : one));
 
 /** Friction at which no motion exists (after dead centre), or a second one exists (before it). */
 function frictionLimit(scene, behind) {
   const [low, high] = behind ? [0, scene.exit] : [-scene.exit, 0];
   const v = (theta) => slideAt(scene, pose(scene, theta), -1);
-  const change = v(low) * v(high) < 0 ? [root(v, low, high)] : [];
-  const ends = [low, ...change, high];
+  const ends = [low, ...(v(low) * v(high) < 0 ? [root(v, low, high)] : []), high];
+  const found = ends.slice(1).map((end, i) => nearest(scene, ends[i], end));
   const radius = Math.min(pose(scene, 0).R, pose(scene, scene.exit).R);
-  const lever = vanishingFriction(radius, scene.r_p, scene.b_f / Math.hypot(1, scene.mu));
-  const found = change.concat(high).map((end, i) => leastLimit(scene, ends[i], end));
-  return least([...found, { friction: lever, theta: 0 }]);
+  const lever = nearness(radius, scene.r_p, scene.b_f / Math.hypot(1, scene.mu));
+  const { value, theta } = [...found, { value: lever, theta: 0 }]
+    .reduce((one, two) => (two.value > one.value ? two : one));
+  return { friction: value > 0 ? 1 / value : Infinity, theta };
 }
 
 /**
