@@ -215,12 +215,12 @@ def test_whole_turns_are_whole_engagements(slots):
 
 
 def test_cells_that_do_not_divide_a_turn():
-    """Four cells of a gear-driven wheel take three turns of its carrier."""
-    wheel = esc.GearDriven(stations=4, lobes=2, curve="epicycloid")
+    """Eleven cells of a gear-driven wheel take three turns of its carrier."""
+    wheel = esc.GearDriven(stations=11, lobes=2, curve="epicycloid")
     timer = esc.Escapement(wheel, INERTIA, 0.0113)
     for turns in range(3, 150, 3):
         run = esc.rundown(timer, turns=turns)
-        assert (run.times.size, run.end_turns) == (turns // 3 * 4, turns)
+        assert (run.times.size, run.end_turns) == (turns // 3 * 11, turns)
         assert run.time_of(turns) == run.times[-1]
 
 

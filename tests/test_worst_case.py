@@ -52,6 +52,14 @@ def test_a_nominal_point_outside_the_box_is_no_case():
     assert found[:2] == (1.0, 2.0)
 
 
+def test_a_peak_at_the_nominal_point_is_found():
+    def figure(place):
+        return 2.0 if (place == 0.5).all() else 1.0
+
+    box, middle = np.array([[0.0, 1.0]] * 2), np.full(2, 0.5)
+    assert worst_case(figure, without_slopes, box, middle, box.T)[:2] == (1.0, 2.0)
+
+
 def test_no_vertex_lies_beyond_the_worst_case_of_a_rise():
     tolerances = {
         "friction": {"tolerance": 0.03},
