@@ -89,11 +89,44 @@ def test_every_kernel_counts_for_the_digest(tmp_path):
         target.write_text(source + "\n")
         assert jit.kernel_digest(copy) != whole
         target.write_text(source)
-    (copy / "units.py").write_text("")
+    (copy / "plots" / "style.py").write_text("")
     assert jit.kernel_digest(copy) == whole
     # a kernel file that has another name counts too
     (copy / "roots.py").rename(copy / "zeros.py")
     assert jit.kernel_digest(copy) != whole
+
+
+@pytest.mark.parametrize(
+    ("file", "before", "after"),
+    [
+        ("metrics.py", "RISE_BAND = 0.02", "RISE_BAND = 0.03"),
+        ("torque_curve.py", "MOST_KNOTS = ", "MOST_KNOTS = 1 + "),
+        ("scene.py", "    rho: float\n    mu_plus: float", "    mu_plus: float\n    rho: float"),
+    ],
+)
+def test_what_a_kernel_has_from_elsewhere_counts_for_the_digest(tmp_path, file, before, after):
+    """Constants, and the order of the fields of its arguments."""
+    copy = tmp_path / "escapement"
+    shutil.copytree(PACKAGE, copy, ignore=shutil.ignore_patterns("__pycache__", "data"))
+    source = (copy / file).read_text()
+    assert before in source
+    (copy / file).write_text(source.replace(before, after))
+    assert jit.kernel_digest(copy) != jit.kernel_digest(PACKAGE)
+
+
+def test_a_constant_that_changes_is_compiled_anew(toy, tmp_path):
+    """It stands in a file without kernels, which computes it from that of a third."""
+    for file, text in {
+        "f.py": "from toy import bands\nfrom toy.jit import jit\n\n"
+        "@jit\ndef f(x):\n    return bands.BAND * x\n",
+        "bands.py": "from toy.shares import (\n    OTHER,\n    SHARE,\n)\n\nBAND = 2.0 * SHARE\n",
+        "shares.py": "OTHER, SHARE = 1.0, 3.0\n",
+    }.items():
+        (tmp_path / "toy" / file).write_text(text)
+    call = "from toy.f import f; print(f(1.0))"
+    assert run(call, **toy) == "6.0"
+    (tmp_path / "toy" / "shares.py").write_text("OTHER, SHARE = 1.0, 4.0\n")
+    assert run(call, **toy) == "8.0"
 
 
 def test_nobody_compiles_but_the_decorator():

@@ -46,6 +46,16 @@ def test_the_thirty_second_timer_is_found(thirty):
         assert left == pytest.approx(0.8, rel=1e-12)
 
 
+@pytest.mark.parametrize("turns", [10, 30, 100])
+def test_a_wish_for_whole_turns(turns):
+    """However the turns are rounded, they are whole engagements."""
+    wish = esc.Wish(
+        total_time=0.2 * turns, turns=turns, torque=(0.005, 0.02), torque_lost=0.2, slots=6
+    )
+    (one,) = esc.design(wish, count=1).designs
+    assert esc.rundown(one.timer, turns=turns).time_of(turns) == pytest.approx(0.2 * turns)
+
+
 def test_what_is_promised_is_simulated_by_the_other_engine(thirty):
     """Period, scatter, force and thickness of one design, each found another way."""
     one = thirty.designs[len(thirty.designs) // 2]

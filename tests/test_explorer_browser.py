@@ -11,7 +11,9 @@ import escapement as esc
 from browser import chromium, opened, until
 from escapement import explorer
 from escapement.outlines.geneva import GenevaOutline
+from escapement.painleve import friction_limits
 from escapement.study.parse import parse_plan
+from thick_pins import random_timer
 
 DESIGN = {
     "slots": 4, "crank_radius": 0.02, "driver_inertia": 3.39e-7, "follower_inertia": 5.65e-6,
@@ -25,6 +27,10 @@ SIMULATE_ALL = """designs => designs.map((design, i) => {
         explorer.simulate(design);
     const motion = {status, end_time, handoff_times, handoff_velocities, reversals, extrema};
     return {...motion, figures: i % 6 ? null : explorer.simulate(design).figures};
+})"""
+LIMITS = """designs => designs.map((design) => {
+    const {critical_friction, uniqueness_friction} = explorer.simulate(design).figures;
+    return [critical_friction, uniqueness_friction];
 })"""
 STATUS = "d => (({status, end_time}) => ({status, end_time}))(explorer.simulate(d))"
 
@@ -129,12 +135,19 @@ def _figures_agree(here, figures):
     names += ("contact_moment_max", "acceleration_max", "critical_friction", "uniqueness_friction")
     for name in names:
         expected = getattr(figures, name)
-        # beyond any friction of materials the lever of the force vanishes as well
-        far = name.endswith("friction") and figures.critical_friction > 10.0
-        if np.isfinite(expected) and not far:
+        if np.isfinite(expected):
             assert here[name] == pytest.approx(expected, rel=1e-9), name
     if np.isfinite(here["rise_time"]):
         assert here["rise_time"] == pytest.approx(figures.rise_time, rel=1e-9)
+
+
+def test_limits_of_thick_pins_are_those_of_the_engine(page):
+    """Also where no material has so much friction, and where the lever of the force vanishes."""
+    timers = [random_timer(np.random.default_rng(seed)) for seed in range(200)]
+    designs = [explorer.design_of(timer) | {"friction": 1e3} for timer in timers]
+    found = page.evaluate(LIMITS, designs)
+    for design, timer, limits in zip(designs, timers, found, strict=True):
+        assert limits == pytest.approx(friction_limits(timer), rel=1e-9), design
 
 
 def test_a_spring_is_spent_as_in_the_engine(page):

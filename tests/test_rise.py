@@ -58,6 +58,53 @@ def test_they_pass_smoothly_where_the_rise_time_jumps():
         np.testing.assert_allclose(steps, steps.mean(), rtol=1e-2)
 
 
+IMPERFECT = {
+    "four pins": esc.Geneva(
+        4, crank_radius=0.01, centre_distance_error=-2e-5, pin_angle_errors=(1e-3, 0.0, -2e-3, 0.0)
+    ),
+    "two pins": esc.Geneva(5, 2, crank_radius=0.01, slot_offsets=(1e-5, 0.0, 4e-5, 0.0, -2e-5)),
+}
+
+
+@pytest.mark.parametrize("engine", ["energy", "ivp"])
+@pytest.mark.parametrize("wheel", IMPERFECT)
+def test_with_imperfect_parts_each_handoff_has_its_own_terminal_speed(wheel, engine):
+    timer = replace(MEYER, mechanism=IMPERFECT[wheel], friction=0.15)
+    cycle, motion = esc.terminal(timer, engine=engine), esc.simulate(timer, 60)
+    # the last handoff of a pattern begins the next one
+    ends = np.roll(cycle.motion.handoff_velocities, 1)
+    assert np.ptp(ends) > 1e-3 * ends[0]
+    speeds = np.append(0.0, motion.handoff_velocities)
+    shares = abs(speeds - np.resize(ends, speeds.size)) / ends[0]
+    times = np.append(0.0, motion.handoff_times)
+    handoffs = [*zip(times, np.maximum(shares, 1e-12), strict=True)]
+    for name, share in (("rise_time_63", math.exp(-1.0)), ("rise_time_98", 0.02)):
+        expected = read_off(handoffs, 0.0, share)
+        assert getattr(cycle, name) == pytest.approx(expected, rel=1e-6)
+
+
+ERRORS = [
+    {"centre_distance_error": 1e-15},
+    {"centre_distance_error": -1e-15},
+    {"slot_offsets": (1e-15, 0.0, 0.0, 0.0, 0.0)},
+    {"slot_angle_errors": (0.0, -1e-13, 0.0, 0.0, 0.0)},
+]
+
+
+@pytest.mark.parametrize("pins", [1, 2, 3])
+@pytest.mark.parametrize("friction", [0.05, 0.25])
+def test_times_of_the_start_pass_smoothly_to_imperfect_parts(pins, friction):
+    """A blow takes a share that grows with the root of an error, some 1e-7 here."""
+    wheel = esc.Geneva(5, pins, crank_radius=0.01, pin_radius=5e-4)
+    perfect = esc.terminal(replace(MEYER, mechanism=wheel, friction=friction))
+    for error in ERRORS:
+        changed = replace(wheel, **error)
+        found = esc.terminal(replace(MEYER, mechanism=changed, friction=friction))
+        for name in ("rise_time", "settling_time", "rise_time_63", "rise_time_98"):
+            expected = pytest.approx(getattr(perfect, name), rel=1e-5)
+            assert getattr(found, name) == expected, (name, error)
+
+
 @pytest.mark.parametrize("engine", ["energy", "ivp"])
 def test_a_motion_that_starts_at_its_terminal_speed_has_risen(engine):
     start = esc.terminal(MEYER, engine=engine).handoff_velocity

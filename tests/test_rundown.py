@@ -192,3 +192,54 @@ def test_the_command(tmp_path, capsys):
     found = json.loads(capsys.readouterr().out)
     assert found["status"] == "stall"
     assert "the drive cannot carry the load" in found["message"]
+
+
+DRIVES = {
+    slots: esc.Escapement(esc.Geneva(slots), INERTIA, 0.0113, friction)
+    for slots, friction in ((3, 0.05), (4, 0.35), (6, 0.3), (7, 0.3))
+}
+
+
+@pytest.mark.parametrize("slots", DRIVES)
+def test_whole_turns_are_whole_engagements(slots):
+    """However a turn is rounded: the time of a turn is that of its last engagement."""
+    timer, most = DRIVES[slots], 120
+    pins = timer.mechanism.pins
+    times = esc.simulate(timer, most * pins).handoff_times[pins - 1 :: pins]
+    for turns in range(1, most + 1):
+        run = esc.rundown(timer, turns=turns)
+        assert (run.times.size, run.end_turns, run.turns[-1]) == (turns * pins, turns, turns)
+        assert run.time_of(turns) == run.times[-1] == pytest.approx(times[turns - 1], rel=1e-12)
+    assert np.array_equal(run.turns[pins - 1 :: pins], np.arange(1, most + 1))
+    assert [run.time_of(turns) for turns in range(1, most)] == [*run.times[pins - 1 : -1 : pins]]
+
+
+def test_cells_that_do_not_divide_a_turn():
+    """Eleven cells of a gear-driven wheel take three turns of its carrier."""
+    wheel = esc.GearDriven(stations=11, lobes=2, curve="epicycloid")
+    timer = esc.Escapement(wheel, INERTIA, 0.0113)
+    for turns in range(3, 150, 3):
+        run = esc.rundown(timer, turns=turns)
+        assert (run.times.size, run.end_turns) == (turns // 3 * 11, turns)
+        assert run.time_of(turns) == run.times[-1]
+
+
+def test_a_spring_that_is_spent_after_whole_turns():
+    for slots, timer in DRIVES.items():
+        for turns in range(1, 40):
+            angle = 2.0 * pi * turns
+            wound = esc.TorqueCurve((0.0, angle), (timer.torque, 0.0))
+            for drive in (
+                replace(timer, spring_rate=timer.torque / angle),
+                replace(timer, torque=wound),
+            ):
+                run = esc.rundown(drive)
+                assert run.status.label == "spent"
+                assert run.times.size == turns * DRIVES[slots].mechanism.pins
+                assert run.time_of(turns) == run.times[-1]
+
+
+@pytest.mark.parametrize("turns", [1e308, 1e7])
+def test_more_turns_than_can_be_run(turns):
+    with pytest.raises(InvalidValue, match=r"turns must be at most 2\.5e\+06, ten million"):
+        esc.rundown(TIMER, turns=turns)

@@ -2,12 +2,14 @@
 
 Numba keys its disk cache on the source file of the kernel alone. After a change of
 a callee in another file it would therefore load a stale copy. Here the cache lies in
-a directory named after a digest of every kernel source of the package instead.
+a directory named after a digest of every kernel source of the package instead, and of
+all that these sources import.
 """
 
 import contextlib
 import hashlib
 import os
+import re
 import shutil
 import sys
 import tempfile
@@ -19,9 +21,15 @@ from typing import Any
 import numba
 from numba.core.runtime import rtsys  # type: ignore[attr-defined]
 
+_IMPORT = re.compile(rb"^(?:from|import) +([\w.]+)(?: +import +(\([^)]*\)|[^\n]*))?", re.MULTILINE)
+
 
 def kernel_digest(package: Path) -> str:
-    """Digest of all files under `package` whose text names the `jit` or `by_address` import.
+    """Digest of all files under `package` that compile kernels, and of the files they import.
+
+    Files that compile kernels name the `jit` or `by_address` import. A kernel is compiled with the
+    values of its globals, which may be constants and types of other files, and these may have
+    them from further ones; imports within functions bring no globals.
 
     Parameters
     ----------
@@ -31,14 +39,31 @@ def kernel_digest(package: Path) -> str:
     Returns
     -------
     str
-        16 hexadecimal digits, which differ whenever any kernel source differs.
+        16 hexadecimal digits, which differ whenever anything differs that a kernel can see.
     """
+    texts = {x.relative_to(package).as_posix(): x.read_bytes() for x in package.rglob("*.py")}
+    seen = {name for name, text in texts.items() if b".jit import" in text or b"by_address" in text}
+    todo = list(seen)
+    while todo:
+        for name in _imported(texts[todo.pop()], package.name):
+            if name in texts and name not in seen:
+                seen.add(name)
+                todo.append(name)
     digest = hashlib.sha256()
-    for path in sorted(package.rglob("*.py")):
-        text = path.read_bytes()
-        if b".jit import" in text or b"by_address" in text:
-            digest.update(path.relative_to(package).as_posix().encode() + b"\0" + text)
+    for name in sorted(seen):
+        digest.update(name.encode() + b"\0" + texts[name])
     return digest.hexdigest()[:16]
+
+
+def _imported(text: bytes, package: str) -> list[str]:
+    """Files that a source with this text may import from its package at the top level."""
+    found = []
+    for module, names in _IMPORT.findall(text):
+        root, *parts = module.decode().split(".")
+        if root == package:
+            found.append("/".join(parts) or "__init__")
+            found += ["/".join([*parts, name]) for name in re.findall(r"\w+", names.decode())]
+    return [name + end for name in found for end in (".py", "/__init__.py")]
 
 
 @cache

@@ -78,8 +78,8 @@ class Figures(Shown):
     settling_time : first extremum after which every engagement's extremes are within 1 % [s]; it
         jumps in the same way.
     rise_time_63, rise_time_98 : times at which the deviation of the handoff speed from its
-        terminal value has fallen to 1/e and to 0.02 of that at the start [s], see `fall_times`.
-        They do not jump.
+        terminal value at the same handoff of the cycle has fallen to 1/e and to 0.02 of that at
+        the start [s], see `fall_times`. They do not jump.
     handoff_velocity : driver speed at the terminal handoff [rad/s].
     contraction : factor by which the cycle shrinks a small deviation of the squared handoff
         speed from its terminal value [-].
@@ -186,21 +186,24 @@ class Figures(Shown):
 _NAMES = (*FIGURES, "beats", "reversal_angles", "status", "message")
 
 
-def fall_times(motion: Motion, start: float, terminal: float) -> tuple[float, float]:
+def fall_times(motion: Motion, start: float, cycle: Motion) -> tuple[float, float]:
     """`rise_time_63` and `rise_time_98` [s] of a motion.
 
     They are the times at which |v - v_terminal|/|v_0 - v_terminal| has fallen to 1/e and to
     0.02. At time 0 it is 1, at each handoff v is the speed there, and in between its
-    logarithm is linear in time. Motions do not cross, so it falls from handoff to handoff; if
-    rounding makes it rise, the first time counts. Values below 1e-9 count as 1e-9, because their
-    digits are lost.
+    logarithm is linear in time. v_terminal is the speed at the same handoff of the terminal
+    cycle; with imperfect parts each handoff of a cycle has its own. Motions do not cross, so the
+    deviation falls from handoff to handoff; if it rises, the first time counts. Values below 1e-9
+    count as 1e-9, because their digits are lost.
 
     Parameters
     ----------
     motion : Motion
         The motion, from its start on.
-    start, terminal : float
-        Speed at the first pin entry, and at the terminal handoff [rad/s].
+    start : float
+        Speed at the first pin entry [rad/s].
+    cycle : Motion
+        The terminal cycle: one engagement, or all of a pattern.
 
     Returns
     -------
@@ -208,17 +211,25 @@ def fall_times(motion: Motion, start: float, terminal: float) -> tuple[float, fl
         0 where the motion starts at the terminal speed, to within the motion's rtol; NaN
         where it ends too early.
     """
-    # with imperfect parts the speed repeats after a whole pattern
-    size = len(motion.escapement.meetings)
-    speeds, times = (x[size - 1 :: size] for x in (motion.handoff_velocities, motion.handoff_times))
-    deviation = np.abs(np.append(start, speeds) - terminal)
-    if deviation[0] <= motion.rtol * terminal:
+    terminal = np.append(cycle.handoff_velocities[-1], cycle.handoff_velocities)
+    speeds = np.append(start, motion.handoff_velocities)
+    # the terminal cycle begins as it ends
+    turns = np.arange(speeds.size - 1) % (terminal.size - 1) + 1
+    deviation = np.abs(speeds - terminal[np.append(0, turns)])
+    if deviation[0] <= motion.rtol * terminal[0]:
         return 0.0, 0.0
     depth = -np.log(np.maximum(deviation / deviation[0], LEAST_RATIO))
-    levels = -np.log([FALL_63, FALL_98])
-    times = np.append(0.0, times)
-    one, two = np.interp(levels, np.maximum.accumulate(depth), times, right=_NAN)
-    return float(one), float(two)
+    times = np.append(0.0, motion.handoff_times)
+    return _passed(-math.log(FALL_63), depth, times), _passed(-math.log(FALL_98), depth, times)
+
+
+def _passed(level: float, depth: FloatArray, times: FloatArray) -> float:
+    """Time at which a depth, linear between given times, first reaches a level; or NaN."""
+    below = np.flatnonzero(depth >= level)
+    if not below.size:
+        return _NAN
+    two = slice(below[0] - 1, below[0] + 1)
+    return float(np.interp(level, depth[two], times[two]))
 
 
 def read_cycle(cycle: Motion, base: Figures) -> Figures:

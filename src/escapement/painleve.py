@@ -12,22 +12,24 @@ from typing import Any
 import numpy as np
 
 from escapement.chebyshev import zeros
-from escapement.dynamics import grip, is_ideal
+from escapement.dynamics import grip, is_ideal, sign_of, slide_at
 from escapement.jit import as_python, inner_jit, jit
 from escapement.mechanism import FloatArray, Mechanism
-from escapement.mechanisms.slotted import circle, pose_at, transmission, transmission_at
+from escapement.mechanisms.slotted import (
+    circle,
+    pose_at,
+    slide_change,
+    transmission,
+    transmission_at,
+)
 from escapement.model import Escapement, Inertia
 from escapement.natural import slid
 from escapement.power_flow import FLOWS, in_flow, is_lossy, scene_in_flow
 from escapement.roots import newton_in_bracket
 from escapement.scene import Scene
 
-GRID = 32
-"""Number of intervals in which the least margin of an engagement is searched for."""
 GOLDEN = 0.6180339887498949
 _LIMITS = "painleve.limits"
-GREATEST = 1e3
-"""No limit is searched for beyond this friction."""
 
 
 @jit
@@ -107,35 +109,77 @@ def least_lever(scene, exit_):
     return radius - scene.mu_plus * arm - scene.follower_journal
 
 
-@jit
-def least_margin(scene, low, high):
-    """Least `margin` between two driver angles, or the other side's lever arm if that is < 0.
+@inner_jit
+def nearness(moment, slope, journal):
+    """One over the least mu at which moment - slope mu - journal sqrt(1 + mu^2) vanishes.
 
-    The minimum is bracketed on an even grid and found by golden section.
+    It is infinite where the moment of a body does not exceed the friction of a journal, and not
+    positive where there is no such mu. With mu = tan x, moment cos x - slope sin x = journal.
     """
-    lever = least_lever(scene, scene.edges[-1])
-    if not lever > 0.0:
-        return lever
-    best, least = low, np.inf
-    step = (high - low) / GRID
-    for i in range(GRID + 1):
-        value = margin(low + i * step, scene)
-        if value < least:
-            best, least = low + i * step, value
-    a, b = max(best - step, low), min(best + step, high)
+    b, c = slope / moment, journal / moment
+    if not abs(c) < 1.0:
+        return np.inf
+    return (b + c * np.sqrt(1.0 + b * b - c * c)) / (1.0 - c * c)
+
+
+@inner_jit
+def _nearness_at(theta, way, scene):
+    """`nearness` of the friction at which `margin` vanishes at an angle; `way` is the sign of v."""
+    g, u, _dg, radius = pose_at(scene.path, theta)
+    inertia, ratio, share = scene.rho + g * g, abs(g), np.hypot(1.0, scene.mu_minus)
+    driver, follower = scene.driver_journal / share, scene.follower_journal / share
+    slide = way * slide_at(g, u, radius, -1.0, scene)
+    slope = ratio * slide + inertia * way * (scene.pin - scene.path.numbers[10])
+    journal = ratio * (driver + ratio * follower) - inertia * sign_of(g) * follower
+    return nearness(inertia * radius, slope, journal)
+
+
+@inner_jit
+def _nearest(low, high, scene):
+    """The greatest `_nearness_at` between two angles that v keeps its sign between, and its angle.
+
+    There it has one maximum, inside or at an end, which golden section finds.
+    """
+    g, u, _dg, radius = pose_at(scene.path, 0.5 * (low + high))
+    way = np.copysign(1.0, slide_at(g, u, radius, -1.0, scene))
+    a, b = low, high
     x, y = b - GOLDEN * (b - a), a + GOLDEN * (b - a)
-    at_x, at_y = margin(x, scene), margin(y, scene)
-    while b - a > 1e-9:
-        if at_x < at_y:
+    at_x, at_y = _nearness_at(x, way, scene), _nearness_at(y, way, scene)
+    while b - a > 1e-12:
+        if at_x > at_y:
             b, y, at_y = y, x, at_x
             x = b - GOLDEN * (b - a)
-            at_x = margin(x, scene)
+            at_x = _nearness_at(x, way, scene)
         else:
             a, x, at_x = x, y, at_y
             y = a + GOLDEN * (b - a)
-            at_y = margin(y, scene)
-    # without a jump where the lever vanishes, which false position would not find
-    return min(least, at_x, at_y, lever)
+            at_y = _nearness_at(y, way, scene)
+    return max(at_x, at_y), 0.5 * (a + b)
+
+
+@jit
+def friction_limit(scene, low, high):
+    """Least friction at which `margin` vanishes between two driver angles, and the angle.
+
+    If the lever of the other side vanishes at less friction, that is the limit, and the angle is
+    NaN. The limit does not depend on the friction of the scene; below it margin and lever are
+    positive.
+    """
+    entry, exit_ = scene.edges[0], scene.edges[-1]
+    change = slide_change(scene.path, scene.pin, -1.0, entry, exit_)
+    if not low < change < high:
+        change = high
+    most, angle = _nearest(low, change, scene)
+    if change < high:
+        behind, place = _nearest(change, high, scene)
+        if behind > most:
+            most, angle = behind, place
+    radius = min(pose_at(scene.path, 0.0)[3], pose_at(scene.path, exit_)[3])
+    arm = scene.pin + abs(scene.path.numbers[10])
+    lever = nearness(radius, arm, scene.follower_journal / np.hypot(1.0, scene.mu_minus))
+    if lever > most:
+        most, angle = lever, np.nan
+    return 1.0 / most if most > 0.0 else np.inf, angle
 
 
 @inner_jit
@@ -161,7 +205,7 @@ def _beyond(scene):
     if scene.path.table:
         return False
     if not is_ideal(scene):
-        return not least_margin(scene, 0.0, scene.edges[-1]) > 0.0
+        return scene.mu_minus >= friction_limit(scene, 0.0, scene.edges[-1])[0]
     # Where g > 0, J may vanish on the side s = -1. One of Meyer's published cells also has g < 0,
     # where J may vanish for s = +1, but its pins have one mu and the limit there is higher.
     mu, rho = scene.mu_minus, scene.rho
@@ -189,7 +233,9 @@ def critical_friction(mechanism: Mechanism, inertia: Inertia) -> float:
         S g^3 + (4 rho - 2 P) g^2 - 3 rho S g + 2 rho P = 0,  S = g1 + g2, P = g1 g2,
 
     which for the external Geneva is T g^3 + (T + 2 rho) g^2 - 3 rho T g - rho T = 0
-    with T = tan^2(pi/n). For pins with a radius the minimum is found numerically.
+    with T = tan^2(pi/n). For pins with a radius, and with friction in the journals, the friction
+    at which the product of reduced inertia and lever vanishes has a closed form at each driver
+    angle, and its minimum is found numerically.
 
     Returns
     -------
@@ -223,54 +269,13 @@ def _flows_of(escapement: Escapement) -> list[Scene]:
     return [scene_in_flow(scene, float(i)) for scene in escapement.scenes for i in range(FLOWS)]
 
 
-@inner_jit
-def _rubbed(scene, friction):
-    """The scene with another friction in the slot, on which the bearings' share depends."""
-    more = np.hypot(1.0, friction) / np.hypot(1.0, scene.mu_minus)
-    journals = scene.driver_journal * more, scene.follower_journal * more
-    return Scene(*scene[:6], friction, friction, *scene[8:15], *journals, *scene[17:])
-
-
-@jit
-def _friction_limit(scene, low, high, most):
-    """Least friction in the slot, up to `most`, at which the margin vanishes between two angles.
-
-    It is found by the Illinois variant of the rule of false position.
-    """
-    a, at_a = 0.0, least_margin(_rubbed(scene, 0.0), low, high)
-    if not at_a > 0.0:
-        return 0.0
-    b, stale = min(1.0, most), 0
-    at_b = least_margin(_rubbed(scene, b), low, high)
-    while at_b > 0.0:
-        if b >= most:
-            return most
-        a, at_a, b = b, at_b, min(2.0 * b, most)
-        at_b = least_margin(_rubbed(scene, b), low, high)
-    before = b
-    for _ in range(200):
-        x = b - at_b * (b - a) / (at_b - at_a)
-        if abs(x - before) <= 1e-15 * b:
-            break
-        before, value = x, least_margin(_rubbed(scene, x), low, high)
-        if value > 0.0:
-            a, at_a = x, value
-            at_b *= 0.5 if stale > 0 else 1.0
-            stale = 1
-        else:
-            b, at_b = x, value
-            at_a *= 0.5 if stale < 0 else 1.0
-            stale = -1
-    return x
-
-
 def _limit(escapement: Escapement, before: bool) -> float:
     """Least friction at which the margin vanishes before or after a dead centre."""
-    most = GREATEST
-    for scene in _flows_of(escapement):
-        ends = (scene.edges[0], 0.0) if before else (0.0, scene.edges[-1])
-        most = float(_friction_limit(scene, *ends, most))
-    return slid(vars(escapement.mechanism), most) if most < GREATEST else float("inf")
+    limits = [
+        friction_limit(scene, *((scene.edges[0], 0.0) if before else (0.0, scene.edges[-1])))[0]
+        for scene in _flows_of(escapement)
+    ]
+    return slid(vars(escapement.mechanism), float(min(limits)))
 
 
 def critical_angle(mechanism: Mechanism, inertia: Inertia, friction: float) -> float:

@@ -6,8 +6,9 @@ theory if that is as exact as `rtol`: see `engines.energy.rundown`.
 
 import math
 from dataclasses import dataclass, field
+from fractions import Fraction
 from functools import cached_property
-from typing import ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
 from scipy.optimize import brentq
@@ -22,6 +23,10 @@ from escapement.text import Shown
 
 MOST = LONGEST["energy"]
 """Engagements of a run."""
+ROUNDING = 1e-12
+"""Turns that differ by less are equal; angles in radians round them [-]."""
+MOST_CELLS = 10_000
+"""Greatest number of cells after which the driver may have made whole turns."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -54,8 +59,7 @@ class Rundown(Shown):
     @cached_property
     def turns(self) -> FloatArray:
         """Driver turns since the start at the end of each engagement, shape (n,)."""
-        angle = self.escapement.angle_before(np.arange(1, self.times.size + 1))
-        return np.asarray(angle / (2.0 * math.pi))
+        return np.asarray(turns_before(self.escapement, np.arange(1, self.times.size + 1)))
 
     @property
     def remaining_turns(self) -> FloatArray:
@@ -99,7 +103,7 @@ class Rundown(Shown):
             When the run has no such turn.
         """
         turns = validate.number("turns", turns, remedy="give driver turns of the run")
-        if turns > self.end_turns:
+        if turns * (1.0 - ROUNDING) > self.end_turns:
             rule = f"at most {self.end_turns:g}, where the run ends"
             raise validate.fail("turns", rule, turns, "give fewer, or run for longer")
         known = np.concatenate([[0.0], self.turns, [self.end_turns]])
@@ -160,59 +164,80 @@ def rundown(
     whole = times.size
     if status in (Status.OK, Status.SPENT):
         # after the spring is spent the driver turns on for a while, of no use to a timer
-        ends = escapement.angle_before(np.arange(1, whole + 1))
-        whole = int(np.searchsorted(ends, spent, side="right"))
+        ends = turns_before(escapement, np.arange(1, whole + 1))
+        whole = int(np.searchsorted(ends, spent * (1.0 + ROUNDING), side="right"))
     end = float(times[whole - 1]) if whole else 0.0
-    turned = float(escapement.angle_before(whole))
-    if motion.end_time > end:
+    turned = float(turns_before(escapement, whole))
+    if motion.end_time > end and turned < spent * (1.0 - ROUNDING):
         end, turned = _last_stretch(motion, end, spent)
-    if turned >= spent * (1.0 - 1e-12):
+    if turned >= spent * (1.0 - ROUNDING):
         status = Status.SPENT
-    turns = turned / (2.0 * math.pi)
     if status in (Status.STALL, Status.SPENT):
         reason = "the spring is spent" if status is Status.SPENT else MESSAGES[status]
-        message = f"after {turns:.6g} turns, at {end:.6g} s, {reason}"
-    return Rundown(escapement, times[:whole], nominal, end, turns, status, message)
+        message = f"after {turned:.6g} turns, at {end:.6g} s, {reason}"
+    return Rundown(escapement, times[:whole], nominal, end, turned, status, message)
+
+
+def turns_before(escapement: Escapement, engagement: Any) -> Any:
+    """Driver turns from the start of a motion to an engagement, of which the first is number 0.
+
+    They are counted in cells, so that whole turns are whole numbers.
+    """
+    cell = escapement.mechanism.cell_angle
+    share = _turns_of_cell(cell)
+    # an engagement of imperfect parts begins slightly before or after its cell
+    late = escapement.angle_before(engagement) - engagement * cell
+    # as floats, because NumPy's integers may overflow
+    whole = engagement * float(share.numerator) / float(share.denominator)
+    return whole + late / (2.0 * math.pi)
+
+
+def _turns_of_cell(cell: float) -> Fraction:
+    """Driver turns of a cell of this angle [rad]; a ratio of small whole numbers if it is one."""
+    turns = cell / (2.0 * math.pi)
+    near = Fraction(turns).limit_denominator(MOST_CELLS)
+    return near if abs(near - turns) <= ROUNDING * turns else Fraction(turns)
 
 
 def _spent_after(escapement: Escapement) -> float:
-    """Driver angle from which on there is no torque [rad]; infinite where there always is."""
+    """Driver turns after which there is no torque; infinite where there always is."""
     curve = escapement.curve
     if curve is None or curve.periodic or curve.torque[-1] > 0.0:
         return math.inf
     last = max(k for k, torque in enumerate(curve.torque) if torque > 0.0)
-    return float(curve.angle[last + 1])
+    return float(curve.angle[last + 1]) / (2.0 * math.pi)
 
 
 def _engagements(turns: float | None, escapement: Escapement, spent: float) -> int:
     """How many engagements to run."""
-    cell = escapement.mechanism.cell_angle
+    share = _turns_of_cell(escapement.mechanism.cell_angle)
+    most = float(MOST * share)
     if turns is None:
         if spent == math.inf:
             rule = "given, as turns or as duration, where the torque does not end"
             raise validate.fail("turns", rule, None, "such a timer runs for ever")
-        return min(math.ceil(spent / cell) + 1, MOST)
+        return MOST if spent >= most else min(math.ceil(spent / share) + 1, MOST)
     turns = validate.positive("turns", turns, "give how often the driver turns")
-    angle = turns * 2.0 * math.pi * (1.0 - 1e-12)
-    count = math.ceil(angle / cell)
-    if count > MOST:
-        rule = f"at most {MOST * cell / (2.0 * math.pi):g}, ten million engagements"
+    if turns > most:
+        rule = f"at most {most:g}, ten million engagements"
         raise validate.fail("turns", rule, turns, "run fewer")
+    least = turns * (1.0 - ROUNDING)
+    count = math.ceil(least / share)
     # an engagement of imperfect parts ends slightly before or after its cell
-    return count + int(escapement.angle_before(count) < angle)
+    return count + int(turns_before(escapement, count) < least)
 
 
 def _last_stretch(motion: Motion, begin: float, spent: float) -> tuple[float, float]:
-    """Time [s] and angle [rad] at which a run ends that continues after a handoff at `begin` [s].
+    """Time [s] and driver turns at which a run ends that goes on after a handoff at `begin` [s].
 
     It ends with the motion, or where the spring is spent.
     """
     start, end = float(motion.at(0.0).theta), motion.end_time
 
-    def angle(t: float) -> float:
-        return float(motion.at(t).theta) - start
+    def turns(t: float) -> float:
+        return (float(motion.at(t).theta) - start) / (2.0 * math.pi)
 
-    turned = angle(end)
+    turned = turns(end)
     if turned > spent:
-        end, turned = brentq(lambda t: angle(t) - spent, begin, end, xtol=1e-300), spent
+        end, turned = brentq(lambda t: turns(t) - spent, begin, end, xtol=1e-300), spent
     return end, turned

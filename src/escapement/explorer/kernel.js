@@ -7,7 +7,7 @@
 
 import { bodiesOf } from "./bodies.js";
 import { emptyRecord, figuresOf, marchAll } from "./figures.js";
-import { followerAngle, frictionLimits, leastMargin, sceneOf } from "./law.js";
+import { followerAngle, frictionLimits, sceneOf } from "./law.js";
 import { March, NotConverged, Stopped } from "./march.js";
 import { chainOf } from "./panels.js";
 import { N, interpolate, root } from "./polynomial.js";
@@ -27,9 +27,7 @@ export function simulate(given) {
   const scene = sceneOf(design);
   const limits = frictionLimits(design);
   const { clock } = scene;
-  const jams = scene.r_p > 0 || scene.b_d > 0 || scene.b_f > 0
-    ? !(leastMargin(scene, 0, scene.exit).value > 0) : design.friction >= limits.critical;
-  if (jams) {
+  if (design.friction >= limits.critical) {
     const figures = { status: "painleve", critical_friction: limits.critical,
       uniqueness_friction: limits.unique, critical_angle: limits.theta,
       jam_margin: 1 - design.friction / limits.critical,

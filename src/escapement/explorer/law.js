@@ -84,53 +84,52 @@ export function slideChanges(scene) {
   return found.filter((angle) => Math.abs(angle) < scene.exit - 1e-9).sort((a, b) => a - b);
 }
 
-/** J h of the side s = -1, which must not vanish. */
-function margin(scene, theta) {
-  const at = pose(scene, theta);
-  const way = Math.sign(slideAt(scene, at, -1)) || 1;
-  const { c, h } = bendAt(scene, at, -1, way);
-  return (scene.rho + at.g * (at.g + c)) * h;
+/**
+ * One over the least mu at which moment - slope mu - journal sqrt(1 + mu^2) vanishes. It is infinite
+ * where the moment does not exceed the friction of a journal, and not positive where there is no
+ * such mu. With mu = tan x, moment cos x - slope sin x = journal.
+ */
+function nearness(moment, slope, journal) {
+  const [b, c] = [slope / moment, journal / moment];
+  return Math.abs(c) < 1 ? (b + c * Math.sqrt(1 + b * b - c * c)) / (1 - c * c) : Infinity;
 }
 
-/** Least margin between two driver angles, and where it is. */
-export function leastMargin(scene, low, high) {
-  const lever = Math.min(pose(scene, 0).R, pose(scene, scene.exit).R)
-    - scene.mu * scene.r_p - scene.b_f;
-  if (!(lever > 0)) return { value: lever, theta: 0 };
-  const at = (theta) => ({ value: margin(scene, theta), theta });
-  const step = (high - low) / 32;
-  let best = at(low);
-  for (let i = 1; i <= 32; i++) {
-    const next = at(low + i * step);
-    if (next.value < best.value) best = next;
-  }
-  let a = Math.max(best.theta - step, low);
-  let b = Math.min(best.theta + step, high);
+/** `nearness` of the friction at which J h of the side s = -1 vanishes; `way` is the sign of v. */
+function nearnessAt(scene, theta, way) {
+  const at = pose(scene, theta);
+  const { rho, r_p, mu } = scene;
+  const [inertia, share] = [rho + at.g * at.g, Math.hypot(1, mu)];
+  const [driver, follower] = [scene.b_d / share, scene.b_f / share];
+  const slope = at.g * way * slideAt(scene, at, -1) + inertia * way * r_p;
+  return nearness(inertia * at.R, slope, at.g * (driver + at.g * follower) - inertia * follower);
+}
+
+/** The greatest nearness between angles that v keeps its sign between: there it has one maximum. */
+function nearest(scene, low, high) {
+  const way = Math.sign(slideAt(scene, pose(scene, 0.5 * (low + high)), -1)) || 1;
+  const at = (theta) => ({ value: nearnessAt(scene, theta, way), theta });
+  let [a, b] = [low, high];
   const golden = 0.6180339887498949;
   let x = at(b - golden * (b - a));
   let y = at(a + golden * (b - a));
-  while (b - a > 1e-9) {
-    if (x.value < y.value) [b, y, x] = [y.theta, x, at(y.theta - golden * (y.theta - a))];
+  while (b - a > 1e-12) {
+    if (x.value > y.value) [b, y, x] = [y.theta, x, at(y.theta - golden * (y.theta - a))];
     else [a, x, y] = [x.theta, y, at(x.theta + golden * (b - x.theta))];
   }
-  return [x, y].reduce((least, one) => (one.value < least.value ? one : least), best);
+  return x.value > y.value ? x : y;
 }
 
 /** Friction at which no motion exists (after dead centre), or a second one exists (before it). */
-function frictionLimit(design, behind) {
-  const least = (friction) => {
-    const scene = sceneOf({ ...design, friction });
-    return leastMargin(scene, behind ? 0 : -scene.exit, behind ? scene.exit : 0);
-  };
-  const value = (friction) => least(friction).value;
-  if (!(value(0) > 0)) return { friction: 0, theta: 0 };
-  let most = 1;
-  while (value(most) > 0) {
-    most *= 2;
-    if (most > 1e3) return { friction: Infinity, theta: NaN };
-  }
-  const friction = root(value, 0, most);
-  return { friction, theta: least(friction).theta };
+function frictionLimit(scene, behind) {
+  const [low, high] = behind ? [0, scene.exit] : [-scene.exit, 0];
+  const v = (theta) => slideAt(scene, pose(scene, theta), -1);
+  const ends = [low, ...(v(low) * v(high) < 0 ? [root(v, low, high)] : []), high];
+  const found = ends.slice(1).map((end, i) => nearest(scene, ends[i], end));
+  const radius = Math.min(pose(scene, 0).R, pose(scene, scene.exit).R);
+  const lever = nearness(radius, scene.r_p, scene.b_f / Math.hypot(1, scene.mu));
+  const { value, theta } = [...found, { value: lever, theta: 0 }]
+    .reduce((one, two) => (two.value > one.value ? two : one));
+  return { friction: value > 0 ? 1 / value : Infinity, theta };
 }
 
 /**
@@ -154,8 +153,8 @@ function findLimits(design) {
   const scene = sceneOf(design);
   const { rho, centre, sigma } = scene;
   if (scene.r_p > 0 || scene.b_d > 0 || scene.b_f > 0) {
-    const jams = frictionLimit(design, true);
-    return { critical: jams.friction, unique: frictionLimit(design, false).friction,
+    const jams = frictionLimit(scene, true);
+    return { critical: jams.friction, unique: frictionLimit(scene, false).friction,
       theta: jams.theta };
   }
   const g1 = 1 / (1 + sigma * centre) * sigma;

@@ -9,6 +9,7 @@ import numpy as np
 from scipy.optimize import minimize
 from scipy.stats import qmc
 
+from escapement.errors import InvalidValue
 from escapement.inverse.figures import Values, Wheel, exact, in_si, unit_wheel, wheels_for
 from escapement.inverse.front import spread_out, undominated
 from escapement.inverse.wish import BOUNDS, Wish
@@ -219,9 +220,10 @@ def _made(wheel: Wheel, place: FloatArray, wish: Wish) -> Design | None:
     timer = _timer(wheel, wish, (ratio, radius, torque), float(inertia), turned)
     if wish.total_time is not None and wish.turns is not None:
         run = rundown(timer, turns=wish.turns)
-        if run.end_turns < wish.turns * (1.0 - 1e-9):
-            return None
-        share = (wish.total_time / run.time_of(wish.turns)) ** 2
+        try:
+            share = (wish.total_time / run.time_of(wish.turns)) ** 2
+        except InvalidValue:
+            return None  # it stops on the way
         timer = _timer(wheel, wish, (ratio, radius, torque), float(inertia) * share, turned)
         lasting = ("driver_inertia", "follower_inertia", "mass", "driver_thickness",
                    "follower_thickness")  # fmt: skip

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Collection
 from dataclasses import replace
-from itertools import pairwise
+from itertools import cycle, pairwise
 from typing import Any
 
 import numpy as np
@@ -24,9 +24,8 @@ from escapement.tolerance.variation import Variation
 
 SHALLOW = 1e-6
 """Deviations below this share of the first one have too few digits for a derivative."""
-VANISHED = 1e-9
-"""If the lever of the contact force, over the crank radius, is below this at a limit of friction,
-the limit is set by the lever."""
+NEARBY = 1e-6
+"""The angle at which a limit of friction is met is known to better than this [rad]."""
 ROUNDING = 1e-12
 """Beats that differ by less than this share are equal."""
 LONGEST = 2000
@@ -70,7 +69,10 @@ def figures_of(
         return np.sqrt(most(lambda p: p.w, sign)) / clock
 
     found["velocity_mean"] = escapement.mechanism.cell_angle / found["period"]
-    found["handoff_velocity"] = np.sqrt(Dual(end.w_behind, closed(end.total_behind))) / clock
+    handoffs: list[Any] = [
+        np.sqrt(Dual(b.w_behind, closed(b.total_behind))) / clock for b in starts[1:]
+    ]
+    found["handoff_velocity"] = handoffs[-1]
     slow: dict[str, Callable[[], Any]] = {
         "velocity_max": lambda: speed(1.0),
         "velocity_min": lambda: speed(-1.0),
@@ -98,7 +100,7 @@ def figures_of(
     found |= limits_of(escapement, figures, names) if LIMITS & {*wanted} else {}
     note = ""
     if {*wanted} & {"rise_time_63", "rise_time_98"}:
-        rises, note = _rises(escapement, figures, law, found["handoff_velocity"], clock)
+        rises, note = _rises(escapement, figures, law, handoffs, clock)
         found |= rises
     return {name: found[name] for name in FIGURES if name in found}, note
 
@@ -151,50 +153,49 @@ def _limit(
         replace(escapement, friction=limit), (*(n for n in names if n != "friction"), "friction")
     )
     margin, lever = (uncompiled(painleve)[name] for name in ("margin", "least_lever"))
-    best: tuple[float, Any] = (math.inf, None)
-    for place, scene in enumerate(law.scenes):
-        edges = law.escapement.scenes[place].edges
-        low, high = (edges[0], 0.0) if before else (0.0, edges[-1])
+    found = []
+    for place, scene in enumerate(law.escapement.scenes):
+        ends = (scene.edges[0], 0.0) if before else (0.0, scene.edges[-1])
+        found.append((*painleve.friction_limit(scene, *ends), ends, place))
+    _least, angle, (low, high), place = min(found)
+    scene = law.scenes[place]
 
-        def rising(angle: float, scene: Any = scene) -> float:
-            return float(margin(law.seeded(angle, ANGLE), scene).slopes[ANGLE])
+    def rising(angle: float) -> float:
+        return float(margin(law.seeded(angle, ANGLE), scene).slopes[ANGLE])
 
-        grid = np.linspace(low, high, 2001)
-        least = [float(painleve.margin(x, law.escapement.scenes[place])) for x in grid]
-        k = int(np.argmin(least))
-        low, high = grid[max(k - 1, 0)], grid[min(k + 1, 2000)]
-        angle = grid[k]
+    if math.isnan(angle):
+        vanishing = lever(scene, law.exit_of(place))
+    else:
+        low, high = max(angle - NEARBY, low), min(angle + NEARBY, high)
         if rising(low) < 0.0 < rising(high):
             angle = brentq(rising, low, high, xtol=1e-15)
-        if least[k] < best[0]:
-            best = least[k], margin(law.seeded(angle, ANGLE), scene)
-        own = lever(scene, law.exit_of(place))
-        if abs(float(own)) < min(best[0], VANISHED):
-            best = float(own), own
-    found = best[1].slopes[:SPEED]
-    slopes = dict(zip(law.names, -found / found[-1], strict=True)) | {"friction": 0.0}
+        vanishing = margin(law.seeded(angle, ANGLE), scene)
+    moved = vanishing.slopes[:SPEED]
+    slopes = dict(zip(law.names, -moved / moved[-1], strict=True)) | {"friction": 0.0}
     return Dual(limit, np.array([slopes[name] for name in names]))
 
 
 def _rises(
-    escapement: Escapement, figures: Figures, law: Law, handoff: Dual, clock: Dual
+    escapement: Escapement, figures: Figures, law: Law, ends: list[Dual], clock: Dual
 ) -> tuple[dict[str, Dual], str]:
-    """`rise_time_63` and `rise_time_98`, and "done" or the reason why they are missing."""
+    """`rise_time_63` and `rise_time_98`, and "done" or the reason why they are missing.
+
+    `ends` has the speeds at the handoffs of the terminal cycle.
+    """
     late = figures.rise_time_98
     if not late > 0.0:
         return {}, "there are no rise times here, so they have no derivatives"
-    count = len(escapement.meetings)
     long = simulation.simulate(escapement, duration=late * (1.0 + 1e-9))
-    wanted = count * (1 + long.handoff_times.size // count)
+    wanted = 1 + long.handoff_times.size
     if wanted > LONGEST:
         return {}, f"the rise times take more than {LONGEST} engagements: no derivatives"
     motion = simulation.simulate(escapement, wanted)
     varied = Variation(motion, law)
-    rounds = [b for b in varied.boundaries[1:] if varied.begins(b.piece)][count - 1 :: count]
-    deviations, times = [abs(handoff)], [0.0 * clock]
-    for boundary in rounds:
+    handoffs = [b for b in varied.boundaries[1:] if varied.begins(b.piece)]
+    deviations, times = [abs(ends[-1])], [0.0 * clock]
+    for boundary, terminal in zip(handoffs, cycle(ends), strict=False):
         speed = np.sqrt(Dual(boundary.w_behind, boundary.total_behind[:-1])) / clock
-        deviations.append(abs(speed - handoff))
+        deviations.append(abs(speed - terminal))
         times.append(Dual(boundary.time, boundary.instant[:-1]) * clock)
     shares = [d / deviations[0] for d in deviations]
     depth = [-np.log(x) for x in shares if float(x) > SHALLOW]

@@ -189,7 +189,7 @@ def scatter_of(
         capable = partial(intervals.capability, low=ends[0], high=ends[1])
         capability = estimate(capable, kept, groups)
     return Scatter(
-        nominal=float(getattr(simulation.terminal(nominal), figure)),
+        nominal=_value(*own, places),
         worst=worst,
         sigma=math.sqrt(total) if math.isfinite(total) else math.nan,
         slopes=dict(zip(names, slopes.tolist(), strict=True)),

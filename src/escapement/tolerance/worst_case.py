@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from itertools import product
 from typing import NamedTuple
 
 import numpy as np
@@ -11,6 +12,8 @@ from escapement.mechanism import FloatArray
 
 Evaluate = Callable[[FloatArray], float]
 """A figure at values of the numbers; NaN where it has none."""
+FEW = 6
+"""Every vertex of a box of so many numbers is tried."""
 
 
 class Worst(NamedTuple):
@@ -36,9 +39,11 @@ def worst_case(
     """The ends of a figure over a box.
 
     If each derivative has the same sign at the nominal point and at the two vertices to which the
-    signs point, the ends are at these vertices. Otherwise the search starts from these vertices
-    and from the extreme cases of a sample. A vertex to which derivatives point, and where the
-    figure has no value, is an end without a value: beyond some place the mechanism jams or stops.
+    signs point, the ends are at these vertices. Otherwise vertices are tried, all of them if the
+    numbers are few, and the search starts from the best of them and from the extreme cases of a
+    sample. The ends are the extremes of all that was evaluated within the box, the nominal point
+    included. A vertex to which derivatives point, and where the figure has no value, is an end
+    without a value: beyond some place the mechanism jams or stops.
 
     Parameters
     ----------
@@ -51,38 +56,75 @@ def worst_case(
     tried : ndarray, shape (2, n)
         Cases of a sample with the least and greatest value.
     """
+    known: dict[bytes, float] = {}
+
+    def value(place: FloatArray) -> float:
+        key = place.tobytes()
+        if key not in known:
+            known[key] = evaluate(place)
+        return known[key]
+
     first = slopes(nominal)
     vertices = [np.where(sign * first > 0.0, bounds[:, 1], bounds[:, 0]) for sign in (-1.0, 1.0)]
     alike = bool(np.isfinite(first).all())
     for vertex in vertices:
         alike = alike and bool((np.sign(slopes(vertex)) * np.sign(first) >= 0.0).all())
-    at_vertices = [evaluate(vertex) for vertex in vertices]
-    if alike:
-        return Worst(at_vertices[0], at_vertices[1], False)
-    ends = []
-    for sign, vertex, value, case in zip((-1.0, 1.0), vertices, at_vertices, tried, strict=True):
-        starts = [vertex, case] if np.isfinite(value) else [case]
-        open_end = np.isfinite(first).all() and not np.isfinite(value)
-        climbed = (_climb(evaluate, sign, bounds, start) for start in starts)
-        ends.append(np.nan if open_end else sign * max(climbed))
-    return Worst(ends[0], ends[1], True)
+    open_ends = [not np.isfinite(value(v)) and np.isfinite(first).all() for v in vertices]
+    if (np.clip(nominal, *bounds.T) == nominal).all():
+        value(nominal)
+    if not alike:
+        for sign, vertex, case in zip((-1.0, 1.0), vertices, tried, strict=True):
+            inside = np.clip(case, bounds[:, 0], bounds[:, 1])
+            starts = [_best_vertex(value, sign, bounds, start) for start in (vertex, inside)]
+            for start in (max(starts, key=lambda place: _height(value, sign, place)), inside):
+                if np.isfinite(value(start)):
+                    _climb(value, sign, bounds, start)
+    found = [x for x in known.values() if np.isfinite(x)] or [np.nan]
+    low, high = (
+        np.nan if is_open else end
+        for is_open, end in zip(open_ends, (min(found), max(found)), strict=True)
+    )
+    return Worst(low, high, not alike)
 
 
-def _climb(evaluate: Evaluate, sign: float, bounds: FloatArray, start: FloatArray) -> float:
-    """The greatest value of a figure, or of its negative, near a start within bounds."""
+def _height(value: Evaluate, sign: float, place: FloatArray) -> float:
+    """A figure or its negative; infinitely low where it has no value."""
+    height = sign * value(place)
+    return height if np.isfinite(height) else -np.inf
+
+
+def _best_vertex(value: Evaluate, sign: float, bounds: FloatArray, start: FloatArray) -> FloatArray:
+    """The vertex where a figure or its negative is greatest.
+
+    If the numbers are many, it is one that the change of no single number improves, reached from
+    that next to a start.
+    """
+    if len(bounds) <= FEW:
+        every = [np.array(place) for place in product(*bounds)]
+        return max(every, key=lambda place: _height(value, sign, place))
+    best = np.where(start > bounds.mean(axis=1), bounds[:, 1], bounds[:, 0])
+    improved = True
+    while improved:
+        improved = False
+        for i, ends in enumerate(bounds):
+            other = best.copy()
+            other[i] = ends.sum() - best[i]
+            if _height(value, sign, other) > _height(value, sign, best):
+                best, improved = other, True
+    return best
+
+
+def _climb(value: Evaluate, sign: float, bounds: FloatArray, start: FloatArray) -> None:
+    """Evaluate a figure ever nearer to a place where it or its negative is greatest."""
     from scipy.optimize import minimize
 
     low, wide = bounds[:, 0], bounds[:, 1] - bounds[:, 0]
-
-    begin = np.clip((start - low) / wide, 0.0, 1.0)
-    worse = 1e3 * abs(evaluate(low + begin * wide))
+    worse = 1e3 * abs(value(start))
 
     def cost(shares: FloatArray) -> float:
-        value = evaluate(low + shares * wide)
-        return -sign * value if np.isfinite(value) else worse
+        found = value(low + shares * wide)
+        return -sign * found if np.isfinite(found) else worse
 
     # a figure may have kinks, so a method without derivatives is used
-    found = minimize(
-        cost, begin, method="Powell", bounds=[(0.0, 1.0)] * len(begin), options={"xtol": 1e-6}
-    )
-    return max(-float(found.fun), -cost(begin))
+    begin, limits = np.clip((start - low) / wide, 0.0, 1.0), [(0.0, 1.0)] * len(start)
+    minimize(cost, begin, method="Powell", bounds=limits, options={"xtol": 1e-6})

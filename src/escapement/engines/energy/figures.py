@@ -94,7 +94,7 @@ def figures(case, handoffs, w, rtol, extent, out):
         handoffs[row, 0], handoffs[row, 1] = time, found.w
         if cycle_known:
             in_band = _judge(case, first, used, in_band, out)
-            note_fall(start, handoffs, k, rtol, out)
+            note_fall(start, handoffs, k, out[cycle.HANDOFF], out[cycle.HANDOFF], rtol, out)
         if not sought:
             step = cycle.newton_step(w, found, scene, ends, has_reversal(events, first, used))
             first = used
@@ -132,7 +132,7 @@ def figures(case, handoffs, w, rtol, extent, out):
 def _take_stock(case, start, handoffs, k, used, rtol, out):
     """Compare all kept events with the cycle; returns how many extrema are in the band."""
     for i in range(k + 1):
-        note_fall(start, handoffs, i, rtol, out)
+        note_fall(start, handoffs, i, out[cycle.HANDOFF], out[cycle.HANDOFF], rtol, out)
     return _judge(case, NO_EVENTS, used, NO_EVENTS, out)
 
 
@@ -143,20 +143,20 @@ def _only_gains(scene):
 
 
 @inner_jit
-def note_fall(start, handoffs, k, rtol, out):
+def note_fall(start, handoffs, k, last, following, rtol, out):
     """Note `rise_time_63` and `_98` where engagement k passes them, as `metrics.fall_times` does.
 
     start : w at the first entry.
     handoffs : time and w at the entry of engagement k in row k, counted round.
+    last, following : terminal speeds at the entries of engagement k and of the one behind it.
     """
-    final = out[cycle.HANDOFF]
-    whole = abs(np.sqrt(start) - final)
-    if whole <= rtol * final:
+    whole = abs(np.sqrt(start) - out[cycle.HANDOFF])
+    if whole <= rtol * out[cycle.HANDOFF]:
         out[cycle.RISE_63], out[cycle.RISE_98] = 0.0, 0.0
         return
     one, two = k % handoffs.shape[0], (k + 1) % handoffs.shape[0]
-    before = max(abs(np.sqrt(handoffs[one, 1]) - final) / whole, LEAST_RATIO)
-    after = max(abs(np.sqrt(handoffs[two, 1]) - final) / whole, LEAST_RATIO)
+    before = max(abs(np.sqrt(handoffs[one, 1]) - last) / whole, LEAST_RATIO)
+    after = max(abs(np.sqrt(handoffs[two, 1]) - following) / whole, LEAST_RATIO)
     for place in range(cycle.RISE_63, cycle.RISE_98 + 1):
         level = FALL_63 if place == cycle.RISE_63 else FALL_98
         if np.isnan(out[place]) and after <= level:

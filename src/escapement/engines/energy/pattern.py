@@ -53,7 +53,7 @@ class Case(NamedTuple):
     store, counts : memory for the panels, and how many there are of each engagement.
     events : memory that a march asks for.
     finals : of the last passage whose extrema were noted.
-    rounds : time and w at the start and the end of a passage, shape (2, 2).
+    handoffs : time and w at the start and the end of an engagement, shape (2, 2).
     shares : of each engagement, share of the speed that the handoff at its end leaves.
     slopes, gains : of the map w_out = exp(slope - exponent) w_in + gain source of each.
     """
@@ -66,7 +66,7 @@ class Case(NamedTuple):
     counts: Any
     events: Any
     finals: Finals
-    rounds: Any
+    handoffs: Any
     shares: Any
     slopes: Any
     gains: Any

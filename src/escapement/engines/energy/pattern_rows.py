@@ -139,8 +139,8 @@ def _read_transient(case, start, rtol, extent, out):
     loose, strict = tolerances(rtol)
     request = Request(np.int64(Detail.EXTREMA), loose, strict)
     size, w, rising, time, calm = case.meetings.size, start, 0.0, 0.0, 0
-    rounds = case.rounds
-    rounds[0, 0], rounds[0, 1] = 0.0, start
+    handoffs, finals = case.handoffs, case.finals
+    handoffs[0, 0], handoffs[0, 1] = 0.0, start
     for k in range(LONGEST_TRANSIENT):
         place = k % size
         found = engage(case, place, w, rising, request)
@@ -150,11 +150,10 @@ def _read_transient(case, start, rtol, extent, out):
             calm = 0
         w, time = found.w * case.shares[place] ** 2, time + found.time
         rising = rising_after(case, place, found)
-        if place == size - 1:
-            # the handoff speed is compared after whole rounds
-            row = (k + 1) // size % 2
-            rounds[row, 0], rounds[row, 1] = time, w
-            note_fall(start, rounds, k // size, rtol, out)
+        # the speed is compared with that of the cycle at the same handoff
+        handoffs[(k + 1) % 2, 0], handoffs[(k + 1) % 2, 1] = time, w
+        last, following = np.sqrt(finals.after[place - 1]), np.sqrt(finals.after[place])
+        note_fall(start, handoffs, k, last, following, rtol, out)
         # two motions never cross: when a whole round is in the band, all later ones are
         settled = calm >= size and not np.isnan(out[cycle.SETTLING])
         if settled and (extent < Extent.FALLEN or not np.isnan(out[cycle.RISE_98])):

@@ -60,7 +60,7 @@ def terminal(escapement: Escapement, base: Figures, **settings: Any) -> Figures:
     while count <= LONGEST_TRANSIENT:
         motion = simulate(escapement, engagements=count, duration=None, **settings)
         rise, settled = read_transient(motion, figures)
-        falls = fall_times(motion, settings["initial_speed"], figures.handoff_velocity)
+        falls = fall_times(motion, settings["initial_speed"], cycle)
         times: dict[str, Any] = dict(zip(TRANSIENT, (rise, *falls, settled), strict=True))
         if not any(map(math.isnan, times.values())):
             return replace(figures, **times)

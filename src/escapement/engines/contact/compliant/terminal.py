@@ -138,7 +138,7 @@ def _repeated(
         escapement, engagements=count, duration=None, initial_speed=initial_speed, rtol=rtol
     )
     rise, settled = read_transient(motion, figures)
-    falls = fall_times(motion, initial_speed, speed)
+    falls = fall_times(motion, initial_speed, passed.motion)
     times: dict[str, Any] = dict(zip(TRANSIENT, (rise, *falls, settled), strict=True))
     return replace(figures, **times)
 

@@ -110,7 +110,7 @@ def _figures(
     settings: dict[str, Any] = {"initial_speed": initial_speed, "rtol": rtol}
     motion = simulate(escapement, engagements=count, duration=None, **settings)
     rise, settled = read_transient(motion, figures)
-    most, nearly = fall_times(motion, initial_speed, figures.handoff_velocity)
+    most, nearly = fall_times(motion, initial_speed, cycle)
     return replace(
         figures, rise_time=rise, settling_time=settled, rise_time_63=most, rise_time_98=nearly
     )
