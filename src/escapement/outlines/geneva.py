@@ -13,7 +13,7 @@ from functools import lru_cache
 import numpy as np
 
 from escapement.mechanisms import Geneva
-from escapement.outlines import Body, Disc, Land, locked_angle, pins_and_rollers, slotted_edge
+from escapement.outlines import Body, Disc, Land, pins_and_rollers, slotted_edge
 from escapement.outlines.curves import ComplexArray, Curve, FloatArray, chain
 from escapement.outlines.imperfect import each, imperfect_edge, scaled_errors
 
@@ -111,7 +111,7 @@ class GenevaOutline:
         external wheel, "roller-k" only if pins have rollers.
         """
         centre, follower = self.centre, Body("follower", self.follower_edges)
-        angle = self.follower_at(theta) if phi is None else phi
+        angle = float(self.mechanism.follower_angle(theta)) if phi is None else phi
         found: list[Body | Disc] = [follower.turned(angle)]
         if self.locks and (edge := locking_disc(self.perfect)):
             found.append(Body("locking-disc", (edge,)).turned(self.side * theta, centre))
@@ -132,23 +132,6 @@ class GenevaOutline:
         """Edges of the follower: that which faces the driver, and the outer one of a ring."""
         ring = (Curve.circle(self.follower_radius),) if self.mechanism.internal else ()
         return self.follower_edge, *ring
-
-    def follower_at(self, theta: float) -> float:
-        """Follower angle [rad] at any driver angle; it rests from a pin's exit to the next one."""
-        mechanism = self.mechanism
-        if mechanism.perfect:
-            return locked_angle(mechanism, theta)
-        rows, cell = mechanism.meetings, mechanism.cell_angle
-        near = math.floor((theta - mechanism.breaks[0]) / cell)
-        # the last engagement that has begun
-        begun = [
-            k for k in range(near - 1, near + 2)
-            if k * cell + rows[k % len(rows)].late + rows[k % len(rows)].edges[0] <= theta
-        ]  # fmt: skip
-        k = max(begun, default=near - 1)
-        row = rows[k % len(rows)]
-        local = min(theta - k * cell - row.late, float(row.edges[-1]))
-        return k * mechanism.follower_step + float(row.turned(np.array([local]))[0])
 
     def slot_angles(self) -> FloatArray:
         """Angles of the slots' centre lines while the follower is at zero, slot 0 first [rad].
