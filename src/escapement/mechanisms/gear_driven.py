@@ -360,4 +360,7 @@ class GearDriven(ImperfectWheel):
             return replace(self, solution=place, pins=1, unused_lobes=0, **_SIZELESS)
 
     def _geometry(self) -> dict[str, Any]:
-        return super().report() | {"gear_ratio": float(self.gear_ratio)}
+        """As `report`; the length of the carrier with its error."""
+        longer = self.centre_distance_error / (self.fixed_radius or 1.0)
+        given = {"gear_ratio": float(self.gear_ratio)}
+        return super().report() | given | {"carrier_over_fixed": self.carrier_over_fixed + longer}

@@ -140,8 +140,9 @@ class Geneva(ImperfectWheel):
         return Arms(self.centre_distance, 0.0, crank, crank)
 
     def report(self) -> dict[str, Any]:
-        """Its geometry by JSON key, in SI."""
-        record = super().report() | {"centre_distance_over_crank_radius": self.centre_distance}
+        """Its geometry by JSON key, in SI; the centre distance with its error."""
+        apart = self.centre_distance + self.centre_distance_error / (self.crank_radius or 1.0)
+        record = super().report() | {"centre_distance_over_crank_radius": apart}
         if self.crank_radius is not None:
-            record["centre_distance"] = self.centre_distance * self.crank_radius
+            record["centre_distance"] = apart * self.crank_radius
         return record
