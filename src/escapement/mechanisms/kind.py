@@ -4,13 +4,15 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from functools import cached_property
+from functools import cache, cached_property
 from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple, Self
 
 from escapement import validate
+from escapement.errors import UnknownArgument
 from escapement.fitting import check_lengths
 from escapement.lazy import Lazy
 from escapement.mechanism import FloatArray
+from escapement.mechanisms.other_sizes import OtherSize, diameters, own_numbers
 from escapement.quantity import Declared, Setting, declared, quantity
 from escapement.scene import Path
 from escapement.units import degrees
@@ -74,15 +76,32 @@ class Kind(Declared):
     cell_angle: Any
     follower_step: Any
 
+    def __new__(cls, *args: Any, **keywords: Any) -> Self:
+        """As of `Declared`; tells how to give a size that the class has no argument for."""
+        try:
+            return super().__new__(cls, *args, **keywords)
+        except UnknownArgument:
+            for name in keywords.keys() & cls.other_sizes():
+                other, own = cls.other_sizes()[name].of, cls.__name__
+                remedy = f"give {other}, or {own}.from_options({name}=...)"
+                raise UnknownArgument(f"{own} has no argument {name!r}; {remedy}") from None
+            raise
+
+    @classmethod
+    @cache
+    def other_sizes(cls) -> dict[str, OtherSize]:
+        """Sizes that stand for its numbers on the command line and in files, by name."""
+        return diameters(declared(cls))
+
     @classmethod
     def options(cls) -> dict[str, Setting]:
         """Settings for the command line, by the name of the option."""
-        return declared(cls)
+        return declared(cls) | {name: size.entry for name, size in cls.other_sizes().items()}
 
     @classmethod
     def from_options(cls, **given: Any) -> Self:
-        """The mechanism of what was typed, in SI, by the key of each option."""
-        return cls(**given)
+        """The mechanism of its numbers in SI, and of sizes in place of them, by name."""
+        return cls(**own_numbers(cls.other_sizes(), given))
 
     def report(self) -> dict[str, Any]:
         """Its geometry by JSON key, in SI; angles in degrees where the key says so."""
