@@ -47,12 +47,13 @@ def execute(args: Arguments) -> int:
     if not lines:
         _output.tell(args, {"designs": [], "message": found.message}, lambda: None, found.message)
         return SOME_FAILED
+    picture = _output.drawn(args.plot, lambda plots: plots.plot_designs(found))
+    report = _output.reported(args, found.designs[0].timer)
     if args.output is not None:
         table = as_csv([[*lines[0]], *([*line.values()] for line in lines)])
         write_file(args.output, [table.encode()], args.force)
-    _output.draw(args.plot, lambda plots: plots.plot_designs(found))
-
-    _output.write_report(args, found.designs[0].timer)
+    picture()
+    report()
 
     def table_of_designs() -> None:
         names = ("slots", "internal", "crank_radius", "torque", "driver_inertia",
