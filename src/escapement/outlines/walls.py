@@ -1,8 +1,8 @@
 """The thinnest wall of a part: the least distance of two edges that face each other across it.
 
 Two lines or arcs face each other where both stand nearly upright on the straight way between
-them, and this way lies within the part. So two edges that meet in a corner leave no wall there,
-however thin the tip of the corner is.
+them, and this way lies within the part. The tip of a corner in which they meet is no wall, however
+thin it is; away from the corner they count where this way is square to both.
 """
 
 from collections.abc import Sequence
