@@ -77,10 +77,8 @@ def execute(args: Arguments) -> int:
         suffix, inches = file_format(args.output, CUTS), args.units != "SI"
         data, gaps = drawn(mechanism, suffix, fits, inches=inches, **how)
     parts = esc.parts_of(mechanism, fits)
-    record, warning = (
-        _summary(args, mechanism, fits, parts, gaps),
-        _warning(args, mechanism, fits, parts),
-    )
+    record = _summary(args, mechanism, fits, parts, gaps)
+    warning = _warning(args, mechanism, fits, record["parts"])
     # nothing is written before every number is known to be possible
     if data is not None:
         write_file(args.output, [data], args.force)
@@ -114,7 +112,7 @@ def _summary(
     return record
 
 
-def _warning(args: Arguments, mechanism: Any, fits: Fits, parts: tuple[Part, ...]) -> str:
+def _warning(args: Arguments, mechanism: Any, fits: Fits, rows: list[dict[str, Any]]) -> str:
     """What a workshop would ask about: no clearance, thin walls, very large or small parts."""
     told = []
     if not (mechanism.meshed or getattr(mechanism, "clearance", fits.clearance)):
@@ -125,19 +123,19 @@ def _warning(args: Arguments, mechanism: Any, fits: Fits, parts: tuple[Part, ...
         return f"{shown:.3g} {printed('length', args.units)}"
 
     least = _arguments.typed(args, _WALLS).get("least_wall", max(_LEAST_WALL, fits.kerf))
-    thin = [f"{p.name} {length(p.wall.width)}" for p in parts if p.wall.width <= least]
+    thin = [f"{row['part']} {length(row['wall'])}" for row in rows if row["wall"] <= least]
     if thin:
         told.append(
             f"walls of {length(least)} or less may not survive the cut: {', '.join(thin)}; "
             "choose a larger crank or thinner shafts and pins, or state what you can make with "
             "--least-wall"
         )
-    for part in parts:
-        across = max(part.size.real, part.size.imag)
+    for row in rows:
+        across = max(row["width"], row["height"])
         if not _SIZES[0] <= across <= _SIZES[1]:
             unit = printed("length", args.units)
             told.append(
-                f"{part.name} is {length(across)} across; a length without a unit is in {unit}: "
+                f"{row['part']} is {length(across)} across; a length without a unit is in {unit}: "
                 "write for example '12 mm'"
             )
             break

@@ -104,17 +104,17 @@ def gap(one: Ways, other: Ways) -> tuple[float, complex]:
 
 def _closest(one: Ways, other: Ways) -> tuple[Ways, Ways]:
     """Those lines and arcs of two bodies that may be the nearest to each other."""
-    apart = np.abs(_middle(one)[:, None] - _middle(other))
-    sizes = _size(one)[:, None] + _size(other)
+    apart = np.abs(middle_of(one)[:, None] - middle_of(other))
+    sizes = reach_of(one)[:, None] + reach_of(other)
     kept = apart - sizes <= np.min(apart + sizes)
     return one.only(np.any(kept, axis=1)), other.only(np.any(kept, axis=0))
 
 
-def _middle(ways: Ways) -> ComplexArray:
+def middle_of(ways: Ways) -> ComplexArray:
     return 0.5 * (ways.start + ways.end)
 
 
-def _size(ways: Ways) -> FloatArray:
+def reach_of(ways: Ways) -> FloatArray:
     """No point of a line or arc is further from the middle of its chord."""
     chord = np.abs(ways.end - ways.start)
     return np.where(np.abs(ways.turn) > np.pi, 2.0 * ways.radius, 0.5 * chord)

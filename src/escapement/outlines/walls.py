@@ -11,7 +11,15 @@ from typing import NamedTuple
 import numpy as np
 
 from escapement.outlines.curves import ComplexArray, Curve, FloatArray
-from escapement.outlines.gaps import Ways, nearest_on, outside, square_points, ways_of
+from escapement.outlines.gaps import (
+    Ways,
+    middle_of,
+    nearest_on,
+    outside,
+    reach_of,
+    square_points,
+    ways_of,
+)
 
 _UPRIGHT = 0.5  # cosine of the greatest angle between the way across and an edge's normal
 _NEAR = 1e-9  # share of a part's size below which two points are the same
@@ -47,12 +55,24 @@ def thinnest_wall(edges: Sequence[Curve]) -> Wall:
     Wall
         Infinitely wide if no two edges face each other.
     """
-    ways = ways_of(edges)
-    rounding = _NEAR * _reach(ways)
-    starts, ends = np.concatenate(
-        [_across(ways, slice(k, k + _BLOCK)) for k in range(0, ways.turn.size, _BLOCK)], axis=1
-    )
-    order = np.argsort(np.abs(ends - starts), kind="stable")
+    ways, best = ways_of(edges), Wall(np.inf, 0.0)
+    rounding = _NEAR * float(np.abs(ways.start - ways.start.mean()).max())
+    middles, reaches = middle_of(ways), reach_of(ways)
+    for k in range(0, ways.turn.size, _BLOCK):
+        some = slice(k, k + _BLOCK)
+        apart = np.abs(middles[some, None] - middles) - reaches[some, None] - reaches
+        near = ways.only(np.any(apart < best.width, axis=0))
+        own = Ways._make(column[some] for column in ways)
+        best = _thinner(ways, best, _across(own, near, rounding), rounding)
+    return best
+
+
+def _thinner(ways: Ways, best: Wall, across: ComplexArray, rounding: float) -> Wall:
+    """The shortest way across that lies within the part, or `best` if none is shorter."""
+    starts, ends = across
+    width = np.abs(ends - starts)
+    order = np.argsort(width, kind="stable")
+    order = order[width[order] < best.width]
     for some in np.split(order, range(_TRIED, order.size, _TRIED)):
         a, b = starts[some], ends[some]
         within = np.ones(some.size, dtype=bool)
@@ -60,12 +80,11 @@ def thinnest_wall(edges: Sequence[Curve]) -> Wall:
             within &= outside(ways, a + share * (b - a))[0] < rounding
         for k in np.flatnonzero(within)[:1]:
             return Wall(float(abs(b[k] - a[k])), complex(0.5 * (a[k] + b[k])))
-    return Wall(np.inf, 0.0)
+    return best
 
 
-def _across(ways: Ways, some: slice) -> ComplexArray:
-    """Both ends of the ways from some lines and arcs to all that face them, shape (2, n)."""
-    own = Ways._make(column[some] for column in ways)
+def _across(own: Ways, ways: Ways, rounding: float) -> ComplexArray:
+    """Both ends of the ways from some lines and arcs to others that face them, shape (2, n)."""
     # a distance is least at an end of a line or arc, or where an arc lies square to the other
     shape = 2, own.turn.size, ways.turn.size
     fixed = np.broadcast_to(np.stack([own.start, own.end])[:, :, None], shape)
@@ -78,17 +97,12 @@ def _across(ways: Ways, some: slice) -> ComplexArray:
     reached, other = nearest_on(ways, points)
     way = reached - points
     width = np.abs(way)
-    known &= width > _NEAR * _reach(ways)
+    known &= width > rounding
     unit = way / np.where(known, width, 1.0)
     facing = _cosine(1j * along, unit) > _UPRIGHT
     facing &= _cosine(1j * other, -unit) > _UPRIGHT
     facing &= _cosine(along, other) < -_UPRIGHT
     return np.stack([points[known & facing], reached[known & facing]])
-
-
-def _reach(ways: Ways) -> float:
-    """Greatest distance of a corner from the middle of all [L]."""
-    return float(np.abs(ways.start - ways.start.mean()).max())
 
 
 def _cosine(one: ComplexArray, other: ComplexArray) -> FloatArray:
