@@ -1,6 +1,7 @@
 """Inverse design: wishes, fronts and reasons."""
 
 import json
+import math
 import re
 from pathlib import Path
 
@@ -13,6 +14,7 @@ from escapement.inverse.figures import body_of, exact, in_si, unit_wheel
 from escapement.inverse.front import spread_out, undominated
 from escapement.outlines.parts import parts_of
 
+ANY_THICK = dict.fromkeys(("driver_thickness", "follower_thickness"), (0.0, 10.0))
 RUNS = Path(__file__).resolve().parents[1] / "runs"
 
 
@@ -71,6 +73,8 @@ def test_what_is_promised_is_simulated_by_the_other_engine(thirty):
     parts = {part.name: part for part in parts_of(timer.mechanism)}
     thick = one.values["follower_thickness"]
     assert parts["follower"].inertia(thick, 7850.0) == pytest.approx(timer.inertia.follower)
+    wall = min(part.wall.width for name, part in parts.items() if name != "plate")
+    assert one.values["thinnest_wall"] == pytest.approx(wall, rel=1e-9)
 
 
 def test_figures_scale_by_similarity():
@@ -91,7 +95,8 @@ def test_figures_scale_by_similarity():
 
 @pytest.mark.parametrize(("bounds", "told"), [
     ({"scatter": 0.01}, r"^scatter must be at most 0\.01, and the least is 0\.05"),
-    ({"size": 0.001}, r"^size must be at most 0\.001 m, and the least is 0\.014.* m, if all"),
+    ({"size": 0.001}, r"^size must be at most 0\.001 m, and the least is 0\.042.* m, if all"),
+    ({"size": 0.001, **ANY_THICK}, r"^size must be at most 0\.001 m, .* is 0\.014.* m, if all"),
     ({"size": 0.01, "contact_force_max": 1.0}, r"size must .*; contact_force_max .*; no single"),
 ])  # fmt: skip
 def test_an_impossible_wish_gets_its_reason(bounds, told):
@@ -104,6 +109,43 @@ def test_an_impossible_wish_gets_its_reason(bounds, told):
 def test_a_friction_at_which_all_wheels_jam_is_told():
     wish = esc.Wish(period=0.04, torque=0.01, friction=3.0, slots=6, inertia_ratio=0.02)
     assert "moves at a friction of 3" in esc.design(wish).message
+
+
+@pytest.mark.parametrize("objectives", [("scatter", "contact_force_max", "size"), ("size", "mass")])
+def test_discs_are_as_thick_as_sheets_without_a_word(objectives):
+    found = esc.design(esc.Wish(period=0.04, torque=0.01, slots=(3, 6), objectives=objectives))
+    assert found.designs
+    for one in found.designs:
+        for name in ("driver_thickness", "follower_thickness"):
+            assert 3e-4 <= one.values[name] <= 0.02
+        assert one.can_be_cut
+
+
+def test_a_greatest_thickness_keeps_the_least():
+    bounds = {"driver_thickness": 0.005, "follower_thickness": 1e-4, "thinnest_wall": 5e-4}
+    wish = esc.Wish(period=0.04, torque=0.01, bounds=bounds)
+    assert wish.bounds["driver_thickness"] == (3e-4, 0.005)
+    assert wish.bounds["follower_thickness"] == (-math.inf, 1e-4)
+    assert wish.bounds["thinnest_wall"] == (5e-4, math.inf)
+
+
+def test_foil_is_marked(capsys, tmp_path):
+    """Without least thicknesses of its own the search offers drivers of 22 micrometres."""
+    path = tmp_path / "wish.toml"
+    path.write_text(
+        'period = "40 ms"\ntorque = "10 mN m"\nslots = 4\ninternal = false\n[bounds]\n'
+        'driver_thickness = ["1 um", "1 m"]\nfollower_thickness = ["1 um", "1 m"]\n'
+    )
+    assert main(["design", str(path)]) == 0
+    out, err = capsys.readouterr()
+    header, *lines = out[out.index("slots  internal") :].splitlines()
+    names = ["driver thickness (m)", "follower thickness (m)", "can be cut"]
+    assert [" ".join(x.split()) for x in re.split(r"  +", header)[-3:]] == names
+    for line in lines:
+        *thick, mark = line.split()[-3:]
+        assert (min(map(float, thick)) < 1e-4) == (mark == "no")
+    assert {line.split()[-1] for line in lines} == {"yes", "no"}
+    assert f"{sum(line.endswith('no') for line in lines)} of them cannot be cut" in err
 
 
 def test_the_command_prints_designs(capsys, tmp_path):
@@ -124,7 +166,9 @@ def test_the_command_prints_designs(capsys, tmp_path):
 @pytest.mark.parametrize(("text", "told"), [
     ("period = 1\n", "torque must be given"),
     ("period = 1\ntorque = 1\nsize = 3\n", "size"),
-    ("period = 1\ntorque = 1\nslots = [2, 3]\n", "got 2.0; give a number in this range"),
+    ("period = 1\ntorque = 1\nslots = [2, 3]\n", "at least 3, got 2; give a number in this range"),
+    ("period = 1\ntorque = 1\nslots = 7.9\n", "a whole number of at least 3, got 7.9"),
+    ("period = 1\ntorque = 1\nslots = [3, 6.5]\n", "whole number of at least 3, got 6.5"),
     ("torque = 1\n", "period must be given, or total_time"),
     ("period = 1\ntorque = [2, 1]\n", "torque must be [low, high]"),
     ('period = 1\ntorque = "5 N"\n', "torque must be in N m"),

@@ -410,3 +410,25 @@ def test_a_curve_that_stays_is_a_constant_torque():
     case = dataclasses.replace(plain, torque=flat)
     one, two = esc.simulate(plain, 60), esc.simulate(case, 60)
     np.testing.assert_allclose(two.handoff_times, one.handoff_times, rtol=1e-12)
+
+
+def test_the_command_tells_the_real_distance_of_the_axes_and_what_does_not_fit(capsys):
+    """Axes 3 m apart where 2 m are right, and the wheel of a gear-driven one 1 mm off."""
+    sizes = ["--slots", "6", "--pins", "1", "--crank-radius", "1", "--pin-radius", "0.1"]
+    for error, apart in (("1.0", 3.0), ("1e-6", 2.000001)):
+        assert main(["mechanism", *sizes, "--centre-distance-error", error, "--json"]) == 0
+        out, err = capsys.readouterr()
+        told = json.loads(out)
+        assert told["centre_distance"] == pytest.approx(apart, rel=1e-15)
+        assert told["centre_distance_over_crank_radius"] == pytest.approx(apart, rel=1e-15)
+        assert (
+            "the numbers except the distance of the axes are those of parts without errors" in err
+        )
+        assert ("pin 0 cannot drive slot 1" in err) == (apart == 3.0)
+    gears = ["gear-driven", "--stations", "12", "--lobes", "3", "--curve", "hypocycloid"]
+    main(["mechanism", *gears, "--fixed-radius", "1", "--centre-distance-error", "1e-3", "--json"])
+    told = json.loads(capsys.readouterr().out)
+    assert told["carrier"] == pytest.approx(2.0 / 3.0 + 1e-3, rel=1e-14)
+    assert told["carrier_over_fixed"] == told["carrier"]
+    main(["mechanism", *sizes, "--json"])
+    assert "warning" not in capsys.readouterr().err

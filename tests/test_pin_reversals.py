@@ -166,3 +166,19 @@ def test_empty_study():
     study = esc.reversal_study(np.array([], dtype=int), np.array([]))
     assert study.zone.shape == (0,)
     assert study.reversals.shape == (0, 2)
+
+
+def test_a_clearance_is_refused_at_constant_speed():
+    """Every function says so: none of them computes how the pin crosses from wall to wall."""
+    loose = esc.Geneva(6, 1, crank_radius=0.02, pin_radius=1e-3, clearance=1e-5)
+    calls = (
+        lambda: esc.drive_torque(loose, 10.0, 0.1, 1e-6),
+        lambda: contact_moment(loose, 0.0, 10.0, 0.0, 0.1, 1e-6),
+        lambda: esc.transmission_extrema(loose),
+        lambda: esc.greatest_speed(loose, 0.1, 1e-6),
+        lambda: esc.greatest_follower_inertia(loose, 10.0, 0.1),
+        lambda: esc.least_load_torque(loose, 10.0, 1e-6),
+    )
+    for call in calls:
+        with pytest.raises(InvalidValue, match="clearance must be 0 at constant speed, got 1e-05"):
+            call()

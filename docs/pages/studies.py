@@ -41,7 +41,7 @@ def published_cell() -> Figure:
             theta = np.linspace(cell.breaks[0], cell.breaks[-1], 200)
             starts = np.arange(3)[:, None] * cell.cell_angle
             turned = np.degrees(np.pad(theta - theta[0] + starts, ((0, 0), (0, 1)))).ravel()
-            ratio = np.tile([*wheel.transmission(theta).g, np.nan], 3)
+            ratio = np.tile([*cell.transmission(theta).g, np.nan], 3)
             label = name if slots == 3 else "_"
             ax.plot(turned, ratio, ls=look[1], color=look[0], lw=1.3, label=label)
         ax.axhline(0.0, color="grey", lw=0.6)

@@ -21,6 +21,8 @@ class Fits(Declared):
         Diameter of the holes minus that of pins and shafts [m]; negative for a press fit.
     driver_shaft_radius, follower_shaft_radius : float
         Radii of the shafts [m]; 0 for one that suits the wheel.
+    locking_radius : float
+        Radius of the locking arcs of a `Geneva` with a dwell [m]; 0 for one that suits the wheel.
     clearance : float
         Slot width minus pin diameter of a gear-driven wheel [m]; a `Geneva` has its own
         clearance. Of a planetary drive with elliptical gears the backlash of their teeth.
@@ -37,6 +39,9 @@ class Fits(Declared):
     ))  # fmt: skip
     follower_shaft_radius: float = field(default=0.0, metadata=_length(
         "radius of the follower's shaft", 0.0, ", 0 for one that suits the wheel"
+    ))  # fmt: skip
+    locking_radius: float = field(default=0.0, metadata=_length(
+        "geneva: radius of the locking arcs", 0.0, ", 0 for one that suits the wheel"
     ))  # fmt: skip
     clearance: float = field(default=0.0, metadata=_length("slot width minus pin diameter", 0.0))
     teeth: int = field(default=0, metadata=quantity(

@@ -228,8 +228,10 @@ def read_mechanism(args: Arguments) -> Kind:
                 f"{option(name)} must not come with a {kind} mechanism, got "
                 f"{shown!r}; it belongs to {' and '.join(kinds)}"
             )
-    settings = kind_of(kind).options()
-    require(args, settings, f" with {kind}")
+    settings, sizes = kind_of(kind).options(), kind_of(kind).other_sizes()
+    stated = {size.of for name, size in sizes.items() if getattr(args, name) is not None}
+    lacking = {name: entry for name, entry in settings.items() if name not in stated}
+    require(args, lacking, f" with {kind}")
     return kind_of(kind).from_options(**typed(args, settings))
 
 

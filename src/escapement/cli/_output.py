@@ -8,6 +8,7 @@ import sys
 import tempfile
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager, suppress
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -29,6 +30,9 @@ from escapement.units import factor, printed
 
 Record = Mapping[str, Any]
 """What a command found, by JSON key."""
+Save = Callable[[], None]
+"""Saves a file whose content is complete: a command makes every file before it saves the first,
+so that a number that is refused leaves nothing on disk."""
 Kinds = Mapping[str, str]
 """Kind of unit, see `escapement.units`, of those that have one, by JSON key."""
 
@@ -151,35 +155,58 @@ def note(message: str) -> None:
 
 def draw(path: Path | None, plot: Callable[[Any], Any]) -> None:
     """Save a figure, which `plot` makes with `escapement.plots`, where one was asked for."""
+    drawn(path, plot)()
+
+
+def drawn(path: Path | None, plot: Callable[[Any], Any]) -> Save:
+    """As `draw`, but the figure is only made; the result saves it."""
+    if path is None:
+        return _nothing
     # the plotting library is loaded only for a figure
-    if path is not None:
-        esc.plots.save(plot(esc.plots), path)
-        _log.record("saved", file=str(path))
+    return partial(_save_picture, path, plot(esc.plots))
 
 
-def draw_motion(path: Path | None, motion: Any, plot: Callable[[Any], Any]) -> None:
-    """Save a page that plays a motion, a film of it, or what `plot` makes, by the suffix."""
+def drawn_motion(path: Path | None, motion: Any, plot: Callable[[Any], Any]) -> Save:
+    """Make a page that plays a motion, a film of it, or what `plot` makes, by the suffix."""
     if path is None or path.suffix.lower() not in FILMS:
-        return draw(path, plot)
+        return drawn(path, plot)
     if path.suffix.lower() == ".html":
         from escapement.explorer import player
 
-        write_file(path, [player(motion).encode()], force=True)
-        return _log.record("saved", file=str(path))
+        return partial(_save_text, path, player(motion))
     engagements = max(1, motion.handoff_times.size)
     if engagements > _LONGEST_FILM:
         raise UsageError(
             f"a film must show at most {_LONGEST_FILM} engagements, got {engagements}; run fewer, "
             "as with --engagements 3"
         )
-    draw(path, lambda plots: plots.animate(motion, frames=_PICTURES * engagements))
+    return drawn(path, lambda plots: plots.animate(motion, frames=_PICTURES * engagements))
 
 
-def write_report(args: Arguments, escapement: Any, **options: Any) -> None:
-    """Write a report of a design where one was asked for."""
-    if args.report is not None:
-        esc.report(escapement, args.report, force=True, **options)
-        _log.record("saved", file=str(args.report))
+def reported(args: Arguments, escapement: Any, budget: Any = None, speed: float = 0.0) -> Save:
+    """Make a report of a design where one was asked for; the result saves it.
+
+    `speed` is that of the driver at the first pin entry [rad/s].
+    """
+    if args.report is None:
+        return _nothing
+    from escapement.reports import page
+
+    return partial(_save_text, args.report, page(escapement, budget, "", speed))
+
+
+def _save_picture(path: Path, picture: Any) -> None:
+    esc.plots.save(picture, path)
+    _log.record("saved", file=str(path))
+
+
+def _save_text(path: Path, text: str) -> None:
+    write_file(path, [text.encode()], force=True)
+    _log.record("saved", file=str(path))
+
+
+def _nothing() -> None:
+    """No file was asked for."""
 
 
 def check_wanted(

@@ -44,8 +44,10 @@ def execute(args: Arguments) -> int:
         found = budget_of(plan, limits, **options)
     except InvalidValue as error:
         raise InvalidValue(f"{args.config}: {error}") from None
-    _output.draw(args.plot, lambda plots: plots.plot_budget(found))
-    _output.write_report(args, plan.built(plan.fixed_si), budget=found)
+    picture = _output.drawn(args.plot, lambda plots: plots.plot_budget(found))
+    report = _output.reported(args, plan.built(plan.fixed_si), found)
+    picture()
+    report()
     shown = args.units or system
     record = {name: _record(scatter, name, shown) for name, scatter in found.figures.items()}
     extra = {"size": found.size, "seed": found.seed, "failed": list(found.failed)}

@@ -14,6 +14,7 @@ UNITS = "units of the printed figures (default: those of the wish)"
 _CHOSEN = {
     "slots": "ratio", "pins": "ratio", "internal": "ratio", "crank_radius": "length",
     "pin_radius": "length", "torque": "torque", "friction": "ratio", "spring_rate": "rate",
+    "can_be_cut": "ratio",
 }  # fmt: skip
 
 
@@ -46,21 +47,25 @@ def execute(args: Arguments) -> int:
     if not lines:
         _output.tell(args, {"designs": [], "message": found.message}, lambda: None, found.message)
         return SOME_FAILED
+    picture = _output.drawn(args.plot, lambda plots: plots.plot_designs(found))
+    report = _output.reported(args, found.designs[0].timer)
     if args.output is not None:
         table = as_csv([[*lines[0]], *([*line.values()] for line in lines)])
         write_file(args.output, [table.encode()], args.force)
-    _output.draw(args.plot, lambda plots: plots.plot_designs(found))
-
-    _output.write_report(args, found.designs[0].timer)
+    picture()
+    report()
 
     def table_of_designs() -> None:
         names = ("slots", "internal", "crank_radius", "torque", "driver_inertia",
-                 "follower_inertia", *dict.fromkeys((*wish.objectives, *wish.bounds)))  # fmt: skip
+                 "follower_inertia", *dict.fromkeys((*wish.objectives, *wish.bounds)),
+                 "can_be_cut")  # fmt: skip
         units = [printed(kinds[name], shown) for name in names]
         header = [words(n) + f" ({u})" * (u != "") for n, u in zip(names, units, strict=True)]
         print_columns([header], [[line[name] for name in names] for line in record])
 
     message = f"{len(lines)} designs, from {found.tried} points tried"
+    if foil := sum(not one.can_be_cut for one in found.designs):
+        message += f"; {foil} of them cannot be cut: a disc or a wall is thinner than 0.1 mm"
     _output.tell(args, {"designs": record, "message": message}, table_of_designs, message)
     return 0
 
@@ -68,6 +73,6 @@ def execute(args: Arguments) -> int:
 def _line(one: "esc.Design") -> dict[str, Any]:
     """The chosen numbers of a design, and its figures, in SI."""
     timer, wheel = one.timer, one.timer.mechanism
-    chosen = {name: getattr(wheel, name, None) for name in _CHOSEN}
+    chosen = {name: getattr(wheel, name, None) for name in _CHOSEN if name != "can_be_cut"}
     own = {name: getattr(timer, name) for name in ("torque", "friction", "spring_rate")}
-    return chosen | own | one.values
+    return chosen | own | one.values | {"can_be_cut": one.can_be_cut}

@@ -6,11 +6,14 @@ from typing import Any
 import escapement as esc
 from escapement.cli import _arguments, _output
 from escapement.cli._arguments import Arguments, Parser, UsageError
-from escapement.files import CUTS
+from escapement.files import CUTS, file_format, write_file
 from escapement.fits import Fits
 from escapement.mechanisms import DEFAULT_KIND, kind_of
+from escapement.outlines.export import drawn
+from escapement.outlines.interference import Nearest
+from escapement.outlines.part import Part
 from escapement.quantity import Quantity, declared
-from escapement.units import factor
+from escapement.units import factor, printed
 
 _FITS = {name: entry for name, entry in declared(Fits).items() if name != "clearance"}
 _DISCS = {
@@ -23,16 +26,25 @@ _DISCS = {
         exclusive=True, required=True, metavar="RHO", remedy="give the density",
     ),
 }  # fmt: skip
-_ROUNDING = 1e-12  # gaps of so many crank radii are 0 but for rounding
-_KINDS = dict.fromkeys(("width", "height", "least_gap", "gap", "x", "y"), "length") | dict.fromkeys(
-    ("driver_inertia", "follower_inertia"), "inertia"
-)
+_WALLS = {
+    "least_wall": Quantity(
+        name="least_wall", key="least_wall", long_name="thinnest wall without a warning",
+        unit="length", metavar="T", remedy="give the thickness",
+        note=" (default: 0.3 mm, or the kerf if that is more)",
+    ),
+}  # fmt: skip
+_LEAST_WALL = 3e-4  # [m]
+_SIZES = 1e-3, 2.0  # parts beyond these were probably typed in another unit [m]
+_LENGTHS = ("width", "height", "wall", "least_gap", "gap", "x", "y")
+_INERTIAS = ("driver_inertia", "follower_inertia")
+_KINDS = dict.fromkeys(_LENGTHS, "length") | dict.fromkeys(_INERTIAS, "inertia")
 
 
 def configure(parser: Parser) -> None:
     """Add the command's arguments."""
     _arguments.add_mechanism(parser)
     _arguments.add_group(parser, "fits", _FITS)
+    _arguments.add_group(parser, "warnings", _WALLS)
     _arguments.add_group(parser, "discs, for mass and inertia", _DISCS)
     output = parser.add_argument_group("output")
     text = "write the parts: FILE.dxf, or FILE.svg; in inches with --units in-lbf-s, else in mm"
@@ -50,52 +62,81 @@ def execute(args: Arguments) -> int:
     for name in ("segments", "r12"):
         if getattr(args, name) and args.output is None:
             raise UsageError(f"--{name} must come with --output FILE, got none; name a file")
+    if any(getattr(args, name) is not None for name in _DISCS):
+        _arguments.require(args, _DISCS, ", both or none")
     given = _arguments.typed(args, _FITS)
     if "clearance" not in kind_of(args.kind or DEFAULT_KIND).options() and args.clearance:
         # a Geneva wheel has its own clearance, which this option sets
         given["clearance"] = factor("length", args.units) * args.clearance
         args.clearance = None
-    fits, mechanism = Fits(**given), _arguments.read_mechanism(args)
+    fits, mechanism, data = Fits(**given), _arguments.read_mechanism(args), None
     if args.output is None:
         gaps = esc.motion_check(mechanism, fits)
     else:
-        how = {name: getattr(args, name) for name in ("segments", "r12", "force")}
-        gaps = esc.export(mechanism, args.output, fits, inches=args.units != "SI", **how)
-    _output.report(args, _summary(args, mechanism, fits, gaps), _KINDS, _warning(mechanism, fits))
+        how = {name: getattr(args, name) for name in ("segments", "r12")}
+        suffix, inches = file_format(args.output, CUTS), args.units != "SI"
+        data, gaps = drawn(mechanism, suffix, fits, inches=inches, **how)
+    parts = esc.parts_of(mechanism, fits)
+    record = _summary(args, mechanism, fits, parts, gaps)
+    warning = _warning(args, mechanism, fits, record["parts"])
+    # nothing is written before every number is known to be possible
+    if data is not None:
+        write_file(args.output, [data], args.force)
+    _output.report(args, record, _KINDS, warning)
     return 0
 
 
-def _summary(args: Arguments, mechanism: Any, fits: Fits, gaps: Any) -> dict[str, Any]:
+def _summary(
+    args: Arguments, mechanism: Any, fits: Fits, parts: tuple[Part, ...], gaps: list[Nearest]
+) -> dict[str, Any]:
     """What `export` reports, by JSON key, in SI."""
-    rounding = _ROUNDING * mechanism.crank_radius
-    wide = [0.0 if abs(pair.gap) < rounding else pair.gap for pair in gaps]
-    record: dict[str, Any] = {"kind": mechanism.kind, "least_gap": wide[0]}
-    parts, discs = esc.parts_of(mechanism, fits), _arguments.typed(args, _DISCS)
-    if discs:
-        _arguments.require(args, _DISCS, ", both or none")
-        if isinstance(mechanism, esc.Geneva):
-            inertia = esc.disc_inertia(mechanism, **discs, fits=fits)
-            record |= {"driver_inertia": inertia.driver, "follower_inertia": inertia.follower}
+    record: dict[str, Any] = {"kind": mechanism.kind, "least_gap": gaps[0].gap}
+    discs = _arguments.typed(args, _DISCS)
+    if discs and isinstance(mechanism, esc.Geneva):
+        inertia = esc.disc_inertia(mechanism, **discs, fits=fits)
+        record |= {"driver_inertia": inertia.driver, "follower_inertia": inertia.follower}
     rows = []
     for part in parts:
-        low, high = part.edge.box
-        size = {"width": high.real - low.real, "height": high.imag - low.imag}
+        size = {"width": part.size.real, "height": part.size.imag, "wall": part.wall.width}
         rows.append({"part": part.name, **size, "holes": len(part.holes)})
         if discs:
             rows[-1]["mass_kg"] = part.mass(**discs)
     record["parts"] = rows
     record["least_gaps"] = [
         {
-            "bodies": " and ".join(pair.names), "gap": gap,
+            "bodies": " and ".join(pair.names), "gap": pair.gap,
             "angle_deg": math.degrees(pair.theta), "x": pair.place.real, "y": pair.place.imag,
         }
-        for pair, gap in zip(gaps, wide, strict=True)
+        for pair in gaps
     ]  # fmt: skip
     return record
 
 
-def _warning(mechanism: Any, fits: Fits) -> str:
-    """A warning for a drawing without clearance."""
-    if mechanism.meshed or getattr(mechanism, "clearance", fits.clearance):
-        return ""
-    return "warning: the slots are as wide as the pins; give a --clearance to make them"
+def _warning(args: Arguments, mechanism: Any, fits: Fits, rows: list[dict[str, Any]]) -> str:
+    """What a workshop would ask about: no clearance, thin walls, very large or small parts."""
+    told = []
+    if not (mechanism.meshed or getattr(mechanism, "clearance", fits.clearance)):
+        told.append("the slots are as wide as the pins; give a --clearance to make them")
+
+    def length(size: float) -> str:
+        shown = _output.in_units(size, "length", args.units)
+        return f"{shown:.3g} {printed('length', args.units)}"
+
+    least = _arguments.typed(args, _WALLS).get("least_wall", max(_LEAST_WALL, fits.kerf))
+    thin = [f"{row['part']} {length(row['wall'])}" for row in rows if row["wall"] <= least]
+    if thin:
+        told.append(
+            f"walls of {length(least)} or less may not survive the cut: {', '.join(thin)}; "
+            "choose a larger crank or thinner shafts and pins, or state what you can make with "
+            "--least-wall"
+        )
+    for row in rows:
+        across = max(row["width"], row["height"])
+        if not _SIZES[0] <= across <= _SIZES[1]:
+            unit = printed("length", args.units)
+            told.append(
+                f"{row['part']} is {length(across)} across; a length without a unit is in {unit}: "
+                "write for example '12 mm'"
+            )
+            break
+    return "; ".join(f"warning: {text}" for text in told)

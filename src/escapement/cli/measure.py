@@ -136,15 +136,16 @@ def execute(args: Arguments) -> int:
             fit = esc.fit_motion(readings, escapement, names, **shares)
         except InvalidValue as error:
             raise UsageError(f"--fit: {error}") from None
+    picture = _output.drawn(
+        args.plot,
+        lambda plots: plots.plot_speeds(fit) if result is None else plots.plot_measurement(result),
+    )
     if result is not None and args.output is not None:
         from escapement.measurement import write_errors
 
         write_errors(result, args.output, force=args.force)
         _log.record("saved", file=str(args.output))
-    if result is not None:
-        _output.draw(args.plot, lambda plots: plots.plot_measurement(result))
-    else:
-        _output.draw(args.plot, lambda plots: plots.plot_speeds(fit))
+    picture()
     record = _joined(result, fit, args.units)
     _output.tell(args, record, lambda: _print(record), record["message"])
     return 0

@@ -46,6 +46,10 @@ def execute(args: Arguments) -> int:
         found, warnings = _sizes(mechanism, shaft)
         record |= found
         kinds |= {name: "length" for name in found if not name.endswith("_over_crank_radius")}
+    if not getattr(mechanism, "perfect", True):
+        text = "the numbers except the distance of the axes are those of parts without errors"
+        misfit = getattr(mechanism, "misfit", "")
+        warnings += [f"warning: {told}" for told in (text, misfit) if told]
     angle = math.radians(args.angle or 0.0)
     _output.draw(args.plot, lambda plots: plots.plot_mechanism(mechanism, angle))
     try:

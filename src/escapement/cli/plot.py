@@ -52,7 +52,7 @@ def execute(args: Arguments) -> int:
                     f"{option} must come with a study, got {value!r} and a motion; leave it out"
                 )
         shown = read_motion(args.file)
-        _output.draw_motion(path, shown, lambda plots: plots.motion.plot_motion(shown))
+        _output.drawn_motion(path, shown, lambda plots: plots.motion.plot_motion(shown))()
     else:
         holds, study = "study", esc.read_study(args.file)
         try:

@@ -1,6 +1,7 @@
 """Command `run`: one motion from pin entry, and its figures of merit."""
 
 import math
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -80,8 +81,8 @@ def execute(args: Arguments) -> int:
         )
     # the figures belong to the terminal cycle and do not depend on the length of the motion
     figures = esc.terminal(escapement, **settings)
-    _write(motion, args)
-    _output.write_report(args, escapement, initial_speed=settings["initial_speed"])
+    for save in _files(motion, args, settings["initial_speed"]):
+        save()
     length = "engagements" if args.duration is None else "duration"
     taken = args.duration or args.engagements or quantities(Run)["engagements"].default
     inputs = [*inputs_of(escapement), ("initial_speed", settings["initial_speed"], "speed")]
@@ -134,12 +135,19 @@ def read_case(args: Arguments) -> "tuple[Escapement, dict[str, Any]]":
     return escapement, own | given | {"initial_speed": plan.values(case)["initial_speed"]}
 
 
-def _write(motion: "esc.Motion", args: Arguments) -> None:
+def _files(motion: "esc.Motion", args: Arguments, speed: float) -> list[_output.Save]:
+    """What was asked for, ready to be saved."""
+    report = _output.reported(args, motion.escapement, speed=speed)
     if motion.end_time == 0.0:
         wanted = [str(path) for path in (args.output, args.plot) if path is not None]
         if wanted:
             _output.note(f"there is no motion to write, so no {' and no '.join(wanted)} was made")
-        return
+        return [report]
+    picture = _output.drawn_motion(args.plot, motion, lambda plots: plots.plot_velocities(motion))
+    return [partial(_save_motion, motion, args), picture, report]
+
+
+def _save_motion(motion: "esc.Motion", args: Arguments) -> None:
     if args.output is not None:
         from escapement.progress import Progress
 
@@ -148,7 +156,6 @@ def _write(motion: "esc.Motion", args: Arguments) -> None:
             options = {"units": args.units, "force": args.force, "progress": progress}
             esc.write_motion(motion, args.output, **options)
         _log.record("saved", file=str(args.output))
-    _output.draw_motion(args.plot, motion, lambda plots: plots.plot_velocities(motion))
 
 
 def _summarise(motion: "esc.Motion", figures: "esc.Figures", units: str) -> dict[str, Any]:

@@ -48,11 +48,12 @@ def execute(args: Arguments) -> int:
 
     timer = _arguments.read_escapement(args)
     run = esc.rundown(timer, **_arguments.typed(args, _RUN))
+    picture = _output.drawn(args.plot, lambda plots: plots.plot_rundown(run))
     if args.output is not None:
         header = ("turns", "time_s", "mean_speed_rad_per_s", "rate_error", "lateness_s")
         table = as_csv([header, *np.column_stack(_columns(run)).tolist()])
         write_file(args.output, [table.encode()], args.force)
-    _output.draw(args.plot, lambda plots: plots.plot_rundown(run))
+    picture()
     stopped = run.message if run.message != MESSAGES[Status.OK] else ""
     _output.report(args, summarise(run), _KINDS, stopped)
     failed = (Status.PAINLEVE, Status.NOT_CONVERGED, Status.INVALID)

@@ -55,7 +55,7 @@ class Case(Declared):
     friction: float = field(metadata=like(Escapement, "friction"))
 
     def __post_init__(self) -> None:
-        checked(self.mechanism)
+        tight(self.mechanism)
         self.check_fields()
         check_losses(self, self.mechanism.path.table)
         width = getattr(self.mechanism, "pin_radius", 0.0)
@@ -77,6 +77,14 @@ class Case(Declared):
         entry, exit_ = self.mechanism.breaks[0], self.mechanism.breaks[-1]
         centred = entry < 0.0 < exit_ and not self.mechanism.path.table
         return 0.0 if centred else 0.5 * (entry + exit_)
+
+
+def tight(mechanism: Any) -> Any:
+    """`mechanism`, or an error if its parts have errors, or its pins play in their slots."""
+    if play := getattr(checked(mechanism), "clearance", 0.0):
+        remedy = "leave it out; simulate computes motions with clearance"
+        raise validate.fail("clearance", "0 at constant speed", play, remedy)
+    return mechanism
 
 
 def __getattr__(name: str) -> Any:

@@ -10,9 +10,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from escapement import validate
-from escapement.constant_speed import Case
+from escapement.constant_speed import Case, tight
 from escapement.errors import InvalidValue
-from escapement.mechanism import FloatArray, Mechanism, checked
+from escapement.mechanism import FloatArray, Mechanism
 from escapement.mechanisms.slotted import transmission
 from escapement.quantity import check_number
 
@@ -80,7 +80,7 @@ def contact_moment(
     angles, speeds, rates = np.broadcast_arrays(*states)
     inertia = check_number(Case, "follower_inertia", follower_inertia)
     load = check_number(Case, "load_torque", load_torque)
-    engaged, locked = within_cell(checked(mechanism), angles)
+    engaged, locked = within_cell(tight(mechanism), angles)
     ratios = transmission(mechanism.path, engaged)
     driven = inertia * (ratios.g * rates + ratios.dg * speeds**2)
     moment = _load_at(load, np.asarray(mechanism.follower_angle(engaged))) + driven

@@ -13,9 +13,9 @@ from numpy.typing import ArrayLike
 
 from escapement import validate
 from escapement.chebyshev import Extremum, Function, Series, extremes, fit
-from escapement.constant_speed import Case, geneva
+from escapement.constant_speed import Case, geneva, tight
 from escapement.errors import InvalidValue
-from escapement.mechanism import FloatArray, Mechanism, checked
+from escapement.mechanism import FloatArray, Mechanism
 from escapement.mechanisms import Geneva
 from escapement.mechanisms.geneva import MOST_SLOTS
 from escapement.mechanisms.slotted import transmission
@@ -83,7 +83,7 @@ def transmission_extrema(mechanism: Mechanism) -> TransmissionExtrema:
 
     Source: Filemon (1960), eqs. 2 to 5 and Table I.
     """
-    points = edges(checked(mechanism))
+    points = edges(tight(mechanism))
     jerk = _jerk(mechanism)
     bent = extremes(jerk, jerk if isinstance(jerk, Series) else fit(jerk, points))
     if isinstance(mechanism, Geneva):

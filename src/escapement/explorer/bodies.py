@@ -15,7 +15,7 @@ import numpy as np
 from escapement.mechanisms import EllipticalPlanetary, GearDriven, Geneva
 from escapement.outlines.curves import Curve
 from escapement.outlines.gears import EllipticalOutline, GearDrivenOutline, pitch_curve
-from escapement.outlines.geneva import GenevaOutline, locking_disc
+from escapement.outlines.geneva import GenevaOutline
 
 Vector = tuple[complex, float]
 """A vector, and the number of its turns in one turn of the driver."""
@@ -56,7 +56,7 @@ def _(mechanism: Geneva) -> dict[str, Any]:
     if outline.follower_shaft:
         found += [_body("shaft", [Curve.circle(outline.follower_shaft)])]
     found += [_body("hidden", [disc], axis)]
-    if outline.locks and (edge := locking_disc(outline.perfect)):
+    if edge := outline.locking_edge:
         found += [_body("locking-disc", [edge], axis, (side, 0.0))]
     found += [_body("shaft", [Curve.circle(outline.driver_shaft)], axis)]
     arms = outline.pin_places(0.0) - outline.centre

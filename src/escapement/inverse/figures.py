@@ -37,10 +37,12 @@ Values = dict[str, Any]
 class Body:
     """The discs of a wheel of crank radius 1.
 
-    size : length over both discs. driver, follower : area and polar second moment of each disc.
+    size : length over both discs. wall : their thinnest wall. driver, follower : area and polar
+    second moment of each disc.
     """
 
     size: float
+    wall: float
     driver: tuple[float, float]
     follower: tuple[float, float]
 
@@ -54,8 +56,9 @@ def body_of(wheel: Geneva) -> Body:
     out = {name: float(np.abs(parts[name].edge.corners).max()) for name in ("driver", "follower")}
     apart = wheel.centre_distance
     size = max(out["driver"] + apart, out["follower"]) + max(out["follower"], out["driver"] - apart)
+    wall = min(part.wall.width for name, part in parts.items() if name != "plate")
     driver = sum(m.area for m in discs), sum(m.second for m in discs)
-    return Body(size, driver, (moments["follower"].area, moments["follower"].second))
+    return Body(size, wall, driver, (moments["follower"].area, moments["follower"].second))
 
 
 @dataclass(frozen=True)
@@ -78,7 +81,7 @@ def wheels_for(wish: Wish) -> list[Wheel]:
     """The wheels that a wish allows and that move at all of its frictions."""
     found = []
     kinds = (False, True) if wish.internal is None else (wish.internal,)
-    low, high = (round(x) for x in wish.slots)
+    low, high = map(int, wish.slots)
     ratios = np.geomspace(wish.inertia_ratio[0], wish.inertia_ratio[1], RATIOS)
     if wish.inertia_ratio[0] == wish.inertia_ratio[1]:
         ratios = ratios[0] * np.array([1.0, 1.0 + 1e-9])
@@ -164,6 +167,7 @@ def in_si(
         "follower_inertia": follower,
         "driver_thickness": driver / (body.driver[1] * scale),
         "follower_thickness": follower / (body.follower[1] * scale),
+        "thinnest_wall": body.wall * radius,
         "jam_margin": natural["jam_margin"] + 0.0 * radius,
     }
 

@@ -26,6 +26,8 @@ _MARGIN = 3e-3
 """Relative margin to the bounds before a design is computed exactly."""
 _STEPS = 150
 """Number of steps that improve one design."""
+FOIL = 1e-4
+"""Discs and walls that are thinner than this cannot be cut [m]."""
 _VARIED = ("inertia_ratio", "crank_radius", "torque")
 
 
@@ -39,6 +41,12 @@ class Design(Shown):
 
     timer: Escapement
     values: dict[str, float]
+
+    @property
+    def can_be_cut(self) -> bool:
+        """Whether its discs and their walls are thicker than foil, `FOIL`."""
+        thick = "driver_thickness", "follower_thickness", "thinnest_wall"
+        return min(self.values[name] for name in thick) >= FOIL
 
 
 @dataclass(frozen=True, repr=False)

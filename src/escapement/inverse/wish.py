@@ -43,7 +43,7 @@ RANGES = {
         _quantity("torque", "driving torque at the start", "torque", exclusive=True),
         _quantity("crank_radius", "radius on which the pins turn", "length", exclusive=True),
         _quantity("inertia_ratio", "driver inertia over follower inertia", exclusive=True),
-        _quantity("slots", "slots of the follower", minimum=3.0, maximum=64.0),
+        _quantity("slots", "slots of the follower", whole=True, minimum=3, maximum=64),
     )
 }
 """Numbers that the search chooses from a range."""
@@ -59,10 +59,13 @@ BOUNDS = {
         _quantity("follower_inertia", "moment of inertia of the follower", "inertia"),
         _quantity("driver_thickness", "thickness of the driver's disc", "length"),
         _quantity("follower_thickness", "thickness of the follower's disc", "length"),
+        _quantity("thinnest_wall", "thinnest wall of the discs", "length"),
         _quantity("jam_margin", "1 - friction over its Painleve limit"),
     )
 }
 """Figures of a design that can have bounds."""
+THICK = 3e-4, 0.02
+"""Least and greatest thickness of a disc where a wish has no bounds on it [m]."""
 OBJECTIVES = ("scatter", "contact_force_max", "size", "mass", "rise_time_98")
 """Figures that can be minimised."""
 
@@ -98,7 +101,8 @@ class Wish(Shown):
         Density of the discs [kg/m^3], which have the outlines of `parts_of`.
     bounds : Mapping
         (least, greatest) value of figures, by names in `BOUNDS`. A single number is the greatest
-        value, but for the jam margin the least.
+        value, but the least for the jam margin and the thinnest wall. Without bounds of their
+        own, or without a least one, discs are as thick as `THICK` says.
     objectives : sequence of str
         Names in `OBJECTIVES`, the figures to minimise.
     """
@@ -139,7 +143,8 @@ class Wish(Shown):
         if self.internal is not None:
             validate.truth("internal", self.internal)
         validate.known_keys(self.bounds, BOUNDS, "in bounds")
-        own["bounds"] = {name: _bound(BOUNDS[name], x) for name, x in self.bounds.items()}
+        given = {name: _bound(BOUNDS[name], x) for name, x in self.bounds.items()}
+        own["bounds"] = dict.fromkeys(("driver_thickness", "follower_thickness"), THICK) | given
         if isinstance(self.objectives, str) or not self.objectives:
             rule = "a list of names"
             raise validate.fail("objectives", rule, self.objectives, 'for example ["scatter"]')
@@ -153,7 +158,7 @@ def _ends(entry: Quantity, label: str, given: Any) -> Range:
     pair = given if isinstance(given, list | tuple) else (given, given)
     if len(pair) != 2:
         raise validate.fail(label, "a number or two ends", given, _NUMBER)
-    low, high = (float(entry.check(label, x)) for x in pair)
+    low, high = (float(entry.read(label, x)) for x in pair)
     if low > high:
         raise validate.fail(label, "[low, high] with low at most high", given, "swap them")
     return low, high
@@ -164,7 +169,10 @@ def _bound(entry: Quantity, given: Any) -> Range:
     if isinstance(given, list | tuple):
         return _ends(entry, entry.name, given)
     number = float(entry.check(entry.name, given))
-    return (number, math.inf) if entry.name == "jam_margin" else (-math.inf, number)
+    if entry.name in ("jam_margin", "thinnest_wall"):
+        return number, math.inf
+    least = THICK[0] if entry.name.endswith("_thickness") and number > THICK[0] else -math.inf
+    return least, number
 
 
 def load_wish(path: AnyPath) -> tuple[Wish, str]:

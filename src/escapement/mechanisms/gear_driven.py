@@ -321,13 +321,10 @@ class GearDriven(ImperfectWheel):
             )
         return super().path
 
-    def transmission(self, theta: ArrayLike) -> slotted.Transmission:
-        """Transmission at driver angles from dead centre [rad], pin engaged.
-
-        Through the wheel's centre g is constant and u infinite at the ends.
-        """
+    def _engaged(self, theta: ArrayLike) -> slotted.Transmission:
+        """As in `Wheel`; through the wheel's centre g is constant, and u infinite at the ends."""
         if not self.through_centre:
-            return super().transmission(theta)
+            return super()._engaged(theta)
         angles = np.asarray(theta, dtype=float)
         half = 0.5 * (self.arms.rate_1 - self.arms.rate_2)
         ends = -np.copysign(np.inf, half * angles)
@@ -337,11 +334,11 @@ class GearDriven(ImperfectWheel):
         return slotted.Transmission(g, slide, np.zeros_like(angles))
 
     def jerk(self, theta: ArrayLike) -> FloatArray:
-        """g'' at driver angles from dead centre [rad], pin engaged [-]."""
+        """As in `Wheel`."""
         return np.zeros(np.shape(theta)) if self.through_centre else super().jerk(theta)
 
     def follower_angle(self, theta: ArrayLike) -> FloatArray:
-        """Follower angle [rad], zero at dead centre."""
+        """As in `Wheel`."""
         if self.through_centre:
             return self._uniform * np.asarray(theta, dtype=float)
         return super().follower_angle(theta)
@@ -363,4 +360,7 @@ class GearDriven(ImperfectWheel):
             return replace(self, solution=place, pins=1, unused_lobes=0, **_SIZELESS)
 
     def _geometry(self) -> dict[str, Any]:
-        return super().report() | {"gear_ratio": float(self.gear_ratio)}
+        """As `report`; the length of the carrier with its error."""
+        longer = self.centre_distance_error / (self.fixed_radius or 1.0)
+        given = {"gear_ratio": float(self.gear_ratio)}
+        return super().report() | given | {"carrier_over_fixed": self.carrier_over_fixed + longer}

@@ -5,11 +5,19 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from functools import cache
 from typing import Any, ClassVar
 
 from escapement import validate
 from escapement.mechanisms.imperfect import ImperfectWheel, centre_distance_error, each
 from escapement.mechanisms.kind import WHEEL, Arms, clearance, pin_radius, roller_radius
+from escapement.mechanisms.other_sizes import (
+    OtherSize,
+    crank_from_centre_distance,
+    crank_from_wheel_diameter,
+    crank_from_wheel_radius,
+    other_size,
+)
 from escapement.quantity import Truth, quantity, setting
 
 MOST_SLOTS = 1_000_000
@@ -104,6 +112,21 @@ class Geneva(ImperfectWheel):
         self.check_pin()
         self.check_errors()
 
+    @classmethod
+    @cache
+    def other_sizes(cls) -> dict[str, OtherSize]:
+        """Diameters, the distance of the axes, and the radius or diameter of the rim."""
+        reads = ("slots", "pin_radius", "roller_radius", "clearance")
+        rows = (
+            ("centre_distance", "distance of the axes", crank_from_centre_distance, reads[:1]),
+            ("wheel_radius", "radius of the follower's rim", crank_from_wheel_radius, reads),
+            ("wheel_diameter", "diameter of the follower's rim", crank_from_wheel_diameter, reads),
+        )
+        found = super().other_sizes()
+        for name, text, convert, needed in rows:
+            found = found | other_size(name, text, "crank_radius", convert, needed)
+        return found
+
     @property
     def centre_distance(self) -> float:
         """Distance of the axes in crank radii, 1/sin(pi/n) (Meyer 1-2)."""
@@ -140,8 +163,9 @@ class Geneva(ImperfectWheel):
         return Arms(self.centre_distance, 0.0, crank, crank)
 
     def report(self) -> dict[str, Any]:
-        """Its geometry by JSON key, in SI."""
-        record = super().report() | {"centre_distance_over_crank_radius": self.centre_distance}
+        """Its geometry by JSON key, in SI; the centre distance with its error."""
+        apart = self.centre_distance + self.centre_distance_error / (self.crank_radius or 1.0)
+        record = super().report() | {"centre_distance_over_crank_radius": apart}
         if self.crank_radius is not None:
-            record["centre_distance"] = self.centre_distance * self.crank_radius
+            record["centre_distance"] = apart * self.crank_radius
         return record

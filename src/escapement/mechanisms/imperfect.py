@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import field
 from functools import cached_property
 from typing import Any
@@ -12,7 +12,8 @@ from escapement import validate
 from escapement.errors import InvalidValue
 from escapement.fitting import IMPERFECT, LENGTHS, check_lengths
 from escapement.lazy import Lazy
-from escapement.mechanisms.kind import Wheel, np
+from escapement.mechanism import FloatArray, checked
+from escapement.mechanisms.kind import ArrayLike, Wheel, np, slotted
 from escapement.quantity import Numbers, declared, quantity, setting
 from escapement.scene import Meeting
 
@@ -118,6 +119,58 @@ class ImperfectWheel(Wheel):
     def meetings(self) -> tuple[Meeting, ...]:
         """The engagements of its pattern."""
         return pattern.meetings_of(self.pattern)  # type: ignore[no-any-return]
+
+    def follower_angle(self, theta: ArrayLike) -> FloatArray:
+        """As in `Wheel`, with the errors of pins and slots."""
+        if self.perfect:
+            return super().follower_angle(theta)
+        angles = np.asarray(theta, dtype=float)
+        turned = np.empty_like(angles)
+        for meeting, here, number, local in self._meetings_at(angles):
+            engaged = meeting.turned(np.minimum(local, meeting.edges[-1]))
+            turned[here] = number * self.follower_step + engaged
+        return turned
+
+    def transmission(self, theta: ArrayLike) -> slotted.Transmission:
+        """As in `Wheel`, with the errors of pins and slots."""
+        if self.perfect:
+            return super().transmission(theta)
+        angles = np.asarray(theta, dtype=float)
+        found = np.zeros((3, *angles.shape))
+        for meeting, here, _number, local in self._meetings_at(angles):
+            at = slotted.transmission(meeting.path, local)
+            moves = local <= meeting.edges[-1]
+            found[:, here] = np.where(moves, (at.g, at.u, at.dg), 0.0)
+        return slotted.Transmission(*found)
+
+    def jerk(self, theta: ArrayLike) -> FloatArray:
+        """As in `Wheel`; InvalidValue for a wheel with errors of its parts."""
+        checked(self)
+        return super().jerk(theta)
+
+    def _meetings_at(
+        self, theta: FloatArray
+    ) -> Iterator[tuple[Meeting, Any, FloatArray, FloatArray]]:
+        """Each meeting of a pin and a slot that holds some of the driver angles.
+
+        With it come which angles these are, their numbers of engagements, and the angles from
+        where its pin crosses the line of centres; those behind the exit are in the dwell.
+        """
+        if self.misfit:
+            raise InvalidValue(self.misfit)
+        rows, size, cell = self.meetings, len(self.meetings), self.cell_angle
+        starts = np.array([row.late + row.edges[0] for row in rows])
+        # the last engagement that has begun is near the one of perfect parts
+        near = np.floor((theta - self.breaks[0]) / cell)
+        number = near - 1.0
+        for k in (near, near + 1.0):
+            begun = k * cell + starts[(k % size).astype(int)] <= theta
+            number = np.where(begun, k, number)
+        for k, row in enumerate(rows):
+            here = number % size == k
+            if here.any():
+                own = number[here]
+                yield row, here, own, theta[here] - own * cell - row.late
 
     @cached_property
     def misfit(self) -> str:

@@ -4,13 +4,15 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from functools import cached_property
+from functools import cache, cached_property
 from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple, Self
 
 from escapement import validate
+from escapement.errors import UnknownArgument
 from escapement.fitting import check_lengths
 from escapement.lazy import Lazy
 from escapement.mechanism import FloatArray
+from escapement.mechanisms.other_sizes import OtherSize, diameters, own_numbers
 from escapement.quantity import Declared, Setting, declared, quantity
 from escapement.scene import Path
 from escapement.units import degrees
@@ -25,7 +27,18 @@ else:
     slotted, table = Lazy("escapement.mechanisms.slotted"), Lazy("escapement.mechanisms.table")
 
 # the files of the kinds import from here modules that must be loaded only when they are used
-__all__ = ["CELL", "WHEEL", "Arms", "ArrayLike", "Kind", "Wheel", "np", "slotted", "table"]
+__all__ = [
+    "CELL",
+    "WHEEL",
+    "Arms",
+    "ArrayLike",
+    "Kind",
+    "Wheel",
+    "cells_of",
+    "np",
+    "slotted",
+    "table",
+]
 
 CELL = ("motion_ratio", "cell_angle_deg", "follower_step_deg")
 """Keys that every kind reports about the angles of driver and follower in a cell."""
@@ -63,15 +76,32 @@ class Kind(Declared):
     cell_angle: Any
     follower_step: Any
 
+    def __new__(cls, *args: Any, **keywords: Any) -> Self:
+        """As of `Declared`; tells how to give a size that the class has no argument for."""
+        try:
+            return super().__new__(cls, *args, **keywords)
+        except UnknownArgument:
+            for name in keywords.keys() & cls.other_sizes():
+                other, own = cls.other_sizes()[name].of, cls.__name__
+                remedy = f"give {other}, or {own}.from_options({name}=...)"
+                raise UnknownArgument(f"{own} has no argument {name!r}; {remedy}") from None
+            raise
+
+    @classmethod
+    @cache
+    def other_sizes(cls) -> dict[str, OtherSize]:
+        """Sizes that stand for its numbers on the command line and in files, by name."""
+        return diameters(declared(cls))
+
     @classmethod
     def options(cls) -> dict[str, Setting]:
         """Settings for the command line, by the name of the option."""
-        return declared(cls)
+        return declared(cls) | {name: size.entry for name, size in cls.other_sizes().items()}
 
     @classmethod
     def from_options(cls, **given: Any) -> Self:
-        """The mechanism of what was typed, in SI, by the key of each option."""
-        return cls(**given)
+        """The mechanism of its numbers in SI, and of sizes in place of them, by name."""
+        return cls(**own_numbers(cls.other_sizes(), given))
 
     def report(self) -> dict[str, Any]:
         """Its geometry by JSON key, in SI; angles in degrees where the key says so."""
@@ -101,6 +131,18 @@ def clearance() -> dict[str, Any]:
         "slot width minus pin diameter", "length", metavar="C",
         remedy="give how much wider the slot is, 0 for none",
     )  # fmt: skip
+
+
+def cells_of(mechanism: Any, theta: ArrayLike) -> tuple[FloatArray, FloatArray]:
+    """Number of the cell that holds each driver angle, and the angle from its dead centre [rad].
+
+    Both ends of the first engagement belong to cell 0, although without a dwell its end is where
+    the next cell begins.
+    """
+    angles, (entry, *_, exit_) = np.asarray(theta, dtype=float), mechanism.breaks
+    cells = np.floor((angles - entry) / mechanism.cell_angle)
+    cells = np.where((angles >= entry) & (angles <= exit_), 0.0, cells)
+    return cells, angles - cells * mechanism.cell_angle
 
 
 class Arms(NamedTuple):
@@ -195,7 +237,7 @@ class Wheel(Kind):
     @property
     def transmission_max(self) -> float:
         """Greatest transmission, at dead centre [-]."""
-        return float(self.transmission(0.0).g)
+        return float(self._engaged(0.0).g)
 
     @property
     def _forward(self) -> float:
@@ -210,23 +252,44 @@ class Wheel(Kind):
         return slotted.two_vector_path(*arms, self._forward, self.engagement_angle / 2.0)
 
     def transmission(self, theta: ArrayLike) -> slotted.Transmission:
-        """Transmission at driver angles from dead centre [rad], pin engaged."""
-        return slotted.transmission(self.path, theta)
+        """Transmission at driver angles of any size from dead centre [rad]; zero in a dwell."""
+        local, moves = self._in_engagement(theta)
+        found = self._engaged(local)
+        return slotted.Transmission(
+            *(np.where(moves, x, 0.0) for x in (found.g, found.u, found.dg))
+        )
 
     def jerk(self, theta: ArrayLike) -> FloatArray:
-        """g'' at driver angles from dead centre [rad], pin engaged [-]."""
-        return slotted.jerk(self.path, self.transmission(theta))
+        """g'' at driver angles of any size from dead centre [rad]; zero in a dwell [-]."""
+        local, moves = self._in_engagement(theta)
+        return np.where(moves, slotted.jerk(self.path, self._engaged(local)), 0.0)
+
+    def _engaged(self, theta: ArrayLike) -> slotted.Transmission:
+        """Transmission at driver angles between the pin's entry and its exit [rad]."""
+        return slotted.transmission(self.path, theta)
+
+    def _in_engagement(self, theta: ArrayLike) -> tuple[FloatArray, Any]:
+        """Driver angles from their pins' dead centres, exits for a dwell, and which are in none."""
+        _cells, local = cells_of(self, theta)
+        exit_ = self.breaks[-1]
+        return np.minimum(local, exit_), (local <= exit_) | self.continuous
 
     def radius(self, theta: ArrayLike) -> FloatArray:
-        """Distance of the pin from the follower's axis, in the unit of the arms [-]."""
+        """Distance of the pin from the follower's axis, in the unit of the arms [-].
+
+        It is that of the pin which is at dead centre at angle 0, engaged or not.
+        """
         first, rate_1, second, rate_2 = self.arms
         half = 0.5 * (rate_1 - rate_2) * np.asarray(theta, dtype=float)
         # hypot of the sum along and across the bisector keeps accuracy near the centre
         along, across = (first + second) * np.cos(half), (first - second) * np.sin(half)
         return np.asarray(np.hypot(along, across))
 
-    def follower_angle(self, theta: ArrayLike) -> FloatArray:
-        """Follower angle [rad], zero at dead centre (Meyer 1-6)."""
+    def direction(self, theta: ArrayLike) -> FloatArray:
+        """Direction of the same pin from the follower's axis [rad], zero at dead centre.
+
+        While the pin is engaged it is the follower's angle (Meyer 1-6).
+        """
         angles = np.asarray(theta, dtype=float)
         first, rate_1, second, rate_2 = self.arms
         if abs(first) < abs(second):  # the sum does not wind about the longer vector
@@ -236,3 +299,12 @@ class Wheel(Kind):
         turned = (rate_2 - rate_1) * angles
         aside = np.arctan2(second * np.sin(turned), first + second * np.cos(turned))
         return np.asarray(self._forward * (rate_1 * angles + aside))
+
+    def follower_angle(self, theta: ArrayLike) -> FloatArray:
+        """Follower angle at driver angles of any size [rad], zero at dead centre.
+
+        It grows by `follower_step` in each cell, and rests in a dwell.
+        """
+        cells, local = cells_of(self, theta)
+        engaged = self.direction(np.minimum(local, self.breaks[-1]))
+        return cells * self.follower_step + engaged

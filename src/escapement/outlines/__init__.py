@@ -94,15 +94,3 @@ def pins_and_rollers(mechanism: Wheel, places: Iterable[complex], radius: float)
             inner *= mechanism.pin_radius / mechanism.roller_radius
         found.append(Disc(f"pin-{k}", place, inner))
     return found
-
-
-def locked_angle(mechanism: Wheel, theta: float) -> float:
-    """Follower angle [rad] at any driver angle from a pin's dead centre.
-
-    It grows continuously over engagements, and is constant between the exit of one pin and the
-    entry of the next.
-    """
-    entry, leaving = mechanism.breaks[0], mechanism.breaks[-1]
-    engagement = math.floor((theta - entry) / mechanism.cell_angle)
-    local = min(theta - engagement * mechanism.cell_angle, leaving)
-    return float(engagement * mechanism.follower_step + mechanism.follower_angle(local))

@@ -16,6 +16,7 @@ from escapement.outlines.interference import Nearest, least_gaps
 from escapement.outlines.parts import outline_of, parts_of
 from escapement.outlines.sheet import LAYERS, Sheet, lay_out
 
+_ROUNDING = 1e-12  # gaps of so many units of the outline are 0 except for rounding
 _TOUCH = 1e-6  # bodies that overlap by less count as touching [m]
 _INCH, _MILLIMETRE = 0.0254, 1e-3
 
@@ -42,7 +43,9 @@ def motion_check(mechanism: Any, fits: Fits | None = None) -> list[Nearest]:
     # the outlines of elliptical gears are in mm
     unit = getattr(mechanism, "crank_radius", 1e-3)
     return [
-        pair._replace(gap=unit * pair.gap, place=unit * pair.place) for pair in least_gaps(outline)
+        pair._replace(gap=unit * gap, place=unit * pair.place)
+        for pair in least_gaps(outline)
+        for gap in (pair.gap if abs(pair.gap) > _ROUNDING else 0.0,)
     ]
 
 
@@ -91,7 +94,16 @@ def export(
     CannotCreate, StorageError
         As `escapement.files.write_file`.
     """
-    fits, write = fits or Fits(), _WRITERS[file_format(path, CUTS)]
+    how = {"inches": inches, "segments": segments, "r12": r12}
+    data, gaps = drawn(mechanism, file_format(path, CUTS), fits or Fits(), **how)
+    write_file(path, [data], force)
+    return gaps
+
+
+def drawn(
+    mechanism: Any, suffix: str, fits: Fits, *, inches: bool, segments: bool, r12: bool
+) -> tuple[bytes, list[Nearest]]:
+    """The content of a file of this suffix, and the least gaps; arguments as of `export`."""
     gaps = motion_check(mechanism, fits)
     for pair in gaps[:1]:
         if pair.gap < -_TOUCH:
@@ -103,8 +115,7 @@ def export(
             )
     unit = _INCH if inches else _MILLIMETRE
     sheet = lay_out(parts_of(mechanism, fits), fits.kerf, 1.0 / unit, segments)
-    write_file(path, [write(sheet, inches, r12)], force)
-    return gaps
+    return _WRITERS[suffix](sheet, inches, r12), gaps
 
 
 def _dxf(sheet: Sheet, inches: bool, r12: bool) -> bytes:

@@ -45,27 +45,36 @@ def ways_of(edges: Sequence[Curve]) -> Ways:
     return Ways(start, end, np.where(arc, turn, 0.0), centre, radius)
 
 
+def nearest_on(ways: Ways, points: ComplexArray) -> tuple[ComplexArray, ComplexArray]:
+    """The nearest point of each line or arc, and the direction in which it runs there.
+
+    points : shape (..., n) or (..., 1), those that are compared with each of the n ways.
+    """
+    line, chord = ways.turn == 0.0, ways.end - ways.start
+    share = np.real((points - ways.start) * chord.conj()) / np.abs(chord) ** 2
+    on_line = ways.start + np.clip(share, 0.0, 1.0) * chord
+    away = points - ways.centre
+    off = np.abs(away)
+    # an arc's point in this direction, or else the nearer one of its ends
+    sense = np.where(ways.turn < 0.0, -1.0, 1.0)
+    passed = np.angle(away * (ways.start - ways.centre).conj()) * sense % (2.0 * np.pi)
+    first = np.abs(points - ways.start) <= np.abs(points - ways.end)
+    nearer = np.where(first, ways.start, ways.end)
+    on_arc = ways.centre + ways.radius * away / np.where(off == 0.0, 1.0, off)
+    # at the centre of an arc, every point of the arc is as near as its ends
+    on_arc = np.where((passed <= np.abs(ways.turn)) & (off > 0.0), on_arc, nearer)
+    nearest = np.where(line, on_line, on_arc)
+    return nearest, np.where(line, chord, 1j * sense * (nearest - ways.centre))
+
+
 def outside(ways: Ways, points: ComplexArray) -> tuple[FloatArray, ComplexArray]:
     """How far points lie outside a body, and the nearest point of its edges; both of one shape.
 
     The distance is negative inside. The nearest line or arc tells the side; at a corner it is
     that of the two ways from which the point is further to the side.
     """
-    p, line = points[:, None], ways.turn == 0.0
-    chord = ways.end - ways.start
-    share = np.real((p - ways.start) * chord.conj()) / np.abs(chord) ** 2
-    on_line = ways.start + np.clip(share, 0.0, 1.0) * chord
-    away = p - ways.centre
-    off = np.abs(away)
-    # an arc's point in this direction, or else the nearer one of its ends
-    sense = np.where(ways.turn < 0.0, -1.0, 1.0)
-    passed = np.angle(away * (ways.start - ways.centre).conj()) * sense % (2.0 * np.pi)
-    nearer = np.where(np.abs(p - ways.start) <= np.abs(p - ways.end), ways.start, ways.end)
-    on_arc = ways.centre + ways.radius * away / np.where(off == 0.0, 1.0, off)
-    # at the centre of an arc, every point of the arc is as near as its ends
-    on_arc = np.where((passed <= np.abs(ways.turn)) & (off > 0.0), on_arc, nearer)
-    nearest = np.where(line, on_line, on_arc)
-    along = np.where(line, chord, 1j * sense * (nearest - ways.centre))
+    p = points[:, None]
+    nearest, along = nearest_on(ways, p)
     distance = np.abs(p - nearest)
     aside = -np.imag(along.conj() * (p - nearest)) / np.abs(along)
     least = distance.min(axis=1)
@@ -95,34 +104,40 @@ def gap(one: Ways, other: Ways) -> tuple[float, complex]:
 
 def _closest(one: Ways, other: Ways) -> tuple[Ways, Ways]:
     """Those lines and arcs of two bodies that may be the nearest to each other."""
-    apart = np.abs(_middle(one)[:, None] - _middle(other))
-    sizes = _size(one)[:, None] + _size(other)
+    apart = np.abs(middle_of(one)[:, None] - middle_of(other))
+    sizes = reach_of(one)[:, None] + reach_of(other)
     kept = apart - sizes <= np.min(apart + sizes)
     return one.only(np.any(kept, axis=1)), other.only(np.any(kept, axis=0))
 
 
-def _middle(ways: Ways) -> ComplexArray:
+def middle_of(ways: Ways) -> ComplexArray:
     return 0.5 * (ways.start + ways.end)
 
 
-def _size(ways: Ways) -> FloatArray:
+def reach_of(ways: Ways) -> FloatArray:
     """No point of a line or arc is further from the middle of its chord."""
     chord = np.abs(ways.end - ways.start)
     return np.where(np.abs(ways.turn) > np.pi, 2.0 * ways.radius, 0.5 * chord)
 
 
-def _facing(one: Ways, other: Ways) -> ComplexArray:
-    """Points of arcs of one body that lie square to lines and arcs of the other."""
-    arcs = one.only(one.turn != 0.0)
-    if not arcs.turn.size:
-        return arcs.start
-    to_centre = other.centre - arcs.centre[:, None]
+def square_points(one: Ways, other: Ways) -> tuple[ComplexArray, NDArray[np.bool_]]:
+    """Points of the circles of arcs that lie square to other lines and arcs, two for each pair.
+
+    Both results have the shape (ways of one, of the other, 2). The second tells which points
+    exist and lie on their arc.
+    """
+    to_centre = other.centre - one.centre[:, None]
     across = np.broadcast_to(1j * (other.end - other.start), to_centre.shape)
     square = np.where(other.turn == 0.0, across, to_centre)
     size = np.abs(square)
     unit = square / np.where(size == 0.0, 1.0, size)
-    points = arcs.centre[:, None, None] + arcs.radius[:, None, None] * np.stack([unit, -unit], 2)
-    start = (arcs.start - arcs.centre)[:, None, None]
-    sense = np.sign(arcs.turn)[:, None, None]
-    passed = np.angle((points - arcs.centre[:, None, None]) / start) * sense % (2.0 * np.pi)
-    return points[(passed <= np.abs(arcs.turn)[:, None, None]) & (size > 0.0)[:, :, None]]
+    points = one.centre[:, None, None] + one.radius[:, None, None] * np.stack([unit, -unit], 2)
+    start, turn = (one.start - one.centre)[:, None, None], one.turn[:, None, None]
+    passed = np.angle((points - one.centre[:, None, None]) / start) * np.sign(turn) % (2.0 * np.pi)
+    return points, (passed <= np.abs(turn)) & (turn != 0.0) & (size > 0.0)[:, :, None]
+
+
+def _facing(one: Ways, other: Ways) -> ComplexArray:
+    """Points of arcs of one body that lie square to lines and arcs of the other."""
+    points, on_arc = square_points(one.only(one.turn != 0.0), other)
+    return points[on_arc]

@@ -8,7 +8,7 @@ import numpy as np
 
 from escapement.mechanism import FloatArray
 from escapement.mechanisms import EllipticalPlanetary, GearDriven
-from escapement.outlines import Body, Disc, arc, locked_angle, pins_and_rollers, slotted_edge
+from escapement.outlines import Body, Disc, arc, pins_and_rollers, slotted_edge
 from escapement.outlines.curves import ComplexArray, Curve, biarcs, chain
 
 _TURN = 2.0 * np.pi
@@ -129,7 +129,7 @@ class GearDrivenOutline:
 
     def wheel_at(self, theta: float) -> float:
         """Angle of the wheel at a carrier angle [rad]: locked between engagements."""
-        turned = locked_angle(self.mechanism, theta)
+        turned = float(self.mechanism.follower_angle(theta))
         return turned if self.mechanism.turns_with_driver else -turned
 
 

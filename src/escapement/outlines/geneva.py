@@ -13,7 +13,7 @@ from functools import lru_cache
 import numpy as np
 
 from escapement.mechanisms import Geneva
-from escapement.outlines import Body, Disc, Land, locked_angle, pins_and_rollers, slotted_edge
+from escapement.outlines import Body, Disc, Land, pins_and_rollers, slotted_edge
 from escapement.outlines.curves import ComplexArray, Curve, FloatArray, chain
 from escapement.outlines.imperfect import each, imperfect_edge, scaled_errors
 
@@ -34,6 +34,9 @@ class GenevaOutline:
         What to draw, with its errors.
     exaggerate : float
         Factor on its errors.
+    lock_radius : float, optional
+        Radius of the locking arcs. Default: beside each slot 0.1 of the wheel is left, or half
+        of the material there.
 
     Attributes
     ----------
@@ -54,8 +57,7 @@ class GenevaOutline:
     locks : bool
         Whether there are locking arcs: not without a dwell, nor if wide slots leave no space.
     lock_radius : float
-        Radius of the locking arcs; beside each slot 0.1 of the wheel is left, or half of the
-        material there.
+        Radius of the locking arcs.
     gap : float
         Play between the locking disc and the wheel: the clearance of the slots, if they have one;
         at the hollows half of it.
@@ -69,7 +71,9 @@ class GenevaOutline:
         The follower, and the bodies that move in its plane.
     """
 
-    def __init__(self, mechanism: Geneva, exaggerate: float = 1.0) -> None:
+    def __init__(
+        self, mechanism: Geneva, exaggerate: float = 1.0, lock_radius: float | None = None
+    ) -> None:
         self.mechanism = scaled_errors(mechanism, exaggerate)
         self.perfect = scaled_errors(mechanism, 0.0)
         unit, internal = mechanism.crank_radius or 1.0, mechanism.internal
@@ -81,7 +85,8 @@ class GenevaOutline:
         self.pin_radius = mechanism.contact_radius or chosen
         play, given = mechanism.clearance / unit, mechanism.contact_radius
         self.half_slot = given + 0.5 * play if given else 1.08 * chosen
-        self.rim_radius, self.lock_radius = _radii(mechanism, self.half_slot)
+        self.rim_radius, suited = _radii(mechanism, self.half_slot)
+        self.lock_radius = suited if lock_radius is None else lock_radius
         room = self.lock_radius - abs(centre - self.rim_radius)
         self.locks = not mechanism.continuous and room > 0.0
         self.gap = min(play or 0.02, 0.2 * abs(centre - self.rim_radius))
@@ -111,9 +116,9 @@ class GenevaOutline:
         external wheel, "roller-k" only if pins have rollers.
         """
         centre, follower = self.centre, Body("follower", self.follower_edges)
-        angle = self.follower_at(theta) if phi is None else phi
+        angle = float(self.mechanism.follower_angle(theta)) if phi is None else phi
         found: list[Body | Disc] = [follower.turned(angle)]
-        if self.locks and (edge := locking_disc(self.perfect)):
+        if edge := self.locking_edge:
             found.append(Body("locking-disc", (edge,)).turned(self.side * theta, centre))
         found.append(Disc("crank-disc", centre, self.crank_disc_radius))
         found.append(Disc("driver-shaft", centre, self.driver_shaft))
@@ -133,22 +138,10 @@ class GenevaOutline:
         ring = (Curve.circle(self.follower_radius),) if self.mechanism.internal else ()
         return self.follower_edge, *ring
 
-    def follower_at(self, theta: float) -> float:
-        """Follower angle [rad] at any driver angle; it rests from a pin's exit to the next one."""
-        mechanism = self.mechanism
-        if mechanism.perfect:
-            return locked_angle(mechanism, theta)
-        rows, cell = mechanism.meetings, mechanism.cell_angle
-        near = math.floor((theta - mechanism.breaks[0]) / cell)
-        # the last engagement that has begun
-        begun = [
-            k for k in range(near - 1, near + 2)
-            if k * cell + rows[k % len(rows)].late + rows[k % len(rows)].edges[0] <= theta
-        ]  # fmt: skip
-        k = max(begun, default=near - 1)
-        row = rows[k % len(rows)]
-        local = min(theta - k * cell - row.late, float(row.edges[-1]))
-        return k * mechanism.follower_step + float(row.turned(np.array([local]))[0])
+    @property
+    def locking_edge(self) -> Curve | None:
+        """Edge of the locking disc, where there is one; see `locking_disc`."""
+        return locking_disc(self.perfect, self.lock_radius) if self.locks else None
 
     def slot_angles(self) -> FloatArray:
         """Angles of the slots' centre lines while the follower is at zero, slot 0 first [rad].
@@ -203,15 +196,15 @@ def sizes(mechanism: Geneva) -> dict[str, float]:
 
 
 @lru_cache(maxsize=32)
-def locking_disc(mechanism: Geneva) -> Curve | None:
+def locking_disc(mechanism: Geneva, lock_radius: float | None = None) -> Curve | None:
     """Edge of the driver's locking disc about its axis, pin 0 at dead centre.
 
     An external wheel leaves a disc with a round hollow for each pin, an internal one a crescent
     opposite the pin; None where no locking arc is left between the hollows. Of all hollows with
     their centre on the line to the pin that clear the turning wheel, it is the one that leaves
-    most of the locking arc.
+    most of the locking arc. The arguments are those of `GenevaOutline`.
     """
-    outline = GenevaOutline(mechanism)
+    outline = GenevaOutline(mechanism, lock_radius=lock_radius)
     edge = outline.lock_radius - outline.gap
     swept = _swept(outline, edge + 0.5 * outline.gap)
     hub = 0.0 if mechanism.internal else outline.driver_shaft + outline.gap

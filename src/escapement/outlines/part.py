@@ -9,6 +9,7 @@ from escapement.errors import InvalidValue
 from escapement.fits import Fits
 from escapement.outlines.curves import Curve, Moments, stadium
 from escapement.outlines.gaps import outside, ways_of
+from escapement.outlines.walls import Wall, thinnest_wall
 
 
 class Part(NamedTuple):
@@ -42,6 +43,17 @@ class Part(NamedTuple):
         """Area [m^2] and its moments [m^3, m^4] about the part's axis, without the holes."""
         rows = [curve.moments for curve in (self.edge, *self.holes)]
         return Moments._make(sum(column) for column in zip(*rows, strict=True))
+
+    @property
+    def size(self) -> complex:
+        """Its width and height [m]."""
+        low, high = self.edge.box
+        return high - low
+
+    @property
+    def wall(self) -> Wall:
+        """Its thinnest wall [m], of a gear up to its pitch curve; see `thinnest_wall`."""
+        return thinnest_wall((self.edge, *self.holes))
 
     def mass(self, thickness: float, density: float) -> float:
         """Mass [kg] at a thickness [m] and a density [kg/m^3]."""

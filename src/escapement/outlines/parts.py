@@ -17,10 +17,24 @@ from escapement.mechanisms import EllipticalPlanetary, GearDriven, Geneva
 from escapement.model import Inertia
 from escapement.outlines.curves import Curve
 from escapement.outlines.gears import EllipticalOutline, GearDrivenOutline, pitch_curve
-from escapement.outlines.geneva import GenevaOutline, locking_disc
+from escapement.outlines.geneva import GenevaOutline
 from escapement.outlines.meshed import MeshedOutline, elliptical_teeth, toothed_gears
 from escapement.outlines.part import Part, hole, link
 
+_UNUSED = {
+    Geneva: (
+        ("clearance", "a Geneva wheel, which has a clearance of its own"),
+        ("teeth", "a Geneva wheel, which has none"),
+    ),
+    GearDriven: (
+        ("locking_radius", "a gear-driven wheel, which has no locking arcs"),
+        ("teeth", "a gear-driven wheel, whose gears are drawn as pitch circles"),
+    ),
+    EllipticalPlanetary: tuple(
+        (name, "elliptical gears, which have no slots") for name in ("pin_fit", "locking_radius")
+    ),
+}
+"""Fits that a kind of mechanism has no use for, and why."""
 _WALL = 0.07  # around pins and shafts, in the mechanism's unit of length
 _SHAFT = 0.12
 
@@ -39,7 +53,7 @@ def parts_of(mechanism: Any, fits: Fits | None = None) -> tuple[Part, ...]:
     Parameters
     ----------
     mechanism : Geneva, GearDriven or EllipticalPlanetary
-        The mechanism, with its size and the radius of its pins. Errors of its parts are ignored.
+        The mechanism, with its size and the radius of its pins, and without errors of its parts.
     fits : Fits, optional
         Default: holes with the size of their pins and shafts.
 
@@ -53,11 +67,13 @@ def parts_of(mechanism: Any, fits: Fits | None = None) -> tuple[Part, ...]:
     Raises
     ------
     InvalidValue
-        If the size or the radius of the pins is missing, or a hole leaves no wall.
+        If the size or the radius of the pins is missing, a hole leaves no wall, or a fit has no
+        effect on this kind of mechanism.
     """
     fits = fits or Fits()
-    if fits.teeth and not isinstance(mechanism, EllipticalPlanetary):
-        raise validate.fail("teeth", "0 but for elliptical gears", fits.teeth, "leave it out")
+    for name, rule in _UNUSED.get(type(mechanism), ()):
+        if value := getattr(fits, name):
+            raise validate.fail(name, f"0 for {rule}", value, "leave it out")
     found = _parts(checked(mechanism), fits)
     for part in found:
         part.check()
@@ -80,9 +96,26 @@ def outline_of(
     if isinstance(mechanism, GearDriven):
         return GearDrivenOutline(mechanism, fits.clearance)
     outline = GenevaOutline(mechanism, exaggerate=0.0)
+    if fits.locking_radius:
+        outline = _with_locking(outline, fits.locking_radius, size)
     outline.driver_shaft = fits.driver_shaft_radius / size or outline.driver_shaft
     outline.follower_shaft = fits.follower_shaft_radius / size or outline.follower_shaft
     return outline
+
+
+def _with_locking(outline: GenevaOutline, radius: float, size: float) -> GenevaOutline:
+    """The bodies with another radius of the locking arcs [m]; InvalidValue if it is impossible."""
+    low = size * abs(outline.mechanism.centre_distance - outline.rim_radius)
+    high = size * (1.0 - outline.half_slot)
+    rule, remedy = f"between {low:.6g} and {high:.6g} m here", "choose another, or leave it out"
+    if outline.mechanism.continuous:
+        rule, remedy = "0 for a wheel without a dwell", "leave it out, or choose fewer pins"
+    elif low < radius < high:
+        chosen = GenevaOutline(outline.mechanism, lock_radius=radius / size)
+        if chosen.locking_edge:
+            return chosen
+        rule = "such that the hollows for the wheel leave some of the locking disc"
+    raise validate.fail("locking_radius", rule, radius, remedy)
 
 
 @_parts.register
@@ -93,7 +126,7 @@ def _(mechanism: Geneva, fits: Fits) -> list[Part]:
     shaft = hole(axis, 0.0, fits.shaft_fit, "shaft")
     places = outline.pin_places(0.0) - mechanism.centre_distance
     pins = [hole(pin, size * complex(place), fits.pin_fit, "pin") for place in places]
-    lock = locking_disc(outline.perfect) if outline.locks else None
+    lock = outline.locking_edge
     marks: tuple[Curve, ...] = (lock.moved(size),) if lock else ()
     edge = Curve.circle(size * outline.crank_disc_radius)
     centres = (0.0, *(size * places).tolist())

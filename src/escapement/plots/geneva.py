@@ -8,7 +8,7 @@ from matplotlib.figure import Figure
 
 from escapement import validate
 from escapement.mechanisms import Geneva
-from escapement.outlines import Disc, arc, locked_angle
+from escapement.outlines import Disc, arc
 from escapement.outlines.geneva import GenevaOutline
 from escapement.plots import drawing, style
 
@@ -75,7 +75,8 @@ def plot_geneva(
     angle = validate.number("theta", theta, "give the driver angle in rad")
     style.check_drawn("slots", mechanism.slots)
     outline = GenevaOutline(mechanism, exaggerate)
-    phi = outline.follower_at(angle) if follower_angle is None else follower_angle
+    own = outline.mechanism.follower_angle
+    phi = float(own(angle)) if follower_angle is None else follower_angle
     phi = validate.number("follower_angle", phi, "give it in rad, or leave it out")
     ax = _draw(ax, outline, angle, phi)
     if exaggerate != 1.0:
@@ -106,7 +107,7 @@ def plot_configurations(theta: float = 0.0) -> Figure:
     wide = style.TWO_COLUMN
     figure = style.new_figure(wide, wide / 3.0 * (top - bottom) + 0.3)
     for ax, outline, (left, right, _, _) in zip(figure.subplots(1, 3), drives, boxes, strict=True):
-        _draw(ax, outline, angle, outline.follower_at(angle))
+        _draw(ax, outline, angle, float(outline.mechanism.follower_angle(angle)))
         width, wheel = right - left, outline.mechanism
         ax.set_ylim(bottom * width, top * width)
         ax.set_title(f"{wheel.slots} slots, {wheel.pins} pins", fontsize=style.LABEL_SIZE)
@@ -120,7 +121,7 @@ def _name_parts(ax: Axes, outline: GenevaOutline, theta: float) -> None:
     wheel, rim = outline.mechanism, outline.rim_radius
     # the disc with the highest centre is a pin
     centres = [body.centre for body in outline.bodies(theta) if isinstance(body, Disc)]
-    phi = locked_angle(wheel, theta) + wheel.follower_step * np.arange(wheel.slots)
+    phi = wheel.follower_angle(theta) + wheel.follower_step * np.arange(wheel.slots)
     slot = min(np.exp(1j * phi), key=lambda along: abs(along - np.exp(-2.4j)))
     aside = 13j * slot
     names = {

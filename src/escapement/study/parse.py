@@ -24,6 +24,7 @@ from escapement.solver import DEFAULT_ENGINE, Solver, solver_for
 from escapement.study.elements import part_lists
 from escapement.study.plan import StudyPlan, model_numbers, settings_of
 from escapement.study.result import DEFAULT
+from escapement.study.sizes import with_own_numbers
 from escapement.study.varied import CASE, WIDTHS, axis_values, sample_columns
 from escapement.toml_file import read_toml
 from escapement.torque_curve import TorqueCurve
@@ -88,16 +89,18 @@ def parse_plan(configuration: Mapping[str, Any], mechanism: Mechanism | None = N
         For an unknown key, a missing parameter or a value that breaks its rule.
     """
     configuration, curve = _with_first_torque(configuration)
+    system = validate.choice("units", configuration.get("units", "SI"), units.SYSTEMS)
     machine_table = _table(configuration, "mechanism")
     machine = {"kind": DEFAULT_KIND, **machine_table}
     build: Any = mechanism
     if mechanism is None:
         machine = {"kind": validate.choice("mechanism.kind", machine["kind"], tuple(KINDS))}
         build = kind_of(machine["kind"])
+        configuration = with_own_numbers(configuration, build, system)
+        machine_table = _table(configuration, "mechanism")
     meshed = build.meshed if mechanism is None else mechanism.path.table
     counts = build.counts(machine_table) if hasattr(build, "counts") else {}
     settings: Mapping[str, Setting] = settings_of(build, meshed)
-    system = validate.choice("units", configuration.get("units", "SI"), units.SYSTEMS)
     settings = {name: replace(entry, system=system) for name, entry in settings.items()}
     configuration, settings = part_lists(configuration, settings, counts)
     _check_tables(configuration, settings)
@@ -267,7 +270,7 @@ def _check_tables(configuration: Mapping[str, Any], settings: Mapping[str, Setti
     machine = {name for name, entry in settings.items() if entry.section == "mechanism"}
     homes: dict[str, str] = {}
     for kind in KINDS:
-        for key in declared(kind_of(kind)):
+        for key in (*declared(kind_of(kind)), *kind_of(kind).other_sizes()):
             others = f"{homes[key]} or" if key in homes else "[mechanism] of kind"
             homes[key] = f"{others} {kind!r}"
     for name in model_numbers().keys() - settings.keys():

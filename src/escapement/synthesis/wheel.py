@@ -19,7 +19,7 @@ from numpy.typing import ArrayLike
 
 from escapement import validate
 from escapement.errors import InvalidValue
-from escapement.mechanism import FloatArray
+from escapement.mechanism import FloatArray, checked
 from escapement.mechanisms import GearDriven, Geneva
 from escapement.mechanisms.gear_equation import COGNATES
 from escapement.mechanisms.kind import Wheel
@@ -148,6 +148,7 @@ def motion_peaks(mechanism: GearDriven | Geneva) -> MotionPeaks:
 def _check(mechanism: object, kind: type, rule: str, remedy: str) -> None:
     if not isinstance(mechanism, kind):
         raise validate.fail("mechanism", rule, mechanism, remedy)
+    checked(mechanism)
 
 
 def _largest(function: Polynomial, end: float) -> float:

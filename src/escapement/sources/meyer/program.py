@@ -20,6 +20,8 @@ from escapement import validate
 from escapement.errors import InvalidValue
 from escapement.mechanism import FloatArray
 from escapement.mechanisms import Geneva
+from escapement.mechanisms.kind import cells_of
+from escapement.mechanisms.slotted import Transmission, transmission
 from escapement.scene import Path
 from escapement.sources.meyer.listing import CELL, PI, ROW, run_listing
 
@@ -69,16 +71,21 @@ class PublishedCell:
     def follower_step(self) -> float:
         """Net turn of the follower over the cell [rad]."""
         # the pin neither enters nor leaves where this cell ends, except with 4 slots
-        return float(np.diff(self.follower_angle(self.breaks[::2]))[0])
+        return float(np.diff(self.geneva.direction(self.breaks[::2]))[0])
 
     @property
     def path(self) -> Path:
         """The pin path, as kernels evaluate it."""
         return self.geneva.path
 
+    def transmission(self, theta: ArrayLike) -> Transmission:
+        """Transmission at driver angles of any size from dead centre [rad]."""
+        return transmission(self.path, cells_of(self, theta)[1])
+
     def follower_angle(self, theta: ArrayLike) -> FloatArray:
-        """Follower angle [rad], zero at dead centre (Meyer 1-6)."""
-        return self.geneva.follower_angle(theta)
+        """Follower angle at driver angles of any size [rad], zero at dead centre (Meyer 1-6)."""
+        cells, local = cells_of(self, theta)
+        return cells * self.follower_step + self.geneva.direction(local)
 
 
 class Printout(NamedTuple):
