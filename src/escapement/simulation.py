@@ -115,7 +115,7 @@ def simulate(
     run = _engine(engine, escapement.contact, "simulate")
     motion: Motion = run(escapement, engagements=engagements, duration=duration, **settings)
     note = uniqueness_note(escapement) if motion.status is not Status.PAINLEVE else ""
-    motion.message = _joined(motion.message, note, escapement.idle)
+    motion.message = _joined(motion.message, note, escapement.assumed, escapement.idle)
     return motion
 
 
@@ -185,13 +185,12 @@ def terminal(
     solver = choose_solver(solver, engine, rtol, atol, method, max_step)
     engine, settings = _settings(escapement, solver, initial_speed)
     found = _terminal(escapement, engine, settings)
-    return (
-        replace(found, message=_joined(found.message, idle)) if (idle := escapement.idle) else found
-    )
+    notes = escapement.assumed, escapement.idle
+    return replace(found, message=_joined(found.message, *notes)) if any(notes) else found
 
 
 def _terminal(escapement: Escapement, engine: str, settings: dict[str, Any]) -> Figures:
-    """As `terminal`, without the note on settings that have no effect."""
+    """As `terminal`, without notes on settings that have no effect or are not given."""
     if why := _impossible(escapement, settings["initial_speed"]):
         return Figures(status=Status.INVALID, message=why)
     base = limits(escapement)
