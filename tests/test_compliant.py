@@ -271,7 +271,7 @@ def test_stiffness_of_a_line_contact_is_that_of_its_stresses():
     [
         ({"stiffness": 100.0}, "stiffness must be at least 1e"),
         ({"restitution": 0.3}, "restitution must be 0 with linear walls"),
-        ({"contact_law": "hunt-crossley", "damping": 0.0}, "damping must be greater than 0"),
+        ({"contact_law": "hunt-crossley", "damping": 0.0}, "restitution must be greater than 0"),
     ],
 )
 def test_what_is_not_there_is_refused_in_one_line(other, match):

@@ -205,6 +205,8 @@ def _terminal(escapement: Escapement, engine: str, settings: dict[str, Any]) -> 
     contact = escapement.contact
     if contact != "compliant" and (message := painleve_message(escapement)):
         return replace(base, status=Status.PAINLEVE, message=message)
+    if why := _undriven(escapement):
+        return replace(base, status=Status.STALL, message=why)
     struck = any(meeting.kind == "strike" for meeting in escapement.meetings)
     if not (contact or struck) and is_lossless(escapement.scene) and _ends_alike(escapement):
         # every engagement gains the same energy, so that one tells whether all stop, or none
@@ -223,6 +225,18 @@ def _terminal(escapement: Escapement, engine: str, settings: dict[str, Any]) -> 
     if limit := uniqueness_note(escapement):
         figures = replace(figures, message=_joined(figures.message, limit))
     return figures
+
+
+def _undriven(escapement: Escapement) -> str:
+    """Why a constant torque drives nothing, or ""."""
+    scene, held = escapement.scene, escapement.driver_bearing_torque
+    if scene.barrel_efficiency > scene.bearing:
+        return ""
+    reaches = scene.barrel_efficiency * escapement.torque_unit
+    return (
+        f"nothing drives the mechanism: the torque that reaches the driver, {reaches:g} N m, does "
+        f"not exceed that of its bearing, {held:g} N m"
+    )
 
 
 def limits(escapement: Escapement) -> Figures:
