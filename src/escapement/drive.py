@@ -127,6 +127,20 @@ def is_spent(theta, scene):
     return torque <= 0.0 and slope == 0.0
 
 
+@inner_jit
+def _held(torque, scene):
+    """Whether the bearing holds a torque of the drive."""
+    # a scene of one flow of power has the loss of the barrel's train in its gain already
+    passed = scene.barrel_efficiency if scene.flow < 0.0 else 1.0
+    return passed * torque <= scene.bearing
+
+
+@inner_jit
+def is_held(theta, scene):
+    """Whether the bearing holds a driver that is at rest at a driver angle of the cell."""
+    return _held(torque_at(theta, scene)[0], scene)
+
+
 @jit
 def is_undriven(theta, scene):
     """Whether the torque after a driver angle of the cell stays at no more than the bearing holds.
@@ -134,6 +148,4 @@ def is_undriven(theta, scene):
     Nothing drives the mechanism there, as after the spring is spent.
     """
     torque, slope = torque_at(theta + KNOT_GAP, scene)
-    # a scene of one flow of power has the loss of the barrel's train in its gain already
-    passed = scene.barrel_efficiency if scene.flow < 0.0 else 1.0
-    return passed * torque <= scene.bearing and slope == 0.0
+    return slope == 0.0 and _held(torque, scene)

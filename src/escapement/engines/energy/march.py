@@ -12,7 +12,7 @@ and `_advance`. `_pass_over`, `_check` and `_note_inside` may find that it must 
 
 import numpy as np
 
-from escapement.drive import REST, has_knot, is_undriven
+from escapement.drive import REST, has_knot, is_held, is_undriven
 from escapement.dynamics import drive_sign, is_drag_free, is_viscous, side_at
 from escapement.engines.energy import locate, panels, sampling
 from escapement.engines.energy.events import (
@@ -88,8 +88,11 @@ def march(scene, cells, store, count, request, w, rising, events, used):
     state = _enter(scene, first, w, rising, used)
     # a driver at rest that is not accelerated stays at rest; where nothing drives it one that
     # hardly turns would come to rest after any time
-    at_rest = w == 0.0 or (w <= REST and is_undriven(first.left, scene))
-    if at_rest and sampling.net_torque_at(first.entry, state.side, 0.0, scene) <= 0.0:
+    still = w == 0.0 and (
+        is_held(first.left, scene)
+        or sampling.net_torque_at(first.entry, state.side, 0.0, scene) <= 0.0
+    )
+    if still or (w <= REST and is_undriven(first.left, scene)):
         return _found(STALL, state, first.left, 0.0, count)
     if lossy:
         # outside the march, E belongs to the scene whose trains lose nothing

@@ -7,7 +7,7 @@ corners of the law thus lie between steps, and the method keeps its order.
 
 import numpy as np
 
-from escapement.drive import REST, cell_after, cell_of, is_undriven
+from escapement.drive import REST, cell_after, cell_of, is_held, is_undriven
 from escapement.engines.contact.compliant.law import (
     STATE,
     WALLS,
@@ -76,7 +76,10 @@ def _rests(y, mode, case):
     at, scene = place(y, mode, case.scene), case.scene
     energy = scene.rho * at.driver * at.driver + at.follower * at.follower
     energy += 2.0 * stored(y, mode, case)
-    return energy <= scene.rho * REST and is_undriven(y[0], cell_after(case.turned, scene))
+    scene = cell_after(case.turned, scene)
+    if energy == 0.0:
+        return is_held(y[0], scene)
+    return energy <= scene.rho * REST and is_undriven(y[0], scene)
 
 
 @inner_jit
