@@ -81,9 +81,11 @@ def simulate(
     Motion
         Its `status` says whether it ran to its end. It is STALL if the drive cannot overcome load
         and losses, and SPENT if the spring is spent and nothing moves; `end_time` is then the time
-        of the stop. After the spring is spent the driver counts as at rest at a pin entry if its
-        speed is below a thousandth of sqrt(torque/I_f); with viscous drag both bodies do, once
-        their kinetic energy is that of a driver with this speed.
+        of the stop. Where nothing drives the mechanism, since the spring is spent or the torque
+        does not exceed that of the driver's bearing, bodies that hardly move count as at rest: at
+        a pin entry once their kinetic energy is at most that of a driver with a thousandth of the
+        speed sqrt(torque/I_f), with viscous drag anywhere. It is NOT_CONVERGED if the steps that
+        an engine takes at most are used up; the message then says how far it got.
 
     Raises
     ------
