@@ -7,13 +7,8 @@ import numpy as np
 from escapement.drive import REST, is_spent, is_undriven
 from escapement.dynamics import is_viscous
 from escapement.engines.contact.rigid.blow import strike
-from escapement.engines.contact.rigid.flight import (
-    ahead,
-    arrival,
-    is_calm,
-    launch,
-    state_after,
-)
+from escapement.engines.contact.rigid.flight import ahead, arrival, launch, state_after
+from escapement.engines.contact.rigid.free import is_calm
 from escapement.engines.contact.rigid.panel import (
     GOES_ON,
     JAMS,

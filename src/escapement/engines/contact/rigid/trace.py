@@ -14,14 +14,8 @@ from escapement.dynamics import (
 )
 from escapement.dynamics import contact as contact_of
 from escapement.engines.contact.rigid.engagement import LOCKED, WALL, follower_on
-from escapement.engines.contact.rigid.flight import (
-    driver_rate,
-    driver_sense,
-    follower_rate,
-    launch,
-    place_at,
-    state_after,
-)
+from escapement.engines.contact.rigid.flight import launch, place_at, state_after
+from escapement.engines.contact.rigid.free import driver_rate, driver_sense, follower_rate
 from escapement.engines.contact.rigid.march import after, workspace
 from escapement.engines.contact.rigid.panel import (
     SLOW,
