@@ -31,6 +31,9 @@ class TwoBodies:
             np.array([barrel.efficiency, train.efficiency]),
         )
         self.load = timer.load_torque * train.ratio / drive
+        # the torque over the driver angle turned; friction of the driver's bearing has its own sign
+        self.rate, self.turned = timer.spring_rate / barrel.ratio**2 / drive, 0.0
+        self.bearing = timer.driver_bearing_torque / drive
         self.friction, self.bounce = timer.friction, timer.restitution
         self.step, self.clock, self.chatter = wheel.follower_step, clock, chatter
 
@@ -56,9 +59,14 @@ class TwoBodies:
 
         `sense` is the sign of the sliding speed, 0 where it is to be found.
         """
-        beyond = np.array([1.0, -self.load * np.sign(v[1])])
+        pull = max(1.0 - self.rate * (self.turned + q[0] + self.exit), 0.0)
+        beyond = np.array([pull, -self.load * np.sign(v[1])])
+        held = self.bearing * np.sign(v[0])
+        if side == 0.0 and v[0] == 0.0:
+            held = min(self.bearing, pull * self.passes[0])
         for shares in product(*((eta, 1.0 / eta) for eta in self.passes)):
             inertia, force = self.own + shares * self.far, np.array(shares) * beyond
+            force[0] -= held
             found = self.pushed(side, q, v, sense, inertia, force)
             power = (beyond - self.far * found[0]) * v
             # a train takes its share of the power, whichever way it flows
@@ -104,7 +112,7 @@ class TwoBodies:
 
     def ends(self, side, sense, v):
         """Functions that fall to zero where a flight (`side` 0) or a contact ends."""
-        way = np.sign(v[1])
+        way, turns = np.sign(v[1]), np.sign(v[0])
 
         def gap(wall):
             return lambda q, v: self.play - wall * self.directions(wall, q, v)[2]
@@ -112,7 +120,8 @@ class TwoBodies:
         out = lambda q, v: self.exit - q[0]  # noqa: E731
         if side == 0.0:
             rests = [lambda q, v: way * v[1]] if way and self.load > 0.0 else []
-            return [out, gap(1.0), gap(-1.0), *rests]
+            halts = [lambda q, v: turns * v[0]] if turns and self.bearing > 0.0 else []
+            return [out, gap(1.0), gap(-1.0), *rests, *halts]
         force = lambda q, v: self.accelerations(side, q, v, sense)[1]  # noqa: E731
         return [out, force, lambda q, v: sense * self.directions(side, q, v)[3]]
 
@@ -148,19 +157,21 @@ class TwoBodies:
                 return v, False
             goal = (1.0 + self.bounce) * total
 
-    def run(self, engagements, speed=0.0):
-        """Times [s] and driver speeds [rad/s] at handoffs of a continuous wheel."""
+    def run(self, engagements, speed=0.0, until=np.inf):
+        """Times [s] and driver speeds [rad/s] at handoffs of a continuous wheel, up to a time."""
         t, v, side = 0.0, np.array([speed * self.clock, 0.0]), 0.0
         pin = self.centre + self.sense * np.exp(-1j * self.sense * self.exit)
         q, found, sense = np.array([-self.exit, np.angle(pin)]), [], 0.0
-        while len(found) < engagements:
+        while len(found) < engagements and t * self.clock < until:
             which, t, q, v = self.piece(side, sense, t, q, v)
             sense = -sense if which == 2 else np.sign(self.directions(side, q, v)[3])
             if which == 0:
                 found.append((t * self.clock, v[0] / self.clock))
                 q, side = q - np.array([2.0 * self.exit, self.step]), 0.0
-            elif side == 0.0 and which == 3:
-                v[1] = 0.0
+                self.turned += 2.0 * self.exit
+            elif side == 0.0 and which >= 3:
+                # the body that has come to rest
+                v[np.abs(v).argmin()] = 0.0
             elif side == 0.0:
                 side = 1.0 if which == 1 else -1.0
                 v, bounces = self.blow(side, q, v)

@@ -260,6 +260,29 @@ def test_drag_takes_as_much_where_a_blow_throws_the_driver_back():
     assert abs(motion.ledger.residual) < 1e-14
 
 
+def test_a_bounce_ends_below_the_speed_that_the_docs_say():
+    """1e-5 crank radii over sqrt(I_f/torque): only slower rebounds are neglected."""
+    slowest, e = [], 0.8
+    for play in (1e-3, 2e-3, 5e-3):
+        drive = timer(play, restitution=e)
+        motion = esc.simulate(drive, 6)
+        blows, trajectory = motion.impacts, motion.trajectory
+        piece = np.array([np.flatnonzero(trajectory.start == t)[-1] for t in blows.time])
+        flies = trajectory.sign[piece] == 0.0
+        place = motion.within(piece, blows.time)
+        bodies = TwoBodies(drive, CHATTER)
+        step = np.array([drive.mechanism.cell_angle, drive.mechanism.follower_step])
+        for k in np.flatnonzero(flies & (blows.wall != 0.0)):
+            turns = trajectory.engagement[piece[k]]
+            q = np.array([place.theta[k], place.phi[k]]) - turns * step
+            v = np.array([place.theta_dot[k], place.phi_dot[k]]) * drive.time_unit
+            slowest.append(bodies.directions(blows.wall[k], q, v)[0] @ v)
+    slowest = np.sort(np.array(slowest)[np.array(slowest) > 1e-12])
+    # where bounces add up, each one is about e times as fast as the one before
+    assert slowest[0] > 1e-5
+    assert slowest[0] < 1e-5 / e
+
+
 def test_a_torque_curve_does_the_work_that_its_knots_say():
     # flights over knots, of which one is in the middle of a flight that goes back
     angle = np.linspace(0.0, 5.0, 40)

@@ -1,6 +1,7 @@
 """Walls that yield: examples, limits, energy, independent solutions, and refusals."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -221,6 +222,96 @@ def test_the_rule_for_rigid_jams(friction, period, handoff, angles):
         esc.jam_rule(rigid(friction=0.3))
 
 
+@pytest.mark.parametrize("e", [0.1, 0.4, 0.8])
+def test_the_force_of_hunt_and_crossley_is_that_of_the_paper(e):
+    """N = k d^1.5 (1 + 8 (1 - e)/(5 e v) d') with the speed v at which the pin touches the wall."""
+    law = {"contact_law": "hunt-crossley", "damping": None, "restitution": e}
+    own = timer(play=1e-3, stiffness=1e5, friction=0.1, **law)
+    motion = esc.simulate(own, 1, rtol=1e-11)
+    wheel, blow = (
+        own.mechanism,
+        np.flatnonzero(motion.impacts.approach_speed * CLOCK > 0.1 * RADIUS)[0],
+    )
+    start, touch = motion.impacts.time[blow], motion.impacts.approach_speed[blow] * CLOCK / RADIUS
+    piece = np.flatnonzero(motion.trajectory.start == start)[-1]
+    ends = np.append(motion.trajectory.start, motion.end_time)
+    times = start + np.linspace(0.01, 0.9, 7) * (ends[piece + 1] - start)
+    state = motion.within(np.full(7, piece), times)
+    pin = wheel.centre_distance - np.exp(-1j * state.theta)
+    along = np.exp(1j * state.phi)
+    across = (pin / along).imag
+    moves = 1j * np.exp(-1j * state.theta) * state.theta_dot
+    rate = (moves / along).imag - (pin / along).real * state.phi_dot
+    side = motion.impacts.wall[blow]
+    depth, pressing = side * across - 1e-3, side * rate * CLOCK
+    force = 1e5 * depth**1.5 * (1.0 + 8.0 * (1.0 - e) / (5.0 * e * touch) * pressing)
+    assert state.contact_force * side * RADIUS / TORQUE == pytest.approx(force, rel=1e-5)
+
+
+@pytest.mark.parametrize(("rho", "slots"), [(0.06, 4), (0.3, 6), (2.0, 3)])
+def test_walls_have_critical_damping_by_default(rho, slots):
+    """Both bodies on the spring of one wall: m D'' + b D' + k D = 0 has a double root."""
+    wheel = esc.Geneva(slots, crank_radius=RADIUS)
+    own = esc.Escapement(
+        wheel, esc.Inertia(rho * FOLLOWER, FOLLOWER), TORQUE, 0.1, stiffness=1e4 * UNIT
+    )
+    mass = 1.0 / (RADIUS**2 * (1.0 / (rho * FOLLOWER) + 1.0 / FOLLOWER))
+    roots = np.roots([mass, own.critical_damping, own.stiffness])
+    assert roots.real == pytest.approx([-math.sqrt(own.stiffness / mass)] * 2, rel=1e-6)
+    given = replace(own, damping=own.critical_damping)
+    one, two = (esc.simulate(drive, 2) for drive in (own, given))
+    assert one.handoff_times.tolist() == two.handoff_times.tolist()
+    assert f"critical damping, {own.critical_damping:.6g} N s/m, is taken" in one.message
+    assert (
+        f"critical damping, {own.critical_damping:.6g} N s/m, is taken" in esc.terminal(own).message
+    )
+    assert "damping" not in two.message
+
+
+def test_a_stiffness_alone_gives_a_period_near_that_of_rigid_bodies():
+    inertia, torque = esc.Inertia(3.39e-7, 5.65e-6), 0.0113
+    for clearance in (0.0, 1e-5):
+        wheel = esc.Geneva(4, crank_radius=RADIUS, clearance=clearance)
+        exact = esc.terminal(esc.Escapement(wheel, inertia, torque, 0.3)).period
+        errors = [
+            esc.terminal(esc.Escapement(wheel, inertia, torque, 0.3, stiffness=k)).period / exact
+            - 1.0
+            for k in (1e6, 1e7, 1e8)
+        ]
+        assert 0.3 > errors[0] > errors[1] > errors[2] > 0.0
+        assert errors[2] < 0.02
+
+
+BARREL = {"slots": 5, "rho": 0.017, "efficiency": 0.58, "inertia": 1.36, "friction": 0.679}
+HEAVY = {"slots": 3, "rho": 0.41, "efficiency": 0.71, "inertia": 23.8, "friction": 2.317}
+LIGHT = {"slots": 6, "rho": 0.013, "efficiency": 0.42, "inertia": 2.1, "friction": 0.95}
+
+
+@pytest.mark.parametrize("case", [BARREL, HEAVY, LIGHT])
+def test_the_rule_for_jams_holds_behind_trains_that_lose_power(case):
+    wheel = esc.Geneva(case["slots"], crank_radius=RADIUS)
+    driver = case["rho"] * FOLLOWER
+    barrel = esc.Train(5, case["efficiency"], 25.0 * case["inertia"] * driver)
+    bodies = wheel, esc.Inertia(driver, FOLLOWER), 5.0 * TORQUE, case["friction"]
+    rule = esc.jam_rule(esc.Escapement(*bodies, barrel=barrel))
+    yields = esc.Escapement(
+        *bodies, barrel=barrel, stiffness=1e8 * UNIT, damping=1e4 * UNIT * CLOCK
+    )
+    found = esc.terminal(yields, rtol=1e-7)
+    assert found.spread is None
+    assert rule.period == pytest.approx(found.period, rel=rule.error)
+    assert rule.handoff_velocity == pytest.approx(found.handoff_velocity, rel=rule.error)
+    assert rule.velocity_max == pytest.approx(found.velocity_max, rel=0.01)
+
+
+@pytest.mark.parametrize("friction", [0.45, 0.5, 0.6])
+def test_the_rule_for_jams_finds_the_peak_on_the_rear_wall(friction):
+    found = esc.jam_rule(rigid(friction=friction))
+    compliant = esc.terminal(timer(friction=friction, stiffness=1e8), rtol=1e-7)
+    assert found.velocity_max == pytest.approx(compliant.velocity_max, rel=0.02)
+    assert found.velocity_max > 1.05 * found.handoff_velocity
+
+
 def test_contact_summary_counts_what_the_motion_does():
     motion = esc.simulate(timer(play=1e-3, share=0.1, stiffness=1e5), 3)
     found = esc.contact_summary(motion)
@@ -271,7 +362,7 @@ def test_stiffness_of_a_line_contact_is_that_of_its_stresses():
     [
         ({"stiffness": 100.0}, "stiffness must be at least 1e"),
         ({"restitution": 0.3}, "restitution must be 0 with linear walls"),
-        ({"contact_law": "hunt-crossley", "damping": 0.0}, "damping must be greater than 0"),
+        ({"contact_law": "hunt-crossley", "damping": 0.0}, "restitution must be greater than 0"),
     ],
 )
 def test_what_is_not_there_is_refused_in_one_line(other, match):

@@ -3,6 +3,7 @@
 The printed numbers come from two computations that share nothing with this package.
 """
 
+import cmath
 import dataclasses
 import json
 import math
@@ -228,6 +229,25 @@ def test_a_motion_tells_of_its_handoffs():
     # a settled motion repeats the pattern to the end
     long = esc.simulate(drive, engagements=400)
     np.testing.assert_allclose(np.diff(long.handoff_times[-9:]), [*esc.terminal(drive).beats] * 2)
+
+
+@pytest.mark.parametrize("slots", [3, 5, 6])
+def test_the_clearance_needed_is_how_far_the_next_pin_lies_off_its_slot(slots):
+    """While the follower is where the outgoing pin holds it; with four slots R would be r."""
+    far = {"centre_distance_error": 3e-3 * CRANK}
+    wheel = imperfect(np.random.default_rng(slots), slots, 1e-3, **far)
+    drive = esc.Escapement(wheel, INERTIA, 0.10 * INCH_POUND, 0.2)
+    found, seen = esc.simulate(drive, engagements=2 * slots).handoffs, 0
+    for k in np.flatnonzero(found.jump > 0.0):
+        ends, pair = bodies.handoff(wheel, int(k)), bodies.pair_of(wheel, int(k) + 1)
+        rest = bodies.pair_of(wheel, int(k)).asked(ends.leaves)[0]
+        out = cmath.rect(1.0, rest + pair.lean)
+        pin = pair.axis + cmath.rect(pair.radius, pair.zero + pair.sense * ends.starts)
+        needed = bodies.cross(out, pin) - pair.offset
+        assert found.clearance_needed[k] == pytest.approx(needed, rel=0.01)
+        assert abs(pin) / CRANK - 1.0 > 0.2 or abs(pin) / CRANK < 0.8
+        seen += 1
+    assert seen > 1
 
 
 def test_a_motion_is_read_back_from_its_file(tmp_path):

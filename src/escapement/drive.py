@@ -13,7 +13,7 @@ import numpy as np
 from escapement.jit import inner_jit, jit
 from escapement.scene import Scene
 
-# After the spring is spent a driver of this squared speed, in units of torque/I_f, is at rest.
+# Where nothing drives it a driver of this squared speed, in units of torque/I_f, is at rest.
 REST = 1e-6
 # A knot so close to the end of a stretch [rad] counts as that end.
 KNOT_GAP = 1e-9
@@ -125,3 +125,27 @@ def is_spent(theta, scene):
     """Whether no torque is left after a driver angle of the cell, as with a spent spring."""
     torque, slope = torque_at(theta + KNOT_GAP, scene)
     return torque <= 0.0 and slope == 0.0
+
+
+@inner_jit
+def _held(torque, scene):
+    """Whether the bearing holds a torque of the drive."""
+    # a scene of one flow of power has the loss of the barrel's train in its gain already
+    passed = scene.barrel_efficiency if scene.flow < 0.0 else 1.0
+    return passed * torque <= scene.bearing
+
+
+@inner_jit
+def is_held(theta, scene):
+    """Whether the bearing holds a driver that is at rest at a driver angle of the cell."""
+    return _held(torque_at(theta, scene)[0], scene)
+
+
+@jit
+def is_undriven(theta, scene):
+    """Whether the torque after a driver angle of the cell stays at no more than the bearing holds.
+
+    Nothing drives the mechanism there, as after the spring is spent.
+    """
+    torque, slope = torque_at(theta + KNOT_GAP, scene)
+    return slope == 0.0 and _held(torque, scene)

@@ -45,7 +45,7 @@ J_s = rho + g p vanishes.
 
 import numpy as np
 
-from escapement.drive import REST, is_spent
+from escapement.drive import REST, is_undriven
 from escapement.jit import inner_jit, jit
 from escapement.mechanisms.slotted import pose_at
 from escapement.scene import Path, Scene
@@ -311,11 +311,11 @@ def bent_pose(theta, side, scene):
 def rest_speed(theta, side, scene):
     """Driver speed at which a motion counts as at rest: 0, unless viscous drag alone acts on it.
 
-    With viscous drag and a spent spring the driver would slow down for ever. It counts as at rest
-    once the kinetic energy of both bodies is that of a driver with the squared speed `REST`; the
-    energy falls, so it never becomes faster again.
+    With viscous drag and nothing that drives it the driver would slow down for ever. It counts as
+    at rest once the kinetic energy of both bodies is that of a driver with the squared speed
+    `REST`; the energy falls, so it never becomes faster again.
     """
-    if not (is_viscous(scene) and is_spent(theta, scene)):
+    if not (is_viscous(scene) and is_undriven(theta, scene)):
         return 0.0
     g = bent_pose(theta, side, scene)[0]
     return np.sqrt(REST * scene.rho / (scene.rho + g * g))

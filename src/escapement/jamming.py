@@ -3,7 +3,9 @@
 Where the force would change to the wall behind the pin and J_- is not positive there, or where
 J_- falls to zero while that wall carries the force, no rigid motion exists. The rule is the
 behaviour of compliant walls in the limit of great stiffness: the pin wedges, all kinetic energy
-is lost at once, and the driver starts from rest with the front wall.
+is lost at once, and the driver starts from rest with the front wall. While the pin wedges both
+bodies are stopped by any force that arises. A barrel then still drives through its train, and the
+train of a load drives the follower, so that J_- is that of this direction of the powers.
 """
 
 from __future__ import annotations
@@ -14,17 +16,23 @@ from typing import Any, ClassVar, NamedTuple
 import numpy as np
 
 from escapement import validate
+from escapement.jit import as_python
 from escapement.model import Escapement
 from escapement.painleve import friction_limits, margin
+from escapement.power_flow import is_lossy, scene_in_flow
 from escapement.tabulation import tabulate
 from escapement.text import Shown
 
 _MOST = 200
 _RTOL = 1e-11
 _GRID = 2001
-_BEFORE = 1e-7
+_BEFORE, _ALMOST = 1e-7, 1e-3
+"""Shares of the way to a place where J_- vanishes: before it the integration ends; X vanishes there
+as well, and a change of its sign in the last share of the way is rounding."""
 _CLOSE, _NEAR, _FAR = 1.2, 0.05, 0.03
 """Below this multiple of the limit the first error is expected, above it the second [-]."""
+_WEDGED = 2.0
+"""The flow of power, see `power_flow`, in which a pin wedges."""
 _SAME = 1e-9
 """Cycles whose handoff speeds agree to this share count as one [-]."""
 
@@ -132,6 +140,18 @@ def _at(scene: Any, theta: float, speed: float, side: float) -> tuple[float, flo
     return float(found[2, 0]), float(found[4, 0])
 
 
+def _wedges(theta: float, scene: Any) -> float:
+    """J_- of a pin that wedges, times its lever: it jams where this is not positive."""
+    lossy = as_python(is_lossy)(scene)
+    return float(margin(theta, scene_in_flow(scene, _WEDGED) if lossy else scene))
+
+
+def _greatest(found: Any, row: int) -> float:
+    """Greatest value of a row of a solution whose last event is an extremum of it."""
+    peaks = found.y_events[-1].reshape(-1, found.y.shape[0])
+    return float(np.append(peaks[:, row], found.y[row]).max())
+
+
 def _engage(scene: Any, speed: float) -> _Passed:
     """One engagement from a driver speed at pin entry, and the dwell behind it."""
     theta, end = float(scene.edges[0]), float(scene.edges[-1])
@@ -141,9 +161,9 @@ def _engage(scene: Any, speed: float) -> _Passed:
         time, top = time + spent, max(top, most)
         if theta >= end:
             break
-        if margin(theta, scene) > 0.0:
-            theta, speed, spent, jammed = _hold(scene, theta, speed, end)
-            time, top = time + spent, max(top, speed)
+        if _wedges(theta, scene) > 0.0:
+            theta, speed, spent, most, jammed = _hold(scene, theta, speed, end)
+            time, top = time + spent, max(top, most)
             if not jammed:
                 continue
         jams.append(theta)
@@ -169,11 +189,14 @@ def _push(
     def reverses(_t: float, y: Any) -> float:
         return _at(scene, y[0], y[1], 1.0)[1] if side else 1.0
 
+    def peaks(_t: float, y: Any) -> float:
+        return _at(scene, y[0], y[1], side)[0]
+
     arrives.terminal = reverses.terminal = True  # type: ignore[attr-defined]
     reverses.direction = -1.0  # type: ignore[attr-defined]
     found = solve_ivp(
-        slope, (0.0, 1e3), [theta, speed], "DOP853", events=[arrives, reverses], rtol=_RTOL,
-        atol=_RTOL,
+        slope, (0.0, 1e3), [theta, speed], "DOP853", events=[arrives, reverses, peaks],
+        rtol=_RTOL, atol=_RTOL,
     )  # fmt: skip
     if found.status != 1:
         raise validate.fail(
@@ -181,19 +204,24 @@ def _push(
         )
     last = found.y[:, -1]
     at = end if found.t_events[0].size else float(last[0])
-    return at, float(last[1]), float(found.t[-1]), float(found.y[1].max())
+    return at, float(last[1]), float(found.t[-1]), _greatest(found, 1)
 
 
-def _hold(scene: Any, theta: float, speed: float, end: float) -> tuple[float, float, float, bool]:
-    """Angle, speed and time up to the front wall, a jam or the end, on the wall behind the pin."""
+def _hold(
+    scene: Any, theta: float, speed: float, end: float
+) -> tuple[float, float, float, float, bool]:
+    """Angle, speed, time and top speed up to the front wall, a jam or the end, on the wall behind
+    the pin, and whether it jams.
+    """
     from scipy.integrate import solve_ivp
     from scipy.optimize import brentq
 
     places = np.linspace(theta, end, _GRID)
-    lost = np.flatnonzero([not margin(x, scene) > 0.0 for x in places])
+    lost = np.flatnonzero([not _wedges(x, scene) > 0.0 for x in places])
     goal = end
     if lost.size:
-        goal = float(brentq(margin, places[lost[0] - 1], places[lost[0]], (scene,), xtol=1e-14))
+        first = lost[0]
+        goal = float(brentq(_wedges, places[first - 1], places[first], (scene,), xtol=1e-14))
 
     def slope(x: float, y: Any) -> list[float]:
         now = max(float(y[0]), 1e-12) ** 0.5
@@ -202,12 +230,17 @@ def _hold(scene: Any, theta: float, speed: float, end: float) -> tuple[float, fl
     def turns(x: float, y: Any) -> float:
         return _at(scene, x, max(float(y[0]), 0.0) ** 0.5, -1.0)[1]
 
+    def peaks(x: float, y: Any) -> float:
+        return _at(scene, x, max(float(y[0]), 0.0) ** 0.5, -1.0)[0]
+
     turns.terminal, turns.direction = True, 1.0  # type: ignore[attr-defined]
     # where J vanishes the acceleration is unbounded, but the speed is finite
     last = goal - _BEFORE * (goal - theta) if lost.size else goal
     found = solve_ivp(
-        slope, (theta, last), [speed**2, 0.0], "Radau", events=[turns], rtol=1e-9, atol=1e-12
+        slope, (theta, last), [speed**2, 0.0], "Radau", events=[turns, peaks], rtol=1e-9, atol=1e-12
     )
-    jammed = found.status == 0 and lost.size > 0
-    at = float(found.t[-1]) if found.status == 1 else goal
-    return at, float(max(found.y[0, -1], 0.0) ** 0.5), float(found.y[1, -1]), jammed
+    reached = found.status == 0 or goal - found.t[-1] <= _ALMOST * (goal - theta)
+    jammed = reached and lost.size > 0
+    at, top = goal if reached else float(found.t[-1]), _greatest(found, 0)
+    now = float(max(found.y[0, -1], 0.0) ** 0.5)
+    return at, now, float(found.y[1, -1]), float(max(top, 0.0) ** 0.5), jammed

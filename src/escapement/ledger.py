@@ -18,8 +18,8 @@ class Ledger(Shown):
     """Where the work of the drive went over a motion [J].
 
     work is the work of the drive; with a spring it is taken from the energy of the spring. It
-    equals kinetic + load + elastic + all losses, up to `residual`, which is relative to the work
-    or to the kinetic energy at the start, whichever is greater. Losses are friction in the slot
+    equals kinetic + load + elastic + all losses, up to `residual`, which is relative to the
+    greatest of these and of the kinetic energy at the start. Losses are friction in the slot
     or the gears, friction in both bearings, drag on both bodies, and the losses of trains and
     blows. elastic is the increase of the energy stored in compliant walls.
     """
@@ -74,9 +74,9 @@ def ledger_of(motion: Any, progress: Callable[[int, int, int], None] | None = No
             progress(done, motion.handoff_times.size, 0)
     losses = dict(zip(LOSSES, lost.tolist(), strict=True))
     kinetic = float(energies[1] - energies[0])
-    scale = max(work, float(energies[0]))
     elastic = float(getattr(motion.trajectory, "elastic", 0.0))
     missing = work - kinetic - elastic - load - sum(losses.values()) - blows
-    residual = float(missing / scale) if scale > 0.0 else 0.0
     parts = {**losses, "blows": blows, "elastic": elastic}
+    scale = max(abs(x) for x in (work, energies[0], kinetic, load, *parts.values()))
+    residual = float(missing / scale) if scale > 0.0 else 0.0
     return Ledger(float(work), kinetic, float(load), **parts, residual=residual)

@@ -133,8 +133,10 @@ class Escapement(Declared):
     stiffness : float
         Force of a wall of the slot divided by the penetration of the pin [N/m]; 0 for rigid
         bodies.
-    damping : float
-        Force of a wall divided by the speed of penetration [N s/m].
+    damping : float, optional
+        Force of a wall divided by the speed of penetration [N s/m]. By default linear walls have
+        critical damping, 2 sqrt(k m) with the stiffness k and m = I_d I_f/((I_d + I_f) r^2); 0 is
+        a wall without damping.
     contact_law : str
         "linear", or "hunt-crossley", whose force grows with the power 1.5 of the penetration.
     slip_speed : float
@@ -190,9 +192,10 @@ class Escapement(Declared):
         "force of a slot's wall divided by the penetration", "stiffness", slotted=True,
         instead="efficiency", metavar="K", remedy="give the stiffness, 0 for rigid bodies"
     ))  # fmt: skip
-    damping: float = field(default=0.0, metadata=quantity(
+    damping: float | None = field(default=None, metadata=quantity(
         "force of a slot's wall divided by the speed of penetration", "damping", slotted=True,
-        instead="efficiency", metavar="D", remedy="give the damping, 0 for none", needs="stiffness"
+        instead="efficiency", metavar="D", remedy="give the damping, 0 for none", needs="stiffness",
+        note=", by default that of critical damping"
     ))  # fmt: skip
     contact_law: str = field(default=CONTACT_LAWS[0], metadata=setting(Choice(
         long_name=f"force of a compliant contact: {', '.join(CONTACT_LAWS)}",
@@ -294,17 +297,42 @@ class Escapement(Declared):
         clearance = getattr(self.mechanism, "clearance", 0.0)
         return idle_settings(type(self), vars(self) | {"clearance": clearance})
 
+    @property
+    def critical_damping(self) -> float:
+        """Damping with which bodies that only one wall connects just do not swing [N s/m].
+
+        It is 2 sqrt(k m) with the reduced mass of driver and follower at the crank radius r,
+        m = I_d I_f/((I_d + I_f) r^2).
+        """
+        wheel, seen = cast(Any, self.mechanism), self.seen
+        driver, follower = seen["driver_inertia"], seen["follower_inertia"]
+        reduced = driver / (driver + follower) * follower
+        return 2.0 * math.sqrt(self.stiffness * reduced) / float(wheel.crank_radius)
+
+    @property
+    def assumed(self) -> str:
+        """What is taken for a number of the contact that is not given; "" if all are given."""
+        if self.contact != "compliant" or not self._damps_critically:
+            return ""
+        return f"no damping is given: critical damping, {self.critical_damping:.6g} N s/m, is taken"
+
+    @property
+    def _damps_critically(self) -> bool:
+        """Whether linear walls have the damping that they have by default."""
+        return self.damping is None and self.contact_law == CONTACT_LAWS[0]
+
     @cached_property
     def joint(self) -> Joint:
         """The joint of pin and slot in natural units."""
         wheel: Any = self.mechanism
         length, clock = wheel.crank_radius, self.time_unit
         unit = self.torque_unit / length**2
+        damping = self.critical_damping if self._damps_critically else self.damping or 0.0
         return Joint(
             play=0.5 * wheel.clearance / length,
             restitution=self.restitution,
             stiffness=self.stiffness / unit,
-            damping=self.damping / (unit * clock),
+            damping=damping / (unit * clock),
             hertz=self.contact_law != CONTACT_LAWS[0],
             slip=self.slip_speed * clock / length,
         )

@@ -18,7 +18,7 @@ Inertias and torques are referred to the driver and the follower, in natural uni
 import numpy as np
 
 from escapement.drive import torque_at
-from escapement.dynamics import bent_pose, net_torque, reduced_inertia, root_of
+from escapement.dynamics import bent_pose, contact, net_torque, reduced_inertia, root_of
 from escapement.jit import inner_jit, jit
 from escapement.scene import Scene
 
@@ -95,19 +95,25 @@ def _misses(flow, q, z):
 @jit
 def flow_at(theta, side, w, scene):
     """The flow at a driver angle while the side s carries the force, 0 in a dwell."""
-    torque, best, least = torque_at(theta, scene)[0], 0.0, np.inf
+    torque, best, least, held = torque_at(theta, scene)[0], 0.0, np.inf, False
     for i in range(FLOWS):
         flow = float(i)
         here = in_flow(scene, flow)
         g, c, k = bent_pose(theta, side, here)
         pull = torque_at(theta, here)[0] - here.bearing
-        rate = net_torque(g, c, k, pull, w, root_of(w, here), here)
-        rate /= reduced_inertia(g, c, here)
+        inertia = reduced_inertia(g, c, here)
+        if not inertia > 0.0:
+            # beyond the Painleve limit of this flow it would need a force of the other sign
+            continue
+        root = root_of(w, here)
+        rate = net_torque(g, c, k, pull, w, root, here) / inertia
         dg = k - here.follower_drag * (g * abs(g))
         q, z = through_trains(g, dg, rate, torque, w, scene)
         missed = _misses(flow, q, z)
-        if missed < least:
-            best, least = flow, missed
+        # beyond the limit two may have the right signs, one of them without a force on this side
+        pressed = side * contact(g, k, pull, w, root, here) > 0.0
+        if missed < least or (missed == least and pressed and not held):
+            best, least, held = flow, missed, pressed
     return best
 
 

@@ -81,9 +81,11 @@ def simulate(
     Motion
         Its `status` says whether it ran to its end. It is STALL if the drive cannot overcome load
         and losses, and SPENT if the spring is spent and nothing moves; `end_time` is then the time
-        of the stop. After the spring is spent the driver counts as at rest at a pin entry if its
-        speed is below a thousandth of sqrt(torque/I_f); with viscous drag both bodies do, once
-        their kinetic energy is that of a driver with this speed.
+        of the stop. Where nothing drives the mechanism, since the spring is spent or the torque
+        does not exceed that of the driver's bearing, bodies that hardly move count as at rest: at
+        a pin entry once their kinetic energy is at most that of a driver with a thousandth of the
+        speed sqrt(torque/I_f), with viscous drag anywhere. It is NOT_CONVERGED if the steps that
+        an engine takes at most are used up; the message then says how far it got.
 
     Raises
     ------
@@ -115,7 +117,7 @@ def simulate(
     run = _engine(engine, escapement.contact, "simulate")
     motion: Motion = run(escapement, engagements=engagements, duration=duration, **settings)
     note = uniqueness_note(escapement) if motion.status is not Status.PAINLEVE else ""
-    motion.message = _joined(motion.message, note, escapement.idle)
+    motion.message = _joined(motion.message, note, escapement.assumed, escapement.idle)
     return motion
 
 
@@ -185,13 +187,12 @@ def terminal(
     solver = choose_solver(solver, engine, rtol, atol, method, max_step)
     engine, settings = _settings(escapement, solver, initial_speed)
     found = _terminal(escapement, engine, settings)
-    return (
-        replace(found, message=_joined(found.message, idle)) if (idle := escapement.idle) else found
-    )
+    notes = escapement.assumed, escapement.idle
+    return replace(found, message=_joined(found.message, *notes)) if any(notes) else found
 
 
 def _terminal(escapement: Escapement, engine: str, settings: dict[str, Any]) -> Figures:
-    """As `terminal`, without the note on settings that have no effect."""
+    """As `terminal`, without notes on settings that have no effect or are not given."""
     if why := _impossible(escapement, settings["initial_speed"]):
         return Figures(status=Status.INVALID, message=why)
     base = limits(escapement)
@@ -206,6 +207,8 @@ def _terminal(escapement: Escapement, engine: str, settings: dict[str, Any]) -> 
     contact = escapement.contact
     if contact != "compliant" and (message := painleve_message(escapement)):
         return replace(base, status=Status.PAINLEVE, message=message)
+    if why := _undriven(escapement):
+        return replace(base, status=Status.STALL, message=why)
     struck = any(meeting.kind == "strike" for meeting in escapement.meetings)
     if not (contact or struck) and is_lossless(escapement.scene) and _ends_alike(escapement):
         # every engagement gains the same energy, so that one tells whether all stop, or none
@@ -224,6 +227,18 @@ def _terminal(escapement: Escapement, engine: str, settings: dict[str, Any]) -> 
     if limit := uniqueness_note(escapement):
         figures = replace(figures, message=_joined(figures.message, limit))
     return figures
+
+
+def _undriven(escapement: Escapement) -> str:
+    """Why a constant torque drives nothing, or ""."""
+    scene, held = escapement.scene, escapement.driver_bearing_torque
+    if scene.barrel_efficiency > scene.bearing:
+        return ""
+    reaches = scene.barrel_efficiency * escapement.torque_unit
+    return (
+        f"nothing drives the mechanism: the torque that reaches the driver, {reaches:g} N m, does "
+        f"not exceed that of its bearing, {held:g} N m"
+    )
 
 
 def limits(escapement: Escapement) -> Figures:

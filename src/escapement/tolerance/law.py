@@ -41,7 +41,9 @@ def numbers_of(escapement: Escapement) -> dict[str, float]:
     found = {}
     for entry in (*quantities(Inertia).values(), *quantities(Escapement).values()):
         bare = entry.unit != "length" or length
-        if entry.fits(meshed) and bare and entry.name not in left_out:
+        # damping that is not given follows from other numbers
+        given = owners[entry.key] is not None
+        if entry.fits(meshed) and bare and given and entry.name not in left_out:
             found[entry.name] = float(owners[entry.key])
     found = {"torque": _full_torque(escapement), **found, **numbers_of_trains(escapement)}
     if length and not meshed:

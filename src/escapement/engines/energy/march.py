@@ -12,7 +12,7 @@ and `_advance`. `_pass_over`, `_check` and `_note_inside` may find that it must 
 
 import numpy as np
 
-from escapement.drive import REST, has_knot, is_spent
+from escapement.drive import REST, has_knot, is_held, is_undriven
 from escapement.dynamics import drive_sign, is_drag_free, is_viscous, side_at
 from escapement.engines.energy import locate, panels, sampling
 from escapement.engines.energy.events import (
@@ -86,10 +86,13 @@ def march(scene, cells, store, count, request, w, rising, events, used):
         scene = flowing(first.left, 1.0, w, own)
         panels.fill_again(store, panels.FIRST_PANEL, scene, cells)
     state = _enter(scene, first, w, rising, used)
-    # a driver at rest that is not accelerated stays at rest; after the spring is spent one that
+    # a driver at rest that is not accelerated stays at rest; where nothing drives it one that
     # hardly turns would come to rest after any time
-    at_rest = w == 0.0 or (w <= REST and is_spent(first.left, scene))
-    if at_rest and sampling.net_torque_at(first.entry, state.side, 0.0, scene) <= 0.0:
+    still = w == 0.0 and (
+        is_held(first.left, scene)
+        or sampling.net_torque_at(first.entry, state.side, 0.0, scene) <= 0.0
+    )
+    if still or (w <= REST and is_undriven(first.left, scene)):
         return _found(STALL, state, first.left, 0.0, count)
     if lossy:
         # outside the march, E belongs to the scene whose trains lose nothing
@@ -187,7 +190,7 @@ def _pass_over(scene, work, panel, starting, state, request):
         way = -w / slope_of_w(scene, panel, side, w)
         if 0.0 < way <= 4.0 * panel.half:
             return _stops(panel, way, w, 0.0, time, energy)
-    if is_viscous(scene) and not energy > scene.rho * REST and is_spent(panel.left, scene):
+    if is_viscous(scene) and not energy > scene.rho * REST and is_undriven(panel.left, scene):
         # see `dynamics.rest_speed`
         excess = state.energy - scene.rho * REST
         if excess <= 0.0:
@@ -245,7 +248,9 @@ def _stops(panel, way, w, after, time, energy):
     With constant deceleration w changes linearly to its value `after`, and the time is the way
     over the mean speed.
     """
-    time += 2.0 * way / (np.sqrt(w) + np.sqrt(after))
+    # a driver at rest that rounding alone moves stops where it starts
+    if way > 0.0:
+        time += 2.0 * way / (np.sqrt(w) + np.sqrt(after))
     return Passage(
         False, True, panel.left + way, energy, w, 1.0, time, NOWHERE, np.int64(0), 1.0
     )  # fmt: skip

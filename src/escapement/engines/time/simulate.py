@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from escapement.drive import REST, is_spent, next_knot
+from escapement.drive import REST, is_spent, is_undriven, next_knot
 from escapement.dynamics import LOSSES, left_by_blow
 from escapement.engines.time.free import FreeTurn, is_free, stand_still, turn_free
 from escapement.engines.time.law import Law, least_share
@@ -133,6 +133,11 @@ class _Simulation:
             self.spans = self.cells[place]
             self.drive = self.law = self.laws[place]
             self.theta, self.side = float(self.law.scene.edges[0]), 0.0
+            if not self.drive.is_steady:
+                self.drive = self.drive.after(self.escapement.turned_before(self.engagement))
+            if self.speed**2 <= REST and is_undriven(self.theta, self.drive.scene):
+                self._stop(self.drive.side(self.theta, self.speed))
+                return
             for span in self.spans if self.drive.is_steady else self._between_knots():
                 self._pass(span)
             if self.over:
@@ -147,9 +152,7 @@ class _Simulation:
 
     def _between_knots(self) -> Iterator[Span]:
         """The spans of this cell, cut at knots of the torque; each comes with its own law."""
-        self.drive = self.drive.after(self.escapement.turned_before(self.engagement))
         start, scene = self.theta, self.drive.scene
-        self.stalled = bool(self.speed**2 <= REST and is_spent(start, scene))
         for span in self.spans:
             while start < span.end:
                 end = next_knot(start, span.end, scene)
@@ -167,13 +170,17 @@ class _Simulation:
             at_rest = self.speed <= self.law.rest(self.theta, sign)
             if at_rest and self.law.acceleration(self.theta, 0.0, sign) <= 0.0:
                 # stall: the drive does not carry the load
-                self.stalled = True
-                if not self.pieces:
-                    self._add(sign, 0.0 * self.law.losses, stand_still(self.law, self.theta))
+                self._stop(sign)
             elif self._solve_piece(sign, span) is Ending.REVERSED:
                 self._note_reversal()
                 sign = -sign
         self.side = sign
+
+    def _stop(self, sign: float) -> None:
+        """End the motion here, where the driver stands still."""
+        self.stalled = True
+        if not self.pieces:
+            self._add(sign, 0.0 * self.law.losses, stand_still(self.law, self.theta))
 
     def _solve_piece(self, sign: float, span: Span) -> Ending:
         """Advance by one smooth piece."""

@@ -6,9 +6,10 @@ depth d = s D - play. The wall pushes the pin with the force
     N = k d + b d'  or, after Hunt and Crossley,  N = k d^1.5 (1 + chi d')
 
 and never pulls it: the contact ends where N would fall below zero. Friction is
-F = mu N v/sqrt(v^2 + eps^2), which is smooth where the sliding reverses. In the same way load,
-bearings and journals fade if a body is slower than the slip speed eps, so that they hold it at
-rest. There is contact where d > 0 and N > 0; the law is smooth during contact, and without it.
+F = mu N v/sqrt(v^2 + eps^2), which is smooth where the sliding reverses. Load, bearings and
+journals fade as well if a body is slower than the slip speed eps, so that they hold it at rest;
+above it they act in full, so that a drive that they equal drives nothing. There is contact where
+d > 0 and N > 0; the law is smooth during contact, and without it.
 
 Source: Hunt and Crossley (1975), Journal of Applied Mechanics 42, 440-445; chi from a restitution
 e and the speed d'_0 of the touch, 8 (1 - e)/(5 e d'_0), after Flores, Machado, Silva and Martins
@@ -49,7 +50,10 @@ class Engagement(NamedTuple):
 @inner_jit
 def fading(speed, least):
     """Smooth sign of a speed, which fades to 0 if the speed is below `least`."""
-    return speed / np.sqrt(speed * speed + least * least)
+    x = speed / least
+    if abs(x) >= 1.0:
+        return np.sign(x)
+    return x * (15.0 - x * x * (10.0 - 3.0 * x * x)) / 8.0
 
 
 @inner_jit
@@ -104,7 +108,7 @@ def rates(y, mode, case, out):
         side = float(mode)
         depth, rate, arm = side * at.across - joint.play, side * at.speed, side * pin
         force, sliding = push(depth, rate, case), slide(at, side, scene)
-        bent = mu * fading(sliding, eps)
+        bent = mu * sliding / np.sqrt(sliding * sliding + eps * eps)
         friction = bent * force
         if scene.driver_journal + scene.follower_journal > 0.0:
             # the numbers of the journals are those of a pin that slides with full friction

@@ -7,7 +7,7 @@ corners of the law thus lie between steps, and the method keeps its order.
 
 import numpy as np
 
-from escapement.drive import cell_of
+from escapement.drive import REST, cell_after, cell_of, is_held, is_undriven
 from escapement.engines.contact.compliant.law import (
     STATE,
     WALLS,
@@ -31,18 +31,21 @@ from escapement.jit import inner_jit, jit
 
 CLOCK = np.dtype([
     ("time", "f8"), ("step", "f8"), ("mode", "i8"), ("engagement", "i8"), ("touch", "f8"),
-    ("moved", "f8"), ("steps", "i8"),
+    ("moved", "f8"), ("tries", "i8"),
 ])  # fmt: skip
 """What the next step needs in addition to the state. `moved` is the last time at which the
-mechanism was faster than the slip speed."""
+mechanism was faster than the slip speed, `tries` the number of steps that were tried, those that
+locate an event included."""
 TIME, CELL, MODE, TOUCH, FIRST, SERIES = 0, 1, 2, 3, 4, 4 + STATE
 ROW = SERIES + 2 * STAGES
 """A row holds the time, engagement, mode, speed of the last touch and state at the end of a step,
 and the coefficients of the polynomial in time for the accelerations in that step."""
 RUNNING, ARRIVED, STANDS, TOO_LONG = 0, 1, 2, 3
-"""Why a march ends: the rows are full, the goal is reached, nothing moves, or the number of steps
+"""Why a march ends: the rows are full, the goal is reached, nothing moves, or the number of tries
 is used up."""
 
+MOST_EACH = 1000
+"""Steps that a motion may try for each engagement, in addition to a limit."""
 _ROUNDING = 4e-16
 _TOUCHED = 1e-12
 _LONGEST_FLIGHT, _LONGEST = 0.02, 0.1
@@ -55,6 +58,8 @@ _MOST_IDLE = 20
 _PATIENCE = 30.0
 """A mechanism that is slower than ten slip speeds for this long [sqrt(I_f/torque)] counts as at
 rest."""
+_INSTANT = 1e-9
+"""How long a motion stands that is at rest from its start."""
 
 
 @inner_jit
@@ -66,7 +71,19 @@ def _left(work, mode, case, goal):
 
 
 @inner_jit
-def _locate(y, h, mode, case, rtol, work, goal):
+def _rests(y, mode, case):
+    """Whether both bodies count as at rest at a pin entry: see `escapement.simulate`."""
+    at, scene = place(y, mode, case.scene), case.scene
+    energy = scene.rho * at.driver * at.driver + at.follower * at.follower
+    energy += 2.0 * stored(y, mode, case)
+    scene = cell_after(case.turned, scene)
+    if energy == 0.0:
+        return is_held(y[0], scene)
+    return energy <= scene.rho * REST and is_undriven(y[0], scene)
+
+
+@inner_jit
+def _locate(y, h, mode, clock, case, rtol, work, goal):
     """Length of the step that ends at an event within it, by false position (Illinois).
 
     It is 0 if a step of the search fails.
@@ -83,6 +100,7 @@ def _locate(y, h, mode, case, rtol, work, goal):
         # if no double lies between both ends, the step ends at the first one past the event
         done = high - low <= 1e-15 * h or not low < length < high
         length = high if done else length
+        clock.tries += 1
         if attempt(y, length, mode, case, rtol, work) == np.inf:
             return 0.0
         value = _left(work, mode, case, goal)
@@ -198,7 +216,7 @@ def _advance(y, clock, case, rtol, end, events, work):
     mode = clock.mode
     h = min(clock.step, end - clock.time, _longest(y, mode, work, case.scene))
     error = attempt(y, h, mode, case, rtol, work)
-    clock.steps += 1
+    clock.tries += 1
     factor = min(max(0.9 * error ** (-1.0 / 6.0), 0.2), 6.0) if error > 0.0 else 6.0
     if not error <= 1.0:
         clock.step = h * factor
@@ -213,11 +231,11 @@ def _advance(y, clock, case, rtol, end, events, work):
             return 0.0, False, False
         passed = room(work.end, work.stages[STAGES], mode, case)[0] <= 0.0
         if passed:
-            h = _locate(y, h, mode, case, rtol, work, np.nan)
+            h = _locate(y, h, mode, clock, case, rtol, work, np.nan)
     goal = _goal(clock, case.scene)
     arrived = h > 0.0 and work.end[0] >= goal
     if arrived:
-        h = _locate(y, h, mode, case, rtol, work, goal)
+        h = _locate(y, h, mode, clock, case, rtol, work, goal)
     if h == 0.0:
         clock.step = 0.5 * full
     return h, passed, arrived
@@ -232,6 +250,7 @@ def march(y, clocks, scene, joint, step, rtol, engagements, end, limit, rows):
     y : the state, shape (STATE,). It is replaced by the last one, and so is `clocks`, of one
         `CLOCK`.
     step : angle by which the follower turns from pin to pin [rad].
+    limit : number of tries after which to give up, in addition to MOST_EACH for each engagement.
     rows : shape (n, ROW), filled with the states at the ends of steps. Where the law or the pin
         changes, there are two rows with the same time.
 
@@ -241,7 +260,7 @@ def march(y, clocks, scene, joint, step, rtol, engagements, end, limit, rows):
         Number of rows that were written, and why the march ends.
     """
     clock, work, bare = clocks[0], workspace(), np.zeros((STAGES, 2))
-    n, idle, fresh = 0, 0, True
+    n, idle, fresh, enters = 0, 0, True, clock.time == 0.0
     case = Engagement(scene, joint, 0.0, 0.0)
     while True:
         if fresh:
@@ -255,9 +274,13 @@ def march(y, clocks, scene, joint, step, rtol, engagements, end, limit, rows):
             prepare(y, clock.mode, case, work)
             _write(rows, n, clock, y, bare)
             work.span[0], n, fresh = 0.0, n + 1, False
+            if enters and not there and _rests(y, clock.mode, case):
+                clock.time += _INSTANT
+                _write(rows, n, clock, y, bare)
+                return n + 1, STANDS
         if clock.engagement >= engagements or clock.time >= end:
             return n, ARRIVED
-        if clock.steps >= limit:
+        if clock.tries >= limit + MOST_EACH * clock.engagement:
             return n, TOO_LONG
         if clock.time - clock.moved > _PATIENCE:
             return n, STANDS
@@ -279,6 +302,7 @@ def march(y, clocks, scene, joint, step, rtol, engagements, end, limit, rows):
             _arrive(y, clock, case, step)
         elif passed:
             _switch(y, clock, case)
+        enters = arrived and clock.mode != LOCKED
         if arrived or passed:
             fresh = True
             clock.step = _FIRST / frequency(y, clock.mode, case)

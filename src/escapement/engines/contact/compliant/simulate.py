@@ -20,18 +20,15 @@ from escapement.status import MESSAGES, Status
 
 LONGEST = 2000
 """Greatest number of engagements in one motion: each takes up to a megabyte."""
-MOST_STEPS = 1_000_000
-"""Greatest number of steps in one motion; they take some seconds."""
+MOST_TRIES = 1_000_000
+"""Steps that a motion may try, in addition to `march.MOST_EACH` for each of its engagements. They
+take about four seconds; a usual engagement takes one to some hundreds."""
 SOFTEST = 1e3
 """Least stiffness [torque/r^2]."""
 SLIP = 1e-4
 """Slip speed if none is given, in crank radii over sqrt(I_f/torque)."""
 _BLOCK = 32_768
 """Rows of one call, which takes some hundredths of a second."""
-_STIFF = (
-    f"the contact needs more than {MOST_STEPS} steps: give a lower stiffness or damping, "
-    "a higher slip_speed or a larger rtol"
-)
 
 
 def joint_of(escapement: Escapement) -> Joint:
@@ -50,8 +47,8 @@ def joint_of(escapement: Escapement) -> Joint:
         )
     if joint.hertz and joint.damping == 0.0 and joint.restitution == 0.0:
         raise InvalidValue(
-            "damping must be greater than 0 with contact_law='hunt-crossley' and no restitution, "
-            "got 0.0; give one of the two"
+            "restitution must be greater than 0 with contact_law='hunt-crossley' and no damping, "
+            "got 0; give for example restitution=0.3"
         )
     return joint if joint.slip > 0.0 else joint._replace(slip=SLIP)
 
@@ -60,6 +57,7 @@ class March:
     """A motion in natural units that is continued engagement by engagement.
 
     state, clock : as `march.march` changes them.
+    before : engagements passed and time spent before the clock was set back.
     """
 
     def __init__(self, escapement: Escapement, speed: float, rtol: float) -> None:
@@ -70,7 +68,7 @@ class March:
         # the follower rests with the pin in the middle of its slot
         self.state[:3] = scene.edges[0], turned, speed * escapement.time_unit
         self.clock = np.zeros(1, marching.CLOCK)
-        self.clock["step"] = 1.0
+        self.clock["step"], self.before = 1.0, np.zeros(2)
 
     def go(self, engagements: int, end: float = math.inf) -> tuple[FloatArray, int]:
         """Rows up to a number of engagements or a time, and why the march ended."""
@@ -79,10 +77,16 @@ class March:
         while why == marching.RUNNING:
             count, why = marching.march(
                 self.state, self.clock, own.scene, self.joint, own.mechanism.follower_step,
-                self.rtol, engagements, end, MOST_STEPS, buffer,
+                self.rtol, engagements, end, MOST_TRIES, buffer,
             )  # fmt: skip
             blocks.append(buffer[:count].copy())
         return np.concatenate(blocks), why
+
+    def set_back(self) -> None:
+        """Count time, engagements, work and losses from here on."""
+        self.before += float(self.clock["engagement"][0]), float(self.clock["time"][0])
+        self.state[4:], self.clock["time"], self.clock["moved"] = 0.0, 0.0, 0.0
+        self.clock["engagement"] = 0
 
     def motion(self, rows: FloatArray, why: int, asked: float) -> Motion:
         """The motion that consists of these rows; `asked` is the tolerance."""
@@ -96,7 +100,7 @@ class March:
 
     def _outcome(self, why: int) -> tuple[Status, str]:
         if why == marching.TOO_LONG:
-            return Status.NOT_CONVERGED, _STIFF
+            return Status.NOT_CONVERGED, self._given_up()
         if why != marching.STANDS:
             return Status.OK, MESSAGES[Status.OK]
         scene, engagement = self.escapement.scene, int(self.clock["engagement"][0])
@@ -104,6 +108,18 @@ class March:
         spent = is_spent(self.state[0], scene._replace(turned=turned))
         status = Status.SPENT if spent else Status.STALL
         return status, stall_message(self.state[0], engagement, status)
+
+    def _given_up(self) -> str:
+        """How far a motion got whose steps are used up, and a remedy that is known to help."""
+        own, clock = self.escapement, self.clock[0]
+        passed, time = self.before[0] + clock["engagement"], self.before[1] + clock["time"]
+        place = f"{math.degrees(self.state[0]):.3f} degrees from dead centre of engagement "
+        place += f"{int(passed) + 1}, after {time * own.time_unit:.6g} s"
+        least = own.critical_damping
+        weak = own.damping is not None and own.damping < least and not self.joint.hertz
+        remedy = f"; leave out damping, and critical damping, {least:.6g} N s/m, is taken"
+        told = f"the motion was followed {place}, where {clock['tries']} steps were used up"
+        return told + (remedy if weak else "")
 
 
 def simulate(

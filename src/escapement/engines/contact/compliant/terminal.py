@@ -16,7 +16,7 @@ import numpy as np
 from escapement.blows import jams
 from escapement.dynamics import is_lossless
 from escapement.engines.contact.compliant.law import STATE
-from escapement.engines.contact.compliant.simulate import MOST_STEPS, March, simulate
+from escapement.engines.contact.compliant.simulate import MOST_TRIES, March, simulate
 from escapement.merits import TRANSIENT
 from escapement.metrics import (
     Figures,
@@ -59,8 +59,7 @@ class _Cycle:
     def engage(self) -> _Passed:
         """Pass one engagement."""
         march = self.march
-        march.state[4:], march.clock["time"], march.clock["moved"] = 0.0, 0.0, 0.0
-        march.clock["engagement"] = 0
+        march.set_back()
         motion = march.motion(*march.go(1), self.asked)
         if motion.status is not Status.OK:
             return _Passed(motion, {})
@@ -100,7 +99,7 @@ def terminal(
         speeds.append(numbers["handoff_velocity"])
         if count % 4 == 3 and (ahead := _limit(speeds[-3:])) > 0.0:
             cycle.hurry(ahead / speeds[-1])
-        if cycle.march.clock["steps"][0] > 0.4 * MOST_STEPS:
+        if cycle.march.clock["tries"][0] > 0.4 * MOST_TRIES:
             break
     return _spread(cycle, base)
 

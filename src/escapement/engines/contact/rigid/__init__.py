@@ -29,6 +29,7 @@ Files, in the order in which they are best read:
 
     walls         the two walls as scenes, and the angles between which they are smooth
     panel         contact with a wall over a panel of driver angles
+    free          accelerations of bodies that do not touch
     flight        motion without contact, and the first wall that the pin reaches
     blow          the impulse between pin and wall
     engagement    contact, flights and blows from entry to the end of the cell

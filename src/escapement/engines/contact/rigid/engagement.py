@@ -4,26 +4,24 @@ from typing import NamedTuple
 
 import numpy as np
 
-from escapement.drive import is_spent
+from escapement.drive import REST, is_spent, is_undriven
+from escapement.dynamics import is_viscous
 from escapement.engines.contact.rigid.blow import strike
-from escapement.engines.contact.rigid.flight import (
-    ahead,
-    arrival,
-    driver_rate,
-    launch,
-    place_at,
-)
+from escapement.engines.contact.rigid.flight import ahead, arrival, launch, state_after
+from escapement.engines.contact.rigid.free import is_calm
 from escapement.engines.contact.rigid.panel import (
     GOES_ON,
     JAMS,
     LIFTS,
     NET,
     PLACES,
+    RESTS,
     SMALLEST,
     STOPS,
     flow_behind,
     law_at,
     next_panel,
+    slowed,
     solve_panel,
     width_after,
 )
@@ -33,14 +31,19 @@ from escapement.jit import inner_jit
 from escapement.mechanisms.slotted import pose_at
 from escapement.power_flow import UNKNOWN
 
-DONE, OVER, STALL, SPENT, JAM, BACKS_OUT, RESTLESS, LIFTED, TURNED, STRUCK, TOUCHES = range(11)
+DONE, OVER, STALL, SPENT, JAM, BACKS_OUT, UNDRIVEN, RESTLESS, TOO_LONG, RUNNING = range(10)
 """How an engagement ends: at the handoff; after the time asked for; because the drive stalls or the
-spring is spent; at the Painleve limit; because the driver turns back out of the slot; or because
-it has more than `MOST_PIECES`. A piece also ends at a lift-off, where a driver that turns back
-comes to rest, and at a blow; while it touches a wall it does not end."""
+spring is spent; at the Painleve limit; because the driver turns back out of the slot, with a drive
+that would turn it forwards again or with none; or because it has more than `MOST_PIECES`, or
+`MOST_STEPS`. A march that goes on is running."""
+LIFTED, TURNED, STRUCK, TOUCHES = range(10, 14)
+"""How a piece ends besides: at a lift-off, where a driver that turns back comes to rest, and at a
+blow; while it touches a wall it does not end."""
 FLIGHT, WALL, LOCKED, BLOW, EXTREMUM, LIFT, SLIDE = range(7)
 """Kinds of rows: pieces of the motion, and events."""
 MOST_PIECES = 20_000
+MOST_STEPS = 100_000
+"""Panels of contact and parts of flights in an engagement; they take some tenths of a second."""
 MOST_TURNS = 1000
 """Turns of power in a train that are followed while the pin touches a wall."""
 MOST_EXTREMA = 4
@@ -75,11 +78,23 @@ class Body(NamedTuple):
 
 
 class Notes(NamedTuple):
-    """Record of pieces and events: rows, how many are used, and whether any are wanted."""
+    """Record of pieces and events, and of the effort.
+
+    rows : the record. used : number of rows in use, and of steps taken. wanted : whether any rows
+    are wanted. limit : number of steps after which the engagement is given up.
+    """
 
     rows: np.ndarray
     used: np.ndarray
     wanted: bool
+    limit: int
+
+
+@inner_jit
+def _tired(notes):
+    """Count a step; returns whether the engagement has taken too many."""
+    notes.used[1] += 1
+    return notes.used[1] > notes.limit
 
 
 @inner_jit
@@ -172,12 +187,16 @@ def touch(work, notes, case, body, end_time, tail, count):
         w, theta = 2.0 * rate * SMALLEST, theta + SMALLEST
         body = _on_wall(case, body, theta, np.sqrt(w), body.time + np.sqrt(w) / rate)
     flow, turns = UNKNOWN, 0
+    if is_calm(case.plus, theta, body.speed, body.turning):
+        return body, _stopped(theta, case.plus)
     while True:
         scene = wall_scene(case, side, theta, way, w, flow)
         limit = next_break(case, side, theta, way, scene)
         found = next_panel(work, scene, side, theta, w, width, limit, tail, True, count)
         if found.code == JAMS:
             return body, np.int64(JAM)
+        if is_viscous(scene) and is_undriven(theta, case.plus):
+            found = slowed(work, scene, side, found, w, count)
         if found.code == STOPS:
             rate = abs(law_at(scene, side, theta, w)[1])
             time = body.time + np.sqrt(w) / rate
@@ -191,11 +210,13 @@ def touch(work, notes, case, body, end_time, tail, count):
         flow = flow_behind(found, scene.flow, ends)
         theta, w, width = limit if ends else theta + found.width, found.w, width_after(found, tail)
         body = Body(theta, way * np.sqrt(w), *body[2:4], body.time + found.time, side, trend)
-        code = np.int64(OVER) if body.time > end_time else _how(found, scene, theta, way)
+        code = np.int64(OVER) if body.time > end_time else _how(found, case, theta, way)
         if notes.wanted or code != TOUCHES:
             body = _on_wall(case, body, theta, body.speed, body.time)
         if code != TOUCHES:
             return body, code
+        if _tired(notes):
+            return body, np.int64(TOO_LONG)
         turns += 1 if found.code != GOES_ON else 0
         if turns > MOST_TURNS:
             return body, np.int64(RESTLESS)
@@ -204,13 +225,24 @@ def touch(work, notes, case, body, end_time, tail, count):
 
 
 @inner_jit
-def _how(found, scene, theta, way):
+def _how(found, case, theta, way):
     """How a piece in contact ends behind a panel, if it does."""
+    edges = case.plus.edges
     if found.code == LIFTS:
         return np.int64(LIFTED)
-    if way > 0.0 and not theta < scene.edges[-1]:
+    if found.code == RESTS:
+        return _stopped(theta, case.plus)
+    if way > 0.0 and not theta < edges[-1]:
         return np.int64(DONE)
-    return np.int64(BACKS_OUT) if way < 0.0 and not theta > scene.edges[0] else np.int64(TOUCHES)
+    return (
+        _thrown_out(theta, case.plus) if way < 0.0 and not theta > edges[0] else np.int64(TOUCHES)
+    )
+
+
+@inner_jit
+def _thrown_out(theta, scene):
+    """Why a motion ends whose driver turns back out of the slot."""
+    return np.int64(UNDRIVEN) if is_undriven(theta, scene) else np.int64(BACKS_OUT)
 
 
 @inner_jit
@@ -231,37 +263,29 @@ def fly(work, notes, case, body, end, locked, end_time, count):
     """Follow a flight to a wall or to the driver angle `end`; returns the body there, and why."""
     scene = case.plus
     while True:
+        # the pin of a driver that turns back leaves the slot where it has entered it
+        if body.speed < 0.0 and body.theta <= scene.edges[0] + 1e-12:
+            return body, _thrown_out(body.theta, scene)
         flight = launch(work, scene, body.theta, body.speed, body.phi, body.turning, end)
         if notes.wanted:
             body = _turned(notes, body, np.sign(flight.rate))
-        lowest = body.theta
-        if body.speed < 0.0 and flight.rate > 0.0:
-            lowest -= 0.5 * body.speed * body.speed / flight.rate
-        if lowest < scene.edges[0] - 1e-12:
-            return body, np.int64(BACKS_OUT)
-        if not flight.length < np.inf:
+        if not flight.length < np.inf or is_calm(scene, body.theta, body.speed, body.turning):
             return body, _stopped(body.theta, scene)
         time, struck = flight.length, 0.0
         if not locked:
             time, struck = arrival(work, case, flight, body.wall)
-        theta, speed, phi, turning = place_at(work, flight, time)
-        passed, stands = body.time + time, struck == 0.0 and speed <= 1e-15
+        theta, speed, phi, turning = state_after(work, flight, time)
         if struck == 0.0 and abs(theta - end) < 1e-12:
             theta = end
-        if struck == 0.0 and time >= flight.rest:
-            turning = 0.0
-        stays = stands and not driver_rate(scene, theta, 0.0, 1.0) > 0.0
-        if stands and abs(speed) <= 1e-12:
-            speed = 0.0
-        body = Body(theta, speed, phi, turning, passed, struck, body.trend)
+        body = Body(theta, speed, phi, turning, body.time + time, struck, body.trend)
         if struck != 0.0:
             return body, np.int64(STRUCK)
         if theta == end:
             return body, np.int64(DONE)
         if body.time > end_time:
             return body, np.int64(OVER)
-        if stays:
-            return body, _stopped(theta, scene)
+        if _tired(notes):
+            return body, np.int64(TOO_LONG)
 
 
 @inner_jit
@@ -289,6 +313,16 @@ def _knocked(notes, case, body):
 
 
 @inner_jit
+def rests(scene, body):
+    """Whether both bodies count as at rest at a pin entry: see `escapement.simulate`.
+
+    Where nothing drives them, bodies that hardly move would come to rest after any time.
+    """
+    energy = scene.rho * body.speed * body.speed + body.turning * body.turning
+    return energy <= scene.rho * REST and is_undriven(body.theta, scene)
+
+
+@inner_jit
 def holds(case, body):
     """Whether the wall that the pin touches carries a force, and whether J_s is positive."""
     way = 1.0 if body.speed >= 0.0 else -1.0
@@ -301,6 +335,10 @@ def holds(case, body):
 def engage(work, notes, case, body, end_time, tail, count):
     """Follow an engagement from its entry, in flight; returns the body at its end, and why."""
     exit_, touching = case.plus.edges[-1], False
+    if rests(case.plus, body):
+        if notes.wanted:
+            note(notes, FLIGHT, body)
+        return body, _stopped(body.theta, case.plus)
     for _ in range(MOST_PIECES):
         if notes.wanted:
             note(notes, WALL if touching else FLIGHT, body)

@@ -1,21 +1,28 @@
 """Driver and follower without contact, and the first wall that the pin reaches.
 
-Without drag and with a constant torque both move with constant acceleration, the follower until
-its load has brought it to rest. Otherwise a flight is cut into parts so short that the Taylor
-series of both motions give speeds and angles to rounding; their coefficients follow one from
-the other.
+Without drag and with a constant torque both move with constant acceleration, until the load has
+brought the follower to rest, or the bearing the driver. Otherwise a flight is cut into parts so
+short that the Taylor series of both motions give speeds and angles to rounding; their coefficients
+follow one from the other. Friction never drives: a body at rest that the torque on it cannot move
+is held.
 """
 
 from typing import NamedTuple
 
 import numpy as np
 
-from escapement.drive import KNOT_GAP, is_constant, last_knot, next_knot, torque_at
-from escapement.dynamics import is_drag_free
+from escapement.drive import KNOT_GAP, REST, is_undriven, last_knot, next_knot, torque_at
+from escapement.dynamics import is_viscous
+from escapement.engines.contact.rigid.free import (
+    driver_rate,
+    driver_sense,
+    follower_rate,
+    is_even,
+)
 from escapement.engines.contact.rigid.panel import BEND, B, W, X
 from escapement.gauss import N
 from escapement.jit import inner_jit
-from escapement.power_flow import passed_on, shared
+from escapement.power_flow import shared
 from escapement.roots import newton_in_bracket
 
 STRIDE = 0.03
@@ -23,7 +30,12 @@ STRIDE = 0.03
 PRESSING = 1e-12
 """A pin that begins a flight at a wall strikes it at once if it moves towards it faster."""
 _LONGEST, _SHORTEST = 0.5, 1e-7
-"""Longest and shortest part of a flight with drag, in natural units."""
+"""Longest and shortest part of a flight with drag, in natural units; of a slow body the longest
+one is the time that it takes for so many radians, if that is more."""
+_FARTHEST = np.pi
+"""Greatest angle by which a follower turns before it meets the pin of a driver at rest [rad]."""
+_FASTER = 0.15
+"""A follower so many times faster than the driver, or more, decides how often gaps are checked."""
 _LAST_TERM = 1e-16
 """The last terms of a series over the speed, at the end of its part."""
 _TIE = 1e-12
@@ -36,8 +48,8 @@ class Flight(NamedTuple):
     """A flight, or a part of it.
 
     theta, speed, rate, phi, turning, slowing : angle, speed and acceleration of driver and
-        follower at its start. length : how long it lasts; inf where the driver never gets to its
-        end. rest : time at which the follower comes to rest, inf if it does not.
+        follower at its start. length : how long it lasts; inf where both bodies are at rest for
+        good. halt, rest : times at which driver and follower come to rest, inf if they do not.
     even : whether the accelerations are constant. If they are not, the workspace holds the series
         of a part, in which neither driver nor follower changes its sense.
     """
@@ -49,37 +61,9 @@ class Flight(NamedTuple):
     turning: float
     slowing: float
     length: float
+    halt: float
     rest: float
     even: bool
-
-
-@inner_jit
-def driver_rate(scene, theta, speed, way):
-    """theta_ddot of a driver without contact that turns in the sense `way`, +1 or -1."""
-    torque = torque_at(theta, scene)[0]
-    lost = scene.bearing + scene.driver_drag * speed * speed
-    # way times speed, not its magnitude: the law stays smooth if a trial passes a reversal
-    lost = way * (lost + scene.driver_viscous * way * speed)
-    if scene.barrel_efficiency == 1.0:
-        return (torque - lost) / scene.rho
-    own = scene.rho - scene.barrel
-    return passed_on(own, scene.barrel, torque, -lost, scene.barrel_efficiency, way)[0]
-
-
-@inner_jit
-def follower_rate(scene, turning, way):
-    """phi_ddot of a follower without contact that turns in the sense `way`, 0 at rest."""
-    air = scene.follower_drag * turning * turning + scene.follower_viscous * way * turning
-    if scene.load_train_efficiency == 1.0 or way == 0.0:
-        return -way * (scene.load + air)
-    own, efficiency = 1.0 - scene.load_train, scene.load_train_efficiency
-    return passed_on(own, scene.load_train, -way * scene.load, -way * air, efficiency, way)[0]
-
-
-@inner_jit
-def is_even(scene):
-    """Whether driver and follower have constant accelerations without contact."""
-    return is_constant(scene) and is_drag_free(scene)
 
 
 @inner_jit
@@ -87,31 +71,48 @@ def launch(work, scene, theta, speed, phi, turning, end):
     """The flight from a state to the driver angle `end`, or its first part."""
     if not is_even(scene):
         return _in_series(work, scene, theta, speed, phi, turning, end)
-    way, sense = np.sign(turning), 1.0 if speed >= 0.0 else -1.0
+    way, sense = np.sign(turning), driver_sense(scene, theta, speed)
     rate, slowing = driver_rate(scene, theta, speed, sense), follower_rate(scene, turning, way)
     rest = -turning / slowing if slowing != 0.0 else np.inf
-    length, square = np.inf, speed * speed + 2.0 * rate * (end - theta)
-    if speed < 0.0 and (scene.bearing > 0.0 or scene.barrel_efficiency != 1.0):
-        length = -speed / rate
-    elif square >= 0.0 and speed >= 0.0:
-        length = 2.0 * (end - theta) / (speed + np.sqrt(square))
-    elif square >= 0.0:
-        length = (np.sqrt(square) - speed) / rate
-    elif rate < 0.0:
-        length = -speed / rate
-    return Flight(theta, speed, rate, phi, turning, slowing, length, rest, True)
+    length, halt = _even_length(scene, theta, speed, rate, end)
+    if sense == 0.0 and turning != 0.0:
+        length = min(rest, _FARTHEST / abs(turning))
+    return Flight(theta, speed, rate, phi, turning, slowing, length, halt, rest, True)
+
+
+@inner_jit
+def _even_length(scene, theta, speed, rate, end):
+    """Time to the driver angle `end` at a constant acceleration, or to where a driver that turns
+    back leaves the slot or stops, and the time at which it comes to rest.
+    """
+    if speed < 0.0:
+        room = max(theta - scene.edges[0], 0.0)
+        left = speed * speed - 2.0 * rate * room
+        if left > 0.0:
+            return 2.0 * room / (np.sqrt(left) - speed), np.inf
+        if scene.bearing > 0.0 or scene.barrel_efficiency != 1.0:
+            return -speed / rate, -speed / rate
+        return (np.sqrt(speed * speed + 2.0 * rate * (end - theta)) - speed) / rate, np.inf
+    square = speed * speed + 2.0 * rate * (end - theta)
+    if square >= 0.0:
+        return 2.0 * (end - theta) / (speed + np.sqrt(square)), np.inf
+    return -speed / rate, -speed / rate
 
 
 @inner_jit
 def _in_series(work, scene, theta, speed, phi, turning, end):
     """The next part of a flight, in Taylor series about its start."""
-    way, sense = np.sign(turning), 1.0 if speed >= 0.0 else -1.0
+    way, sense = np.sign(turning), driver_sense(scene, theta, speed)
+    if sense == 0.0 and turning == 0.0:
+        return Flight(theta, 0.0, 0.0, phi, 0.0, 0.0, np.inf, np.inf, np.inf, True)
     # whether power flows backwards through a lossy train, and the factors e of both trains
-    backs = scene.barrel_efficiency != 1.0 and _through_barrel(scene, theta, speed, sense) < -_TIE
+    backs = scene.barrel_efficiency != 1.0 and sense != 0.0
+    backs = backs and _through_barrel(scene, theta, speed, sense) < -_TIE
     driven = scene.load_train_efficiency != 1.0 and _through_load(scene, turning, way) < -_TIE
     barrel = shared(scene.barrel_efficiency, -sense if backs else sense)
     train = shared(scene.load_train_efficiency, 1.0 if driven else -1.0)
-    driver = scene.rho + (barrel - 1.0) * scene.barrel
+    # a driver that is held does not yield to the torque
+    driver = scene.rho + (barrel - 1.0) * scene.barrel if sense != 0.0 else np.inf
     follower = 1.0 + (train - 1.0) * scene.load_train
     # at a knot, the torque that the driver is about to meet counts
     torque, slope = torque_at(theta + sense * KNOT_GAP, scene)
@@ -131,23 +132,30 @@ def _in_series(work, scene, theta, speed, phi, turning, end):
         angle[k + 1], place[k + 1] = pace[k] * share, turn[k] * share
         pace[k + 1], turn[k + 1] = push * share / driver, pull * share / follower
         push, pull = slope * angle[k + 1], 0.0
-    rate, slowing, length = pace[1], turn[1], _LONGEST
+    rate, slowing = pace[1], turn[1]
+    quick = max(abs(speed), abs(turning)) + np.sqrt(max(abs(rate), abs(slowing)))
+    length, halt = _LONGEST / min(quick, 1.0), np.inf
     for k in (N - 2, N - 1):
         share = max(abs(pace[k]), abs(turn[k])) / (_LAST_TERM * (1.0 + abs(speed)))
         if share * length**k > 1.0:
             length = max(share ** (-1.0 / k), _SHORTEST)
-    part = Flight(theta, speed, rate, phi, turning, slowing, length, np.inf, False)
-    # as long as the driver goes on in the same way, it passes an angle only once
-    length = _passing(work, scene, part, length, 0.0, 1)
-    end = next_knot(theta, end, scene) if sense > 0.0 else last_knot(theta, -np.inf, scene)
-    length = _passing(work, scene, part, length, end, 0)
+    part = Flight(theta, speed, rate, phi, turning, slowing, length, np.inf, np.inf, False)
+    if sense != 0.0:
+        # as long as the driver goes on in the same way, it passes an angle only once
+        length = halt = _passing(work, scene, part, length, 0.0, 1)
+        back = last_knot(theta, scene.edges[0], scene)
+        end = next_knot(theta, end, scene) if sense > 0.0 else back
+        length = _passing(work, scene, part, length, end, 0)
     if backs:
         length = _passing(work, scene, part, length, 0.0, 3)
     if driven:
         length = _passing(work, scene, part, length, 0.0, 4)
+    if is_viscous(scene) and is_undriven(theta, scene):
+        length = _passing(work, scene, part, length, 0.0, 5)
     rest = _passing(work, scene, part, length, 0.0, 2)
     rest = rest if rest < length else np.inf
-    return Flight(theta, speed, rate, phi, turning, slowing, min(length, rest), rest, False)
+    halt = halt if halt <= length and halt < part.length else np.inf
+    return Flight(theta, speed, rate, phi, turning, slowing, min(length, rest), halt, rest, False)
 
 
 @inner_jit
@@ -177,6 +185,10 @@ def _watched(scene, goal, which, sense, way, theta, speed, turning):
         lost = 2.0 * scene.driver_drag * speed + scene.driver_viscous * sense
         slope += scene.barrel * sense * lost * driver_rate(scene, theta, speed, sense)
         return _through_barrel(scene, theta, speed, sense), slope
+    if which == 5:
+        slope = scene.rho * speed * driver_rate(scene, theta, speed, sense)
+        slope += turning * follower_rate(scene, turning, way)
+        return scene.rho * (speed * speed - REST) + turning * turning, 2.0 * slope
     slowing = follower_rate(scene, turning, way)
     if which == 2:
         return turning, slowing
@@ -188,10 +200,10 @@ def _watched(scene, goal, which, sense, way, theta, speed, turning):
 def _passing(work, scene, part, length, goal, which):
     """Time within a part at which its driver angle (0) reaches a goal, one of the speeds (1 of the
     driver, 2 of the follower) or one of the torques through trains (3 of the barrel, 4 of the
-    load) changes its sign; `length` where it does not.
+    load) changes its sign, or both bodies count as at rest (5); `length` where they do not.
     """
     # the senses of a part, also beyond its end, where it is smooth
-    sense, way = 1.0 if part.speed >= 0.0 else -1.0, np.sign(part.turning)
+    sense, way = driver_sense(scene, part.theta, part.speed), np.sign(part.turning)
     inputs = scene, goal, which, sense, way
     at_start = _watched(*inputs, part.theta, part.speed, part.turning)[0]
     low, high, t = 0.0, length, length
@@ -221,6 +233,15 @@ def place_at(work, flight, t):
     speed, moved = flight.speed + flight.rate * t, min(t, flight.rest)
     phi = flight.phi + (flight.turning + 0.5 * flight.slowing * moved) * moved
     return theta, speed, phi, flight.turning + flight.slowing * moved if t < flight.rest else 0.0
+
+
+@inner_jit
+def state_after(work, flight, t):
+    """As `place_at`; a body that has come to rest by then is at rest to the last digit."""
+    theta, speed, phi, turning = place_at(work, flight, t)
+    return (
+        theta, 0.0 if t >= flight.halt else speed, phi, 0.0 if t >= flight.rest else turning,
+    )  # fmt: skip
 
 
 @inner_jit
@@ -266,7 +287,8 @@ def arrival(work, case, flight, wall):
     length, play = flight.length, case.play
     # D changes its slope over an angle whose cube is about the play
     stride = min(STRIDE, 0.5 * np.cbrt(play))
-    stride /= max(abs(flight.speed), np.sqrt(stride * abs(flight.rate)))
+    quick = max(abs(flight.speed), np.sqrt(stride * abs(flight.rate)))
+    stride /= max(quick, _FASTER * abs(flight.turning))
     place, pace = _ahead_after(case, work, flight, 0.0)
     if wall * pace > PRESSING:
         return 0.0, wall

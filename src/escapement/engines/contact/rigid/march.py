@@ -6,7 +6,9 @@ from escapement.drive import cell_after, cell_of, is_constant
 from escapement.dynamics import scene_of
 from escapement.engines.contact.rigid.engagement import (
     DONE,
+    MOST_STEPS,
     OVER,
+    RUNNING,
     Body,
     Notes,
     engage,
@@ -19,6 +21,8 @@ from escapement.jit import inner_jit, jit
 
 STATE = 5
 """Numbers of the state at a handoff: time, speed, phi, phi_dot and the wall, 0 for none."""
+AT_ONCE = 50_000
+"""Steps of one call, which take a tenth of a second; between calls Ctrl-C takes effect."""
 
 
 @inner_jit(allocates=True)
@@ -77,8 +81,10 @@ def _repeat(states, k, length, limit):
 
 
 @jit(allocates=True)
-def march(scene_tuple, joint, rtol, limit, states, numbers, rows, engagement, used):
+def march(scene_tuple, joint, rtol, limit, first, states, numbers, rows, engagement, used):
     """Follow engagements until `states` is full, a time is passed, or the motion ends.
+
+    It also returns, RUNNING, behind an engagement with which it has taken `AT_ONCE` steps.
 
     Parameters
     ----------
@@ -86,12 +92,14 @@ def march(scene_tuple, joint, rtol, limit, states, numbers, rows, engagement, us
     joint : centre distance, crank, play, restitution and follower angle of a cell.
     rtol : relative error asked for.
     limit : time after which to stop.
+    first : number of the engagement that begins with the first of the states.
     states : shape (n + 1, STATE). The first one is given; the others are filled with the states
         at handoffs.
     numbers : shape (k,), engagements of which the rows are wanted; then `states`, of shape
         (k, STATE), gives the state with which each begins. Empty if no rows are wanted.
     rows, engagement : filled with pieces and events, and the engagement of each. If `used[0]`,
         their number, exceeds the size, the rest is missing.
+    used : that number, and the number of steps taken, both 0 before.
 
     Returns
     -------
@@ -100,11 +108,12 @@ def march(scene_tuple, joint, rtol, limit, states, numbers, rows, engagement, us
     """
     scene = scene_of(scene_tuple)
     case, memory = case_of(scene, joint[:4], rtol), workspace()
-    notes = Notes(rows, used, numbers.size > 0)
     count, cell, lost, constant = np.int64(N), cell_of(scene), 0.0, is_constant(scene)
     code, end, trend, last = np.int64(DONE), states[0, 0], 0.0, np.int64(0)
-    for k in range(numbers.size if notes.wanted else len(states) - 1):
-        number = numbers[k] if notes.wanted else k
+    wanted = numbers.size > 0
+    for k in range(numbers.size if wanted else len(states) - 1):
+        notes = Notes(rows, used, wanted, used[1] + MOST_STEPS)
+        number = numbers[k] if wanted else first + k
         if not constant:
             case = after(case, number * cell)
         begin, begun, work = states[k, 0], used[0], memory[0]
@@ -112,7 +121,7 @@ def march(scene_tuple, joint, rtol, limit, states, numbers, rows, engagement, us
         trend = trend if number == last + 1 else 0.0
         body, code = pass_one(work, notes, case, states[k], joint[4], limit - begin, trend, count)
         trend, last = body.trend, number
-        if notes.wanted:
+        if wanted:
             for i in range(begun, min(used[0], rows.size)):
                 rows[i].time += begin
                 engagement[i] = number
@@ -131,4 +140,6 @@ def march(scene_tuple, joint, rtol, limit, states, numbers, rows, engagement, us
             done = _repeat(states, k + 1, body.time, limit)
             over = states[done, 0] >= limit
             return np.int64(OVER if over else DONE), done, 0.0, states[done, 0]
+        if used[1] > AT_ONCE and k + 2 < len(states):
+            return np.int64(RUNNING), k + 1, 0.0, end
     return code, len(states) - 1, 0.0, end

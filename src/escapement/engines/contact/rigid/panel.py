@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from escapement.drive import torque_at
+from escapement.drive import REST, torque_at
 from escapement.dynamics import (
     bend,
     contact,
@@ -46,9 +46,10 @@ accelerates the driver, SLOW is dt/dx and SLOPE the k of `dynamics`. X is s X; Q
 torques through lossy trains, positive while the power flows the same way."""
 # fields of a record do not overlap, so that loops over them become vector code
 WORKSPACE = np.dtype([(name, np.float64, N) for name in _ROWS])
-GOES_ON, LIFTS, TURNS_BARREL, TURNS_LOAD, STOPS, JAMS = range(6)
+GOES_ON, LIFTS, TURNS_BARREL, TURNS_LOAD, RESTS, STOPS, JAMS = range(7)
 """How a panel ends: while the contact lasts, at a lift-off, where power in the barrel's train
-or in that of the load turns back, where the driver stops, or where J_s is not positive."""
+or in that of the load turns back, where bodies that nothing drives count as at rest, where the
+driver stops, or where J_s is not positive."""
 SMALLEST = 1e-12
 """A panel of a smaller width [rad] is not halved."""
 _SAME = 1e-9
@@ -83,11 +84,15 @@ def law_at(scene, side, theta, w):
 
 @inner_jit
 def _kept_at(scene, side, theta, w, code):
-    """s X, or a torque through a train, which is positive up to a panel's end with this code."""
+    """s X, a torque through a train, or the energy above that of bodies at rest: what is positive
+    up to a panel's end with this code.
+    """
     force, rate, _sound = law_at(scene, side, theta, w)
     if code == LIFTS:
         return force
     g, _u, dg, _radius = pose_at(scene.path, theta)
+    if code == RESTS:
+        return (scene.rho + g * g) * w - scene.rho * REST
     pull = torque_at(theta, scene)[0] - scene.bearing
     q, z = within_flow(g, dragged_slope(g, dg, scene), rate, pull, w, scene)
     return q if code == TURNS_BARREL else z
@@ -221,6 +226,14 @@ def next_panel(work, scene, side, theta, w, width, limit, tail, lifts, count):
     if scene.flow != UNKNOWN and scene.load_train > 0.0 and scene.load_train_efficiency != 1.0:
         found = _ended(work, scene, side, found, w, work[Z], TURNS_LOAD, count)
     return found
+
+
+@inner_jit
+def slowed(work, scene, side, panel, w, count):
+    """The panel, or its part up to where viscous drag alone has slowed the bodies to rest."""
+    for i in range(N):
+        work[Q][i] = work[ENERGY][i] - scene.rho * REST
+    return _ended(work, scene, side, panel, w, work[Q], RESTS, count)
 
 
 @inner_jit

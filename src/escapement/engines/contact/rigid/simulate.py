@@ -4,14 +4,20 @@ import math
 
 import numpy as np
 
+from escapement.drive import is_spent
 from escapement.engines.contact.rigid.engagement import (
     BACKS_OUT,
     DONE,
     JAM,
+    MOST_PIECES,
+    MOST_STEPS,
     OVER,
     RESTLESS,
+    RUNNING,
     SPENT,
     STALL,
+    TOO_LONG,
+    UNDRIVEN,
 )
 from escapement.engines.contact.rigid.march import STATE, march
 from escapement.engines.contact.rigid.trajectory import (
@@ -27,28 +33,37 @@ from escapement.painleve import friction_limits
 from escapement.status import MESSAGES, Status
 from escapement.validate import fail
 
-_STATUS = {
-    STALL: Status.STALL,
-    SPENT: Status.SPENT,
-    JAM: Status.PAINLEVE,
-    BACKS_OUT: Status.NOT_CONVERGED,
-    RESTLESS: Status.NOT_CONVERGED,
-}
+MOST_OVERALL, MOST_EACH = 2_000_000, 1000
+"""Steps of a motion, and additional ones for each of its engagements. A usual engagement takes
+ten to fifty; a million take some seconds."""
+_STOPS = {STALL: Status.STALL, SPENT: Status.SPENT}
 _REASONS = {
     JAM: "the pin jams {}: rigid bodies have no motion there; give a stiffness",
     BACKS_OUT: "a blow drives the driver back out of the slot {}; give a smaller clearance",
-    RESTLESS: "the pin bounces without end {}; give a smaller restitution",
+    RESTLESS: f"the pin strikes more than {MOST_PIECES} times in one engagement, so far {{}}; give "
+    "a smaller restitution",
+    TOO_LONG: f"the motion was followed {{}}, where {MOST_STEPS} steps of one engagement, or those "
+    "of the whole motion, were used up",
 }
 
 
-def outcome(code: int, angle: float, engagement: int) -> tuple[Status, str]:
+def outcome(escapement: Escapement, code: int, angle: float, engagement: int) -> tuple[Status, str]:
     """Status and message of a motion that ends in an engagement, counted from 0."""
     if code in (DONE, OVER):
         return Status.OK, MESSAGES[Status.OK]
-    if code in (STALL, SPENT):
-        return _STATUS[code], stall_message(angle, engagement, _STATUS[code])
+    if code in _STOPS:
+        return _STOPS[code], stall_message(angle, engagement, _STOPS[code])
     place = f"{math.degrees(angle):.3f} degrees from dead centre of engagement {engagement + 1}"
-    return _STATUS[code], _REASONS[code].format(place)
+    if code == UNDRIVEN:
+        turned = engagement * escapement.mechanism.cell_angle
+        spent = is_spent(angle, escapement.scene._replace(turned=turned))
+        status = Status.SPENT if spent else Status.STALL
+        reason = (
+            "the spring is spent" if spent else "the drive does not exceed the bearing's torque"
+        )
+        return status, f"a blow turns the driver back out of the slot {place}, and {reason}"
+    status = Status.PAINLEVE if code == JAM else Status.NOT_CONVERGED
+    return status, _REASONS[code].format(place)
 
 
 def first_state(escapement: Escapement, initial_speed: float) -> FloatArray:
@@ -83,11 +98,17 @@ def march_from(
     angle and time.
     """
     scene, joint, _entry = prepared(escapement)
-    states = np.empty((count + 1, STATE))
+    states, done, steps = np.empty((count + 1, STATE)), 0, 0
     states[0] = start
-    inputs, used = (scene, joint, rtol, horizon, states), np.zeros(1, np.int64)
-    code, done, angle, end = march(*inputs, NO_NUMBERS, NO_ROWS, NO_NUMBERS, used)
-    return code, states[: done + 1], angle, end
+    while True:
+        used = np.zeros(2, np.int64)
+        inputs = scene, joint, rtol, horizon, done, states[done:]
+        code, more, angle, end = march(*inputs, NO_NUMBERS, NO_ROWS, NO_NUMBERS, used)
+        done, steps = done + more, steps + int(used[1])
+        if code == RUNNING and steps > MOST_OVERALL + MOST_EACH * done:
+            code, angle = TOO_LONG, float(escapement.scene.edges[0])
+        if code != RUNNING:
+            return code, states[: done + 1], angle, end
 
 
 def motion_from(
@@ -109,7 +130,7 @@ def motion_from(
             rule = f"at most {end * clock:.6g} s, in which {longest} engagements pass"
             raise fail("duration", rule, duration, "the figures of merit need no long motion")
         size = min(8 * size, longest)
-    status, message = outcome(code, angle, len(states) - 1)
+    status, message = outcome(escapement, code, angle, len(states) - 1)
     end_time, times = float(end * clock), states[1:, 0] * clock
     if duration is not None and (status is Status.OK or end_time >= duration):
         status, message, end_time = Status.OK, MESSAGES[Status.OK], duration

@@ -73,7 +73,7 @@ def _followed(escapement: Escapement, base: Figures, initial_speed: float, rtol:
     start = first_state(escapement, initial_speed)
     code, states, angle, _end = march_from(escapement, start, _MANY, rtol)
     if code != DONE:
-        status, message = outcome(code, angle, len(states) - 1)
+        status, message = outcome(escapement, code, angle, len(states) - 1)
         return replace(base, status=status, message=message)
     if _repeats(states, rtol):
         return _figures(escapement, base, states[-1], initial_speed, rtol)

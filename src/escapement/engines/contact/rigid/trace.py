@@ -14,12 +14,8 @@ from escapement.dynamics import (
 )
 from escapement.dynamics import contact as contact_of
 from escapement.engines.contact.rigid.engagement import LOCKED, WALL, follower_on
-from escapement.engines.contact.rigid.flight import (
-    driver_rate,
-    follower_rate,
-    launch,
-    place_at,
-)
+from escapement.engines.contact.rigid.flight import launch, place_at, state_after
+from escapement.engines.contact.rigid.free import driver_rate, driver_sense, follower_rate
 from escapement.engines.contact.rigid.march import after, workspace
 from escapement.engines.contact.rigid.panel import (
     SLOW,
@@ -97,7 +93,7 @@ def _touching_state(case, scene, side, theta, way, w, out, k):
 @inner_jit
 def _free_state(scene, theta, speed, phi, turning, out, k):
     """Fill column k of `out` with the state in a flight."""
-    sense, way = 1.0 if speed >= 0.0 else -1.0, np.sign(turning)
+    sense, way = driver_sense(scene, theta, speed), np.sign(turning)
     out[0, k], out[1, k], out[3, k], out[4, k] = theta, speed, phi, turning
     out[2, k] = driver_rate(scene, theta, speed, sense)
     out[5, k] = follower_rate(scene, turning, way)
@@ -123,7 +119,11 @@ def _along_wall(work, case, row, length, times, first, last, out, lost, spare, c
     if w == 0.0:
         way = 1.0
         rate = law_at(wall_scene(case, side, theta, way, w, UNKNOWN), side, theta, 0.0)[1]
-        w, theta, time = 2.0 * rate * SMALLEST, theta + SMALLEST, np.sqrt(2.0 * SMALLEST / rate)
+        if rate > 0.0:
+            w, theta, time = 2.0 * rate * SMALLEST, theta + SMALLEST, np.sqrt(2.0 * SMALLEST / rate)
+        else:
+            # at rest for good
+            time = length
     flow = UNKNOWN
     while length - time > 1e-14 * length:
         scene = wall_scene(case, side, theta, way, w, flow)
@@ -186,11 +186,9 @@ def _through_flight(work, case, row, length, times, first, last, out, lost, spar
             _free_state(scene, *place_at(work, flight, since), spare, 0)
             for j in range(LOST - 1):
                 lost[j] += 0.5 * part * WEIGHTS[i] * spare[8 + j, 0]
-        then, pace, place, turn = place_at(work, flight, part)
-        lost[LOST - 1] += scene.load * abs(place - phi)
-        theta, phi, time = then, place, time + part
-        speed = 0.0 if speed < 0.0 and abs(pace) <= 1e-12 else pace
-        turning = 0.0 if part >= flight.rest else turn
+        before, time = phi, time + part
+        theta, speed, phi, turning = state_after(work, flight, part)
+        lost[LOST - 1] += scene.load * abs(phi - before)
         if ends:
             break
 

@@ -100,11 +100,11 @@ class RigidTrajectory(Held):
         # whether a handoff is an extremum depends on the engagement before it
         numbers = np.unique(np.concatenate([np.maximum(wanted - 1, 0), wanted]))
         begun = self.begun[numbers]
-        used, size = np.zeros(1, np.int64), _ROOM * numbers.size
+        used, size = np.zeros(2, np.int64), _ROOM * numbers.size
         while True:
             rows, engagement = np.zeros(size, ROW), np.zeros(size, np.int64)
-            used[0] = 0
-            march(*self._inputs, np.inf, begun, numbers, rows, engagement, used)
+            used[:] = 0
+            march(*self._inputs, np.inf, 0, begun, numbers, rows, engagement, used)
             if used[0] <= size:
                 break
             size = int(used[0])

@@ -1,0 +1,58 @@
+"""Accelerations of driver and follower that do not touch each other.
+
+Friction never drives: a body at rest that the torque on it cannot move is held.
+"""
+
+import numpy as np
+
+from escapement.drive import REST, is_constant, is_undriven, torque_at
+from escapement.dynamics import is_drag_free, is_viscous
+from escapement.jit import inner_jit
+from escapement.power_flow import passed_on
+
+
+@inner_jit
+def driver_rate(scene, theta, speed, way):
+    """theta_ddot of a driver without contact that turns in the sense `way`, 0 if it is held."""
+    if way == 0.0:
+        return 0.0
+    torque = torque_at(theta, scene)[0]
+    lost = scene.bearing + scene.driver_drag * speed * speed
+    # way times speed, not its magnitude: the law stays smooth if a trial passes a reversal
+    lost = way * (lost + scene.driver_viscous * way * speed)
+    if scene.barrel_efficiency == 1.0:
+        return (torque - lost) / scene.rho
+    own = scene.rho - scene.barrel
+    return passed_on(own, scene.barrel, torque, -lost, scene.barrel_efficiency, way)[0]
+
+
+@inner_jit
+def follower_rate(scene, turning, way):
+    """phi_ddot of a follower without contact that turns in the sense `way`, 0 at rest."""
+    air = scene.follower_drag * turning * turning + scene.follower_viscous * way * turning
+    if scene.load_train_efficiency == 1.0 or way == 0.0:
+        return -way * (scene.load + air)
+    own, efficiency = 1.0 - scene.load_train, scene.load_train_efficiency
+    return passed_on(own, scene.load_train, -way * scene.load, -way * air, efficiency, way)[0]
+
+
+@inner_jit
+def driver_sense(scene, theta, speed):
+    """Sense in which a driver without contact turns, 0 at rest if its bearing holds it."""
+    if speed != 0.0:
+        return np.sign(speed)
+    return 1.0 if driver_rate(scene, theta, 0.0, 1.0) > 0.0 else 0.0
+
+
+@inner_jit
+def is_calm(scene, theta, speed, turning):
+    """Whether only viscous drag acts and both bodies count as at rest: `dynamics.rest_speed`."""
+    if not (is_viscous(scene) and is_undriven(theta, scene)):
+        return False
+    return scene.rho * speed * speed + turning * turning <= (1.0 + 1e-9) * scene.rho * REST
+
+
+@inner_jit
+def is_even(scene):
+    """Whether driver and follower have constant accelerations without contact."""
+    return is_constant(scene) and is_drag_free(scene)
