@@ -30,10 +30,11 @@ from escapement.lines import BrokenLine, Lines
 
 _ROLES = (*NAMES, "time")
 _MISSING = {  # an empty field, and what spreadsheets and loggers write for one
-    "", "na", "n/a", "n.a.", "#na", "#n/a", "#value!", "#ref!", "#div/0!", "null", "none", "-",
-    "--", "---", "?",
+    "", "na", "n/a", "n.a.", "#na", "#n/a", "#value!", "#ref!", "#div/0!", "#num!", "null", "none",
+    "-", "--", "---", "?",
 }  # fmt: skip
 _NUMBER = re.compile(r"[-+]?[\d.,]+(e[-+]?\d+)?|nan", re.IGNORECASE)
+_DATE = re.compile(r" *\d+-\d+-")
 _SEPARATORS = {"\t": "a tab", ";": "';'", ",": "','", " ": "blanks"}
 
 
@@ -257,8 +258,10 @@ def _find_layout(fields: list[str], names: list[str], header: bool, wanted: _Wan
     units: list[str | None] = []
     scales = []
     for role, place, known in zip(_ROLES, places, (*wanted.angles, TIMES), strict=True):
-        own = name_and_unit(names[place])[1] if header and place is not None else None
+        word, own = name_and_unit(names[place]) if header and place is not None else ("", None)
         timed = role == "time"
+        if not (timed or word) and own in TIMES:
+            own = None  # a heading may just be "second"
         chosen = (wanted.time_unit if timed else wanted.unit) or own
         usual = "s" if timed else wanted.default
         if (chosen or usual) not in known:
@@ -348,6 +351,6 @@ def _number(field: str, decimal_comma: bool) -> float:
 
 def _time(field: str, number: Callable[[str], float], clock: Clock) -> float:
     """A time as a number, or in s as a time of day or a date."""
-    if ":" in field or field.count("-") > 1:
+    if ":" in field or _DATE.match(field):
         return clock(field)
     return number(field)

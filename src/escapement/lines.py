@@ -2,11 +2,14 @@
 
 import codecs
 import os
+import re
 from collections.abc import Iterator
 from functools import cached_property, partial
 from os import PathLike
 
 _MARKS = {b"\xff\xfe": "utf-16", b"\xfe\xff": "utf-16"}
+# what spreadsheets write for a missing number begins no comment
+_NO_COMMENT = re.compile(r"#(n/?a|value!|ref!|div/0!|num!)(?!\w)", re.IGNORECASE)
 _HEAD, _BLOCK = 4096, 1 << 20
 
 
@@ -33,7 +36,8 @@ class Lines:
                 # a byte order mark stands at the beginning of each file that was appended
                 if self.text[0] == "\ufeff":
                     self.text = self.text[1:] or "\n"
-                if self.number <= self.skip or self.text.isspace() or self.text[0] == "#":
+                comment = self.text[0] == "#" and not _NO_COMMENT.match(self.text)
+                if self.number <= self.skip or self.text.isspace() or comment:
                     self.passed_over.append(self.number)
                     self.comments.append(self.text)
                 # `loadtxt` would take the lines after an open quote for one field

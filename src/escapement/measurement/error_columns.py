@@ -1,6 +1,7 @@
 """The columns of the search for errors: what each cause does to the errors at each sample."""
 
 from collections.abc import Iterator
+from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
@@ -84,23 +85,22 @@ class Columns(NamedTuple):
         """Normal equations over all samples, with edges also at every sample near some of them."""
         size = len(self.table(slice(0, 1)))
         edges = _edges(self.errors.size, int(min(_EDGES, _NUMBERS / size**2)), near)
-        ends = np.append(edges[1:], self.errors.size)
         if edges.size == self.errors.size:
             rows = (self.table(slice(None)) * self.scale).T
             each = rows[:, :, None] * rows[:, None, :]
         else:
-            each = np.array([self._between(*ab) for ab in zip(edges, ends, strict=True)])
+            each = np.zeros((edges.size, size, size))
+            for part in blocks(self.errors.size):
+                rows = self.table(part) * self.scale[part]
+                # the segments between edges that this block touches, and where they begin in it
+                first = int(np.searchsorted(edges, part.start, "right")) - 1
+                starts = np.maximum(edges[first:] - part.start, 0)
+                starts = starts[starts < rows.shape[1]].tolist()
+                for i, (low, high) in enumerate(pairwise([*starts, rows.shape[1]])):
+                    some = rows[:, low:high]
+                    each[first + i] += some @ some.T
         behind = np.cumsum(each[::-1], axis=0)[::-1]
         return NormalEquations(behind, edges, int(np.count_nonzero(self.scale)))
-
-    def _between(self, first: int, end: int) -> FloatArray:
-        """Sums of products over the samples from one edge to the next."""
-        found: FloatArray = np.zeros(())
-        for block in blocks(end - first):
-            part = slice(first + block.start, min(first + block.stop, end))
-            rows = self.table(part) * self.scale[part]
-            found = found + rows @ rows.T
-        return found
 
     def rest(self, coefficients: FloatArray, changes: list[Behind]) -> FloatArray:
         """What the fit leaves of the errors, shape (n,) [rad]."""

@@ -29,6 +29,7 @@ from escapement.mechanism import FloatArray, Mechanism
 _FITS = 5
 _FITS_OF_CHANGES = 9  # a slip of the input may be large, and takes more of them
 _CHANGES = 4  # so many changes are looked for
+_SAME_WEIGHT = 1e-2  # weights that differ by a smaller share change no test
 _SAME = 1e-9  # sums of squares that differ by a smaller share are equal
 CELLS = 2.0
 """So many cells tell errors of a shaft from others although it made less than a turn."""
@@ -191,7 +192,7 @@ class _Search:
 
     def moved(self) -> bool:
         """Go to the point that was found; whether there is any reason for another fit."""
-        same = np.array_equal(self.scale, self.next_scale)
+        same = np.allclose(self.scale, self.next_scale, rtol=_SAME_WEIGHT, atol=0.0)
         # a cause of half a cell and more leads the method astray
         far = float(np.abs(self.ahead).max()) > 0.5 * self.mechanism.cell_angle
         if far or (same and not self.certain.places):

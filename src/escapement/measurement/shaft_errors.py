@@ -19,7 +19,7 @@ SURE = 1e-3
 DOUBT = 1e-2
 """Below this probability a drive is not called good. Slots, pins, changes, readings far out and
 correlation are looked for, each with a probability for its whole search, and most of these are
-upper bounds: some two of a hundred good drives are doubted (benchmarks/planted_errors.py)."""
+upper bounds: two or three of a hundred good drives are doubted (benchmarks/planted_errors.py)."""
 IN_95 = 1.96  # standard errors to either side of the mean, for 95 % of a normal distribution
 _TELLING = 3.0  # the size of an error with fewer standard errors than this is called hidden
 _LEAST = 5e-324  # it stands for a p-value that is too small for a double

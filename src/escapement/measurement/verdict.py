@@ -15,7 +15,7 @@ import numpy as np
 from escapement.lazy import Lazy
 from escapement.measurement.causes import Cause, causes_of, encoders_explain
 from escapement.measurement.other_reading import other_reading
-from escapement.measurement.readings import wraps
+from escapement.measurement.readings import TURN, wraps
 from escapement.measurement.shaft_errors import SURE
 
 special = Lazy("scipy.special")
@@ -188,11 +188,16 @@ def _on_the_fit(result: Any) -> Iterator[str]:
     known = np.flatnonzero(np.isfinite(readings.input))
     steps = np.abs(np.diff(readings.counted_input[known]))
     far = int(np.argmax(steps))
+    line = readings.line[known[far + 1]]
     if wraps(readings.input[known]) and steps[far] > _CLOSE_TO_HALF_A_TURN:
-        line = readings.line[known[far + 1]]
         yield (
             f"the input moves by {math.degrees(steps[far]):.0f} degrees up to line {line}: its "
             "turns may be miscounted; take samples at smaller steps"
+        )
+    elif steps[far] > TURN:
+        yield (
+            f"the input jumps by {steps[far] / TURN:.3g} turns up to line {line}: its counter may "
+            "start again there; give angles that go on counting"
         )
 
 
