@@ -4,41 +4,38 @@ import csv
 import math
 import os
 import re
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from contextlib import suppress
 from functools import partial
 from itertools import chain
 from os import PathLike
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from escapement import validate
+from escapement.clock import EXAMPLES, Clock, past_midnight
 from escapement.errors import InputFileError, InvalidValue, MissingInput
+from escapement.headings import (
+    COUNTS,
+    NAMES,
+    TIME_NAMES,
+    TIMES,
+    UNITS,
+    is_row_of_units,
+    name_and_unit,
+)
+from escapement.lines import BrokenLine, Lines
 
-UNITS = {"deg": 2.0 * math.pi / 360.0, "rad": 1.0}
-"""Units of angles, in rad."""
-COUNTS = "counts"
-"""Unit of angles that are counts of an encoder; its resolution converts them."""
-_TIMES = {"s": 1.0, "ms": 1e-3, "us": 1e-6}
-NAMES = {
-    "input": ("input", "in", "driver", "theta", "phi1"),
-    "output": ("output", "out", "follower", "phi", "phi3"),
-}
-"""Headings that identify the columns of input and output."""
 _ROLES = (*NAMES, "time")
-_SPELLINGS = {
-    **dict.fromkeys(("deg", "degree", "degrees", "°"), "deg"),
-    **dict.fromkeys(("rad", "radian", "radians"), "rad"),
-    **dict.fromkeys(("count", "counts", "ticks"), COUNTS),
-    **{"s": "s", "ms": "ms", "us": "us", "µs": "us"},
-}
-# angles in these units are refused, for they would otherwise be taken as degrees
-_FOREIGN = re.compile(r"(?:[mµμu]rad|grad|gon|turn|rev|revolution|arcmin|arcsec)s?")
+_MISSING = {  # an empty field, and what spreadsheets and loggers write for one
+    "", "na", "n/a", "n.a.", "#na", "#n/a", "#value!", "#ref!", "#div/0!", "#num!", "null", "none",
+    "-", "--", "---", "?",
+}  # fmt: skip
 _NUMBER = re.compile(r"[-+]?[\d.,]+(e[-+]?\d+)?|nan", re.IGNORECASE)
+_DATE = re.compile(r" *\d+-\d+-")
 _SEPARATORS = {"\t": "a tab", ";": "';'", ",": "','", " ": "blanks"}
-_MISSING = {"", "na", "n/a", "null", "none"}
 
 
 class Columns(NamedTuple):
@@ -50,6 +47,7 @@ class Columns(NamedTuple):
     line : line of each row in the file, int, shape (n,).
     units : of both columns, from the caller or the headings; None where neither gives one,
         so that degrees were assumed.
+    time_unit : likewise of the times; "clock" where they are times of day or dates.
     comments : lines that begin with #.
     """
 
@@ -57,16 +55,34 @@ class Columns(NamedTuple):
     time: NDArray[np.float64] | None
     line: NDArray[np.int64]
     units: tuple[str | None, ...]
+    time_unit: str | None
     comments: list[str]
 
 
-# separator, whether there is a header, number of fields in a row, places of input, output and time
-# (None for a missing column), units of the angles, and the scales of all three
-_Layout = tuple[str, bool, int, tuple[int | None, ...], tuple[str | None, ...], tuple[float, ...]]
+class _Wanted(NamedTuple):
+    """What a caller wants of a file; see `read_columns`.
+
+    angles : size of each unit of the input, and of the output [rad].
+    """
+
+    names: tuple[str | None, ...]
+    unit: str | None
+    time_unit: str | None
+    by_order: bool
+    default: str
+    angles: tuple[dict[str, float], dict[str, float]]
 
 
-class _BrokenLine(Exception):
-    """The rule that a line breaks, and the remedy."""
+class _Layout(NamedTuple):
+    """How a file is laid out.
+
+    places : of input, output and time, None for a missing column.
+    units, scales : of the same.
+    """
+
+    places: tuple[int | None, ...]
+    units: tuple[str | None, ...]
+    scales: tuple[float, ...]
 
 
 def read_columns(
@@ -76,17 +92,19 @@ def read_columns(
     unit: str | None = None,
     by_order: bool = False,
     default: str = "deg",
-    resolution: int | None = None,
+    resolution: int | tuple[int, int] | None = None,
     skip: int = 0,
+    time_unit: str | None = None,
 ) -> Columns:
     """Read two columns of angles, and one of times where it is named, from a text file.
 
     Parameters
     ----------
     path : path
-        Text in UTF-8, with fields separated by tab, semicolon, comma or blanks; lines that begin
-        with # are comments. Where commas do not separate fields, they may be decimal points. The
-        first line holds names if none of its fields is a number.
+        Text in UTF-8, UTF-16 or code page 1252, with fields separated by tab, semicolon, comma or
+        blanks; lines that begin with # are comments. Where commas do not separate fields, they may
+        be decimal points. The first line holds names if none of its fields is a number, and the
+        line below it may hold units.
     what : str
         What the file is, for messages.
     names : (str, str, str), optional
@@ -94,15 +112,18 @@ def read_columns(
         Default: one of `NAMES`, in a file without a header the first and the second of two
         columns; no time. With a time, the output may be missing.
     unit : str, optional
-        "deg", "rad" or "counts". Default: the last word of a column's name, else degrees.
+        "deg", "rad", "turn" or "counts". Default: the last word of a column's name, else degrees.
     by_order : bool
         Whether the first of two columns with other names is the input.
     default : str
         Unit of a column for which neither `unit` nor its name gives one.
-    resolution : int, optional
-        Counts in a turn.
+    resolution : int or (int, int), optional
+        Counts in a turn, of both columns or of input and output.
     skip : int
         How many lines to ignore at the beginning of the file.
+    time_unit : str, optional
+        "s", "ms", "us", "ns", "min" or "h". Default: the last word of the column's name, else
+        seconds. Times of day and dates have no unit.
 
     Raises
     ------
@@ -113,25 +134,26 @@ def read_columns(
     InvalidValue
         If there is no column with a given name, or the unit is unknown.
     """
-    units = UNITS if resolution is None else UNITS | {COUNTS: 2.0 * math.pi / resolution}
+    pair = resolution if isinstance(resolution, tuple) else (resolution, resolution)
+    angles = [UNITS | ({} if n is None else {COUNTS: 2.0 * math.pi / n}) for n in pair]
     if unit is not None:
         validate.choice("angle_unit", unit, (*UNITS, COUNTS))
+    if time_unit is not None:
+        validate.choice("time_unit", time_unit, tuple(TIMES))
     if unit == COUNTS and resolution is None:
         raise InvalidValue(
             "angle_unit counts must come with a resolution, got none; give the number of counts in "
             "a turn"
         )
-    lines = _Lines(path, skip)
-    layout = partial(
-        _find_layout, names=names, unit=unit, by_order=by_order, default=default, angles=units
-    )
+    lines = Lines(path, skip)
+    layout = _Wanted(names, unit, time_unit, by_order, default, (angles[0], angles[1]))
     try:
         # reading as plain numbers takes half the time; a pipe cannot be read a second time
         if os.path.isfile(path):
-            with suppress(_BrokenLine):
+            with suppress(BrokenLine):
                 return _read(lines, layout, plain=True)
         return _read(lines, layout, plain=False)
-    except _BrokenLine as error:
+    except BrokenLine as error:
         (rule, remedy), text = error.args, lines.text.strip()
         shown = text if len(text) <= 60 else text[:57] + "..."
         where = f"{path}, line {lines.number}"
@@ -150,104 +172,115 @@ def read_columns(
         ) from None
 
 
-class _Lines:
-    """Lines of a file, the line that was read last, and the lines without a row."""
-
-    def __init__(self, path: str | PathLike[str], skip: int) -> None:
-        self.path, self.skip, self.number, self.text = path, skip, 0, ""
-
-    def __iter__(self) -> Iterator[str]:
-        """Lines that are neither skipped nor blank nor comments, from the first one on."""
-        self.passed_over, self.comments = [0], list[str]()
-        with open(self.path, encoding="utf-8-sig") as stream:
-            for self.number, self.text in enumerate(stream, 1):
-                if self.number <= self.skip or self.text.isspace() or self.text[0] == "#":
-                    self.passed_over.append(self.number)
-                    self.comments.append(self.text)
-                # `loadtxt` would take the lines after an open quote for one field
-                elif '"' in self.text and self.text.count('"') % 2:
-                    raise _BrokenLine("close its quotes", "correct it")
-                else:
-                    yield self.text
-
-
-def _read(lines: _Lines, find: Callable[[str], _Layout], plain: bool) -> Columns:
+def _read(lines: Lines, wanted: _Wanted, plain: bool) -> Columns:
     """The columns; `plain` allows only numbers. An error concerns the line that was read last."""
     rows = iter(lines)
-    separator, header, width, where, units, scales = find(next(rows))
-    places = sorted(place for place in where if place is not None)
+    separator, fields = _first_fields(next(rows))
+    header = not any(map(_NUMBER.fullmatch, fields))
+    names, head = fields, (lines.number, lines.text)
     if header:
         lines.passed_over.append(lines.number)
         next(rows)
-    number = partial(_number, decimal_comma=separator != ",")
+        below = _split(lines.text, separator)
+        if len(below) == len(fields) and is_row_of_units(below):
+            names = [f"{name} {unit}" for name, unit in zip(fields, below, strict=True)]
+            lines.passed_over.append(lines.number)
+            next(rows)
+    try:
+        layout = _find_layout(fields, names, header, wanted)
+    except BrokenLine:
+        lines.number, lines.text = head
+        raise
+    places = sorted(place for place in layout.places if place is not None)
+    number, clock = partial(_number, decimal_comma=separator != ","), Clock()
+    readers: dict[int | str, Callable[[str], Any]] = dict.fromkeys(places, number)
+    if layout.places[-1] is not None:
+        readers[layout.places[-1]] = partial(_time, number=number, clock=clock)
     # a type for each field makes `loadtxt` refuse rows with more or fewer of them
-    kinds = [(str(i), float if i in places else "U1") for i in range(width)]
+    kinds = [(str(i), float if i in places else "U1") for i in range(len(fields))]
     try:
         table = np.loadtxt(
             chain([lines.text], rows), np.dtype(kinds), comments=None, encoding=None, ndmin=1,
             delimiter=None if separator == " " else separator, quotechar='"',
-            converters=None if plain else dict.fromkeys(places, number),
+            converters=None if plain else readers,
         )  # fmt: skip
     except UnicodeDecodeError:
         raise
     except ValueError:
-        if len(_split(lines.text, separator)) != width:
-            rule = f"have {width} fields separated by {_SEPARATORS[separator]}"
-            raise _BrokenLine(rule, "give one row for each sample") from None
-        rule = f"have numbers in fields {' and '.join(str(i + 1) for i in places)}"
-        raise _BrokenLine(rule, "correct it, or leave the field empty") from None
+        raise _bad_row(lines.text, separator, len(fields), layout.places) from None
     line = np.delete(np.arange(lines.number + 1), lines.passed_over)
     first, second, time = (
         np.full(line.size, np.nan) if place is None else table[str(place)] * scale
-        for place, scale in zip(where, scales, strict=True)
+        for place, scale in zip(layout.places, layout.scales, strict=True)
     )
-    timed = None if where[-1] is None else time
-    return Columns((first, second), timed, line, units, lines.comments)
+    timed, time_unit = None if layout.places[-1] is None else time, layout.units[-1]
+    if clock.used:
+        timed, time_unit = past_midnight(table[str(layout.places[-1])]), "clock"
+    units = tuple(
+        unit
+        for unit, place in zip(layout.units[:-1], layout.places, strict=False)
+        if place is not None
+    )
+    return Columns((first, second), timed, line, units, time_unit, lines.comments)
 
 
-def _find_layout(
-    text: str,
-    names: tuple[str | None, ...],
-    unit: str | None,
-    by_order: bool,
-    default: str,
-    angles: dict[str, float],
-) -> _Layout:
-    """Layout of a file whose first row is `text`; see `read_columns`."""
+def _bad_row(text: str, separator: str, width: int, places: tuple[int | None, ...]) -> BrokenLine:
+    """The rule that a row breaks."""
+    if len(_split(text, separator)) != width:
+        remedy = "give one row for each sample"
+        if separator == " " and re.search(r"\d-\d\d?-\d+ +\d+:\d", text):
+            remedy = "write date and time as one word, or separate the columns by semicolons"
+        return BrokenLine(f"have {width} fields separated by {_SEPARATORS[separator]}", remedy)
+    known = sorted(place + 1 for place in places if place is not None)
+    remedy = "correct it, or leave the field empty"
+    if places[-1] is not None:
+        remedy += f"; times are numbers, {EXAMPLES}"
+    return BrokenLine(f"have numbers in fields {' and '.join(map(str, known))}", remedy)
+
+
+def _first_fields(text: str) -> tuple[str, list[str]]:
+    """The separator of a file whose first row is `text`, and the fields of this row."""
     separator = next((mark for mark in _SEPARATORS if mark in text.strip()), " ")
     # a unit in brackets belongs to the word before it
     fields = _split(re.sub(r" +(?=[(\[])", "", text) if separator == " " else text, separator)
     if len(fields) < 2:
         remedy = "separate input and output by a comma, a semicolon or a tab"
-        raise _BrokenLine("have two columns", remedy)
-    header = not any(map(_NUMBER.fullmatch, fields))
-    if not header and (len(fields) > 2 or any(names)):
+        raise BrokenLine("have two columns", remedy)
+    return separator, fields
+
+
+def _find_layout(fields: list[str], names: list[str], header: bool, wanted: _Wanted) -> _Layout:
+    """Layout of a file with these fields in its first row; `names` have their units too."""
+    if not header and (len(fields) > 2 or any(wanted.names)):
         remedy = "begin the file with a line of names, among them input and output"
-        raise _BrokenLine(f"name its {len(fields)} columns", remedy)
-    places = _named_places(fields, names, by_order) if header else (0, 1, None)
+        raise BrokenLine(f"name its {len(fields)} columns", remedy)
+    places = _named_places(fields, wanted.names, wanted.by_order) if header else (0, 1, None)
     units: list[str | None] = []
     scales = []
-    for role, place in zip(_ROLES, places, strict=True):
-        own = _name_and_unit(fields[place])[1] if header and place is not None else None
+    for role, place, known in zip(_ROLES, places, (*wanted.angles, TIMES), strict=True):
+        word, own = name_and_unit(names[place]) if header and place is not None else ("", None)
         timed = role == "time"
-        chosen, usual, known = (own, "s", _TIMES) if timed else (unit or own, default, angles)
+        if not (timed or word) and own in TIMES:
+            own = None  # a heading may just be "second"
+        chosen = (wanted.time_unit if timed else wanted.unit) or own
+        usual = "s" if timed else wanted.default
         if (chosen or usual) not in known:
             raise _wrong_unit(chosen, timed)
         scales.append(known[chosen or usual])
-        if place is not None and not timed:
-            units.append(chosen)
-    return separator, header, len(fields), places, tuple(units), tuple(scales)
+        units.append(chosen)
+    return _Layout(places, tuple(units), tuple(scales))
 
 
-def _wrong_unit(unit: str | None, timed: bool) -> _BrokenLine:
+def _wrong_unit(unit: str | None, timed: bool) -> BrokenLine:
     """The rule that the unit in a heading breaks."""
     if timed:
-        return _BrokenLine("have times in s, ms or us", "convert them")
+        remedy = "convert them, or give --time-unit, in Python time_unit"
+        return BrokenLine(f"have times in {', '.join(TIMES)}", remedy)
     if unit == COUNTS:
         remedy = "give --resolution N, in Python resolution=N"
-        return _BrokenLine("come with the number of counts in a turn", remedy)
+        return BrokenLine("come with the number of counts in a turn", remedy)
     remedy = "convert them, or give the unit that they are in"
-    return _BrokenLine("have angles in degrees or radians", remedy)
+    return BrokenLine("have angles in turns, degrees or radians", remedy)
 
 
 def _named_places(
@@ -272,14 +305,21 @@ def _named_places(
             f"input and output must be different columns, got {fields[first or 0]!r} for both; "
             "name another column for one of them"
         )
-    return first, second, None if time is None else _place(fields, "time", time, (time,))
+    return first, second, None if time is None else _time_place(fields, time)
+
+
+def _time_place(fields: list[str], name: str) -> int | None:
+    """Place of the column of times; one called time may have another usual name."""
+    usual = [field for field in fields if name_and_unit(field)[0] in TIME_NAMES]
+    other = name == TIME_NAMES[0] and len(usual) == 1
+    return _place(fields, "time", usual[0] if other else name, ())
 
 
 def _place(fields: list[str], role: str, name: str | None, usual: tuple[str, ...]) -> int | None:
     """Place of the column called `name`, or else of the only one with a usual name, or None."""
-    wanted = usual if name is None else (_name_and_unit(name)[0],)
+    wanted = usual if name is None else (name_and_unit(name)[0],)
     found = [i for i, field in enumerate(fields) if field == name]
-    found = found or [i for i, text in enumerate(fields) if _name_and_unit(text)[0] in wanted]
+    found = found or [i for i, text in enumerate(fields) if name_and_unit(text)[0] in wanted]
     if len(found) != 1 and name is not None:
         rule, remedy = f"one of {', '.join(fields)}", validate.nearest(name, tuple(fields))
         raise validate.fail(f"{role} column (--{role}-column)", rule, name, remedy)
@@ -288,10 +328,10 @@ def _place(fields: list[str], role: str, name: str | None, usual: tuple[str, ...
     return found[0] if found else None
 
 
-def _unnamed(role: str, usual: tuple[str, ...]) -> _BrokenLine:
+def _unnamed(role: str, usual: tuple[str, ...]) -> BrokenLine:
     """The rule that headings break if they do not identify the column of a role."""
     rule = f"have one column called {' or '.join(usual)}"
-    return _BrokenLine(rule, f"name the {role}'s column with --{role}-column NAME")
+    return BrokenLine(rule, f"name the {role}'s column with --{role}-column NAME")
 
 
 def _split(text: str, separator: str) -> list[str]:
@@ -309,8 +349,8 @@ def _number(field: str, decimal_comma: bool) -> float:
     return float(field.replace(",", ".") if decimal_comma else field)
 
 
-def _name_and_unit(field: str) -> tuple[str, str | None]:
-    """Name of a column in small letters, and its unit, which may be a foreign one."""
-    *words, last = re.findall(r"[^\W_]+|°", field.lower()) or [""]
-    unit = _SPELLINGS.get(last) or (last if _FOREIGN.fullmatch(last) else None)
-    return "".join(words if unit else [*words, last]), unit
+def _time(field: str, number: Callable[[str], float], clock: Clock) -> float:
+    """A time as a number, or in s as a time of day or a date."""
+    if ":" in field or _DATE.match(field):
+        return clock(field)
+    return number(field)

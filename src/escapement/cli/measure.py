@@ -5,6 +5,7 @@ from pathlib import Path
 from typing import Any
 
 import escapement as esc
+from escapement import headings, validate
 from escapement.cli import _arguments, _log, _output
 from escapement.cli._arguments import (
     Arguments,
@@ -17,6 +18,7 @@ from escapement.cli._arguments import (
 from escapement.errors import InvalidValue
 from escapement.lazy import Lazy
 from escapement.model import model_settings
+from escapement.quantity import Quantity
 from escapement.text import print_columns, print_values, words
 from escapement.units import SYSTEMS, printed
 
@@ -49,17 +51,17 @@ def configure(parser: Parser) -> None:
     columns.add_argument("--input-column", metavar="NAME", help=text)
     text = "of the output (default: output, out, follower, phi or phi3)"
     columns.add_argument("--output-column", metavar="NAME", help=text)
-    text = (
-        "of the times, which --fit needs; they are in s unless the name ends in ms or us "
-        "(default: time)"
-    )
+    text = "of the times, which --fit needs (default: time, t or timestamp)"
     columns.add_argument("--time-column", metavar="NAME", help=text)
-    unit = one_of("--angle-unit", ("deg", "rad", "counts"))
+    unit = one_of("--time-unit", tuple(headings.TIMES))
+    text = "unit of the times (default: as in the column's name, else s)"
+    columns.add_argument("--time-unit", type=unit, metavar="|".join(headings.TIMES), help=text)
+    unit = one_of("--angle-unit", (*headings.UNITS, headings.COUNTS))
     text = (
         "unit of both angles; counts need --resolution (default: as in the columns' names, else "
         "deg)"
     )
-    columns.add_argument("--angle-unit", type=unit, metavar="deg|rad|counts", help=text)
+    columns.add_argument("--angle-unit", type=unit, metavar="deg|rad|turn|counts", help=text)
     text, remedy = "how many lines to skip at the beginning of the file", "give how many lines"
     add_number(columns, "skip_rows", text, "N", minimum=0, whole=True, remedy=remedy)
     zeros = parser.add_argument_group("zeros of the encoders, which are fitted unless given")
@@ -76,9 +78,11 @@ def configure(parser: Parser) -> None:
     statistics.add_argument("--bins", type=_class_rule, default="sturges", metavar="K", help=text)
     text, remedy = "level of the intervals (default: 0.99)", "give a share, as 0.99"
     add_number(statistics, "confidence", text, "P", exclusive=True, remedy=remedy)
-    text = "counts of the encoders in a turn; with it the errors that they cause are printed"
-    rule = {"minimum": 2, "whole": True, "remedy": "give the counts in a turn, as 4096"}
-    add_number(statistics, "resolution", text, "N", **rule)
+    text = (
+        "counts of the encoders in a turn, or of input and output, as 6400,4096; with it the "
+        "errors that they cause are printed"
+    )
+    statistics.add_argument("--resolution", type=_resolution, metavar="N[,N]", help=text)
     text = "greatest deviation of the encoders as a share of a turn (default: 0)"
     add_number(statistics, "linearity", text, "SHARE", remedy="give a share, 0.003 for 0.3 %")
     motion = parser.add_argument_group("motion from rest at pin entry; it needs a column of times")
@@ -91,6 +95,20 @@ def configure(parser: Parser) -> None:
     output = parser.add_argument_group("output")
     _arguments.add_output(output, "FILE.csv", "write the error of every sample")
     _arguments.add_plot(output, "draw errors, histogram and periodogram")
+
+
+def _resolution(text: str) -> tuple[int, int]:
+    """Counts in a turn of input and output; one number is that of both."""
+    remedy = "give the counts in a turn, as 4096, or those of input and output, as 6400,4096"
+    rule = Quantity(name="resolution", long_name=remedy, minimum=2, whole=True, remedy=remedy)
+    words = text.split(",")
+    try:
+        if len(words) > 2:
+            raise validate.fail("--resolution", "one number or two", text, remedy)
+        counts = [int(rule.parse("--resolution", word)) for word in words]
+    except InvalidValue as error:
+        raise UsageError(str(error)) from None
+    return counts[0], counts[-1]
 
 
 def _class_rule(text: str) -> int | str:
@@ -114,7 +132,8 @@ def execute(args: Arguments) -> int:
             f"--{lacking} must come with --{given}, got only --{given}; give both or neither"
         )
     options = {
-        "encoder": args.resolution and esc.Encoder(args.resolution, args.linearity or 0.0),
+        "encoder": args.resolution
+        and tuple(esc.Encoder(count, args.linearity or 0.0) for count in args.resolution),
         "bins": args.bins,
         "confidence": args.confidence or 0.99,
         "zeros": None if None in zeros else tuple(map(math.radians, zeros)),
@@ -157,7 +176,7 @@ def _read_model(args: Arguments) -> "esc.Escapement | None":
         escapement: esc.Escapement = _arguments.read_escapement(args)
         return escapement
     given = {option(name): getattr(args, name) for name in model_settings()}
-    given["--time-column"] = args.time_column
+    given |= {"--time-column": args.time_column, "--time-unit": args.time_unit}
     for name, value in given.items():
         if value is not None:
             raise UsageError(
@@ -181,6 +200,7 @@ def _read(args: Arguments) -> "esc.Readings":
         angle_unit=args.angle_unit,
         resolution=args.resolution,
         skip_rows=args.skip_rows or 0,
+        time_unit=args.time_unit,
     )
 
 
@@ -195,7 +215,8 @@ def _joined(result: Any, fit: Any, units: str) -> dict[str, Any]:
         texts.append(fit.verdict.text)
         messages.append(fit.message)
         record["motion"] = _summarise_motion(fit, units)
-    good = all(one.verdict.good for one in (result, fit) if one is not None)
+    verdicts = [one.verdict.good for one in (result, fit) if one is not None]
+    good = False if False in verdicts else None if None in verdicts else True
     message = "; ".join(dict.fromkeys(filter(None, messages)))
     return {"verdict": " ".join(texts), "good": good} | record | {"message": message}
 
@@ -250,6 +271,8 @@ def summarise(result: Any) -> dict[str, Any]:
     power, sensor = float(spectrum.power[spectrum.peak]), result.sensor_share
     tests = result.chi_squared_test, result.published_test, result.anderson_darling_test
     play_keys = "shaft", "width_deg", "standard_error_deg", "p_value"
+    part_keys = "shaft", "number", "parts", "size_deg", "standard_error_deg", "p_value"
+    change_keys = "shaft", "line", "size_deg", "standard_error_deg", "p_value"
     shaft_keys = "shaft", "order", "amplitude_deg", "standard_error_deg", "p_value", "turns"
     return {
         "samples": errors.size,
@@ -272,7 +295,11 @@ def summarise(result: Any) -> dict[str, Any]:
             for key, test in zip(_TESTS, tests, strict=True)
         },
         "shaft_errors": [_attributes(error, *shaft_keys) for error in result.shaft_errors],
+        "slot_errors": [_attributes(part, *part_keys) for part in result.slot_errors],
         "backlash": [_attributes(play, *play_keys) for play in result.backlash],
+        "changes": [_attributes(change, *change_keys) for change in result.changes],
+        "glitches": [_attributes(one, "line", "size_deg", "p_value") for one in result.glitches],
+        "scatter_deg": math.degrees(result.scatter),
         "periodogram_peak": {
             "cycles_per_input_turn": float(spectrum.frequency[spectrum.peak]),
             "amplitude_deg": math.degrees(spectrum.amplitude[spectrum.peak]),
@@ -310,15 +337,23 @@ def _print_tables(record: dict[str, Any]) -> None:
     print("\nnormality")
     rows = [[name, *record[key].values()] for key, name in _TESTS.items()]
     print_columns([["test", "statistic", "degrees of freedom", "p"]], rows)
-    print("\nerrors that repeat, and backlash")
+    print("\nerrors that repeat, backlash and changes")
     rows = []
     for error in record["shaft_errors"]:
         shaft, often = error["shaft"], "once" if error["order"] == 1 else "twice"
         name = f"{often} a cell" if shaft == "cell" else f"{often} a turn, {shaft}"
         rows.append([name, error["amplitude_deg"], error["standard_error_deg"], error["p_value"]])
+    for part in record["slot_errors"]:
+        name = f"worst {'pin' if part['shaft'] == 'input' else 'slot'}, number {part['number']}"
+        rows.append([name, part["size_deg"], part["standard_error_deg"], part["p_value"]])
     for play in record["backlash"]:
         name = f"backlash, {play['shaft']}"
         rows.append([name, play["width_deg"], play["standard_error_deg"], play["p_value"]])
+    for change in record["changes"]:
+        name = f"change behind line {change['line']}, {change['shaft']}"
+        rows.append([name, change["size_deg"], change["standard_error_deg"], change["p_value"]])
+    for one in record["glitches"]:
+        rows.append([f"far out, line {one['line']}", one["size_deg"], None, one["p_value"]])
     peak = record["periodogram_peak"]
     name = f"periodogram's peak, {peak['cycles_per_input_turn']:.4g} a turn of the input"
     rows.append([name, peak["amplitude_deg"], None, peak["false_alarm_probability"]])

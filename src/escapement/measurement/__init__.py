@@ -6,6 +6,7 @@ from escapement.measurement.beat_spectrum import BeatSpectrum as BeatSpectrum
 from escapement.measurement.beat_spectrum import beat_spectrum as beat_spectrum
 from escapement.measurement.beats import BeatFit as BeatFit
 from escapement.measurement.beats import fit_beats as fit_beats
+from escapement.measurement.changes import Change as Change
 from escapement.measurement.comparison import Measurement as Measurement
 from escapement.measurement.comparison import measure as measure
 from escapement.measurement.comparison import write_errors as write_errors
@@ -17,6 +18,7 @@ from escapement.measurement.encoder import synthetic_readings as synthetic_readi
 from escapement.measurement.fit import Fit as Fit
 from escapement.measurement.fit import position as position
 from escapement.measurement.fit import slope as slope
+from escapement.measurement.glitches import Glitch as Glitch
 from escapement.measurement.motion_fit import MotionFit as MotionFit
 from escapement.measurement.motion_fit import fit_motion as fit_motion
 from escapement.measurement.normality import Histogram as Histogram
@@ -33,5 +35,6 @@ from escapement.measurement.readings import read_readings as read_readings
 from escapement.measurement.readings import write_readings as write_readings
 from escapement.measurement.rounds import Rounds as Rounds
 from escapement.measurement.shaft_errors import ShaftError as ShaftError
+from escapement.measurement.slot_errors import SlotError as SlotError
 from escapement.measurement.told import Combination as Combination
 from escapement.measurement.verdict import Verdict as Verdict

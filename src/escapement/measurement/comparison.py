@@ -13,8 +13,12 @@ from escapement.lazy import Lazy
 from escapement.measurement import encoder as sensors
 from escapement.measurement import normality, periodic
 from escapement.measurement.backlash import Backlash
-from escapement.measurement.encoder import Encoder, SensorShare
+from escapement.measurement.changes import Change
+from escapement.measurement.encoder import Encoders, SensorShare
+from escapement.measurement.error_columns import Key
+from escapement.measurement.finding import Found, find_errors
 from escapement.measurement.fit import Fit, fit_zeros
+from escapement.measurement.glitches import Glitch
 from escapement.measurement.readings import (
     TURN,
     Readings,
@@ -22,7 +26,8 @@ from escapement.measurement.readings import (
     read_readings,
     write_table,
 )
-from escapement.measurement.shaft_errors import Found, ShaftError, find_errors
+from escapement.measurement.shaft_errors import ShaftError
+from escapement.measurement.slot_errors import SlotError
 from escapement.measurement.verdict import Verdict, remarks_on, verdict_on
 from escapement.mechanism import FloatArray, Mechanism
 
@@ -48,7 +53,7 @@ class Measurement:
 
     mechanism: Mechanism
     readings: Readings
-    encoder: Encoder | None
+    encoder: Encoders | None
     confidence: float
     bins: int
     input: FloatArray = field(repr=False)
@@ -127,14 +132,53 @@ class Measurement:
         return self._found.backlash
 
     @property
+    def slot_errors(self) -> tuple[SlotError, ...]:
+        """The worst slot and the worst pin, where several were seen; see `SlotError`."""
+        return self._found.slot_errors
+
+    @property
+    def changes(self) -> tuple[Change, ...]:
+        """Changes for good, as of lost steps; see `Change`."""
+        return self._found.changes
+
+    @property
+    def glitches(self) -> tuple[Glitch, ...]:
+        """Single readings far out; see `Glitch`."""
+        return self._found.glitches
+
+    @property
+    def rounded(self) -> frozenset[Key]:
+        """Errors that noise cannot cause, but the rounding of the encoders can."""
+        return self._found.rounded
+
+    @property
+    def spread(self) -> float:
+        """Standard deviation of the errors without readings far out [rad]."""
+        return self._found.spread
+
+    @property
+    def scatter(self) -> float:
+        """Standard deviation of what all errors that were found leave [rad]."""
+        return self._found.scatter
+
+    @property
     def rest_autocorrelation(self) -> float:
-        """`autocorrelation` after all significant shaft errors and backlash are removed [-]."""
+        """`autocorrelation` of what all errors that were found leave [-]."""
         return self._found.correlation
 
     @cached_property
+    def steps(self) -> tuple[float, float]:
+        """Steps of the encoders of input and output, 0 if they are unknown [rad]."""
+        return sensors.steps_of(self.encoder, self.input, self.output)
+
+    @cached_property
     def _found(self) -> Found:
-        driver = self.input + self.fit.phase
-        return find_errors(self.mechanism, driver, self.fit.sense, self.errors)
+        driver, line = self.input + self.fit.phase, self.readings.line
+        assert line is not None, "readings number their samples"
+        return find_errors(
+            self.mechanism, driver, self.fit.sense, self.errors,
+            line[self.readings.complete], self.steps,
+        )  # fmt: skip
 
     @cached_property
     def periodogram(self) -> periodic.Periodogram:
@@ -163,7 +207,7 @@ def measure(
     *,
     bins: int | str = "sturges",
     confidence: float = 0.99,
-    encoder: Encoder | None = None,
+    encoder: Encoders | None = None,
     zeros: tuple[float, float] | None = None,
 ) -> Measurement:
     """Compare readings of encoders with a mechanism's position function.
@@ -180,8 +224,9 @@ def measure(
         "freedman-diaconis" or "square-root".
     confidence : float
         Share of the errors, or level of the mean's interval, for both intervals, in (0, 1) [-].
-    encoder : Encoder, optional
-        Data of the encoders, which are equal; with it the result has `sensor_share`.
+    encoder : Encoder or (Encoder, Encoder), optional
+        Data of both encoders, or of those of input and output; with it the result has
+        `sensor_share`.
     zeros : (float, float), optional
         Phase and offset if they are known [rad]: driver angle from dead centre
         at which the input reads zero, and reading of the output at follower angle

@@ -16,11 +16,12 @@ _HARMONICS = range(2, 6)  # an error that repeats once a turn is left to the ecc
 _SAME = 1e-7  # angles as close as this are equal, but differ by the rounding of a file [rad]
 _FEWEST_GAPS = 10  # fewer gaps between readings can be multiples of the smallest by chance
 _OFF_GRID = 0.05  # greatest deviation from a grid, in steps
+_SEVERAL = 3  # gaps of an input as different as this are not those of stops
 
 
 @dataclass(frozen=True)
 class Encoder:
-    """An absolute angle sensor; both shafts have one of this type.
+    """An absolute angle sensor.
 
     Parameters
     ----------
@@ -54,6 +55,15 @@ class Encoder:
         return TURN * self.linearity
 
 
+Encoders = Encoder | tuple[Encoder, Encoder]
+"""One type for both shafts, or the encoders of input and output."""
+
+
+def pair_of(encoder: Encoders) -> tuple[Encoder, Encoder]:
+    """The encoders of input and output."""
+    return (encoder, encoder) if isinstance(encoder, Encoder) else encoder
+
+
 class SensorShare(NamedTuple):
     """Errors of the position function that the encoders alone can cause [rad].
 
@@ -75,30 +85,53 @@ class SensorShare(NamedTuple):
     bound: float
 
 
-def sensor_share(encoder: Encoder, slope: FloatArray) -> SensorShare:
+def sensor_share(encoder: Encoders, slope: FloatArray) -> SensorShare:
     """Contribution of the encoders at samples with the transmission `slope` [-].
 
     It is of first order in the input's error: terms of second order, which remain where g = 0,
     are left out.
     """
-    limits = 0.5 * encoder.quantum, encoder.greatest_deviation
+    of_input, of_output = map(_limits, pair_of(encoder))
     through = math.sqrt(float(np.mean(slope * slope)))
-    one, other = (limit / math.sqrt(3.0) for limit in limits)
-    parts = one, one * through, other, other * through
+    rounding, bend = (limit / math.sqrt(3.0) for limit in of_output)
+    before, bend_before = (through * limit / math.sqrt(3.0) for limit in of_input)
+    parts = rounding, before, bend, bend_before
     steepest = float(np.abs(slope).max())
-    return SensorShare(*parts, math.hypot(*parts), (1.0 + steepest) * sum(limits))
+    return SensorShare(*parts, math.hypot(*parts), sum(of_output) + steepest * sum(of_input))
 
 
-def sensor_uncertainty(encoder: Encoder, slope: FloatArray) -> FloatArray:
+def _limits(encoder: Encoder) -> tuple[float, float]:
+    """Greatest errors of rounding and of linearity [rad]."""
+    return 0.5 * encoder.quantum, encoder.greatest_deviation
+
+
+def sensor_uncertainty(encoder: Encoders, slope: FloatArray) -> FloatArray:
     """Standard uncertainty of the error at each sample, from both encoders [rad]."""
-    one = math.hypot(0.5 * encoder.quantum, encoder.greatest_deviation) / math.sqrt(3.0)
-    return one * np.hypot(1.0, slope)
+    of_input, of_output = (math.hypot(*_limits(one)) / math.sqrt(3.0) for one in pair_of(encoder))
+    return np.hypot(of_output, of_input * slope)
 
 
-def step_of(angle: FloatArray) -> float:
+def steps_of(
+    encoder: Encoders | None, angle: FloatArray, output: FloatArray
+) -> tuple[float, float]:
+    """Steps of the encoders of input and output, 0 where they are unknown [rad]."""
+    if encoder is not None:
+        of_input, of_output = pair_of(encoder)
+        return of_input.quantum, of_output.quantum
+    # an input may have stopped at even steps, which then are no counts
+    own, step = step_of(angle, _SEVERAL), step_of(output)
+    if not own and step:
+        counts = (angle - angle[0]) / step
+        # an encoder like that of the output shows multiples of its step
+        own = step if np.abs(counts - np.round(counts)).max() < _OFF_GRID else 0.0
+    return own, step
+
+
+def step_of(angle: FloatArray, several: int = 1) -> float:
     """Step of the encoder that showed these angles, 0 if they do not show it [rad].
 
-    Only an output that turns unevenly shows it, since an input may have stopped at even steps.
+    Only a shaft that turns unevenly shows it; its gaps must be multiples of the step, the greatest
+    at least of `several` steps.
     """
     gaps = np.diff(np.unique(np.mod(angle, TURN)))
     gaps = gaps[gaps > _SAME]
@@ -106,15 +139,19 @@ def step_of(angle: FloatArray) -> float:
         return 0.0
     steps = gaps / gaps.min()
     counts = np.round(steps)
-    on_grid = np.abs(steps - counts).max() < _OFF_GRID
+    on_grid = np.abs(steps - counts).max() < _OFF_GRID and counts.max() >= several
     return float(gaps.sum() / counts.sum()) if on_grid else 0.0
 
 
 def check_drive(mechanism: Any, encoder: Any) -> None:
-    """Raise InvalidValue unless these are a mechanism, and an encoder or None."""
+    """Raise InvalidValue unless these are a mechanism, and one or two encoders or None."""
     checked(mechanism)
-    if encoder is not None and not isinstance(encoder, Encoder):
-        raise validate.fail("encoder", "an Encoder", encoder, "give Encoder(4096, 0.003)")
+    pair = isinstance(encoder, tuple) and len(encoder) == 2
+    if encoder is not None and not all(
+        isinstance(one, Encoder) for one in (encoder if pair else [encoder])
+    ):
+        remedy = "give Encoder(4096, 0.003), or a pair of them for input and output"
+        raise validate.fail("encoder", "an Encoder", encoder, remedy)
 
 
 def checked_zeros(zeros: Any) -> tuple[float, float]:
@@ -134,7 +171,7 @@ def synthetic_readings(
     seed: int,
     samples: int = 148,
     turns: float = 3.0,
-    encoder: Encoder | None = None,
+    encoder: Encoders | None = None,
     noise: float = 0.0,
     input_eccentricity: float = 0.0,
     output_eccentricity: float = 0.0,
@@ -158,10 +195,11 @@ def synthetic_readings(
         Number of samples, >= 20.
     turns : float
         Turns of the input; it turns backwards if they are negative.
-    encoder : Encoder, optional
-        Its linearity gives each shaft a smooth error with two to five periods a turn and the
-        greatest value that it allows; its resolution rounds the readings, which then start
-        again at zero each turn. Default: readings without errors of encoders.
+    encoder : Encoder or (Encoder, Encoder), optional
+        Of both shafts, or of input and output. Its linearity gives each shaft a smooth error with
+        two to five periods a turn and the greatest value that it allows; its resolution rounds
+        the readings, which then start again at zero each turn. Default: readings without errors
+        of encoders.
     noise : float
         Standard deviation of independent normal errors of the output [rad].
     input_eccentricity, output_eccentricity : float
@@ -209,12 +247,13 @@ def synthetic_readings(
         share = 1.0 - np.abs(1.0 - 2.0 * share)
     theta = start + travel * share
     phi = with_play(position(mechanism, with_play(theta, input_backlash)), backlash)
-    bend = 0.0 if encoder is None else encoder.greatest_deviation
-    angle = theta - start + _shaft(random, theta, input_eccentricity, bend)
-    read = sense * (phi + _shaft(random, phi, output_eccentricity, bend)) + zero
+    pair = None if encoder is None else pair_of(encoder)
+    bends = (0.0, 0.0) if pair is None else [one.greatest_deviation for one in pair]
+    angle = theta - start + _shaft(random, theta, input_eccentricity, bends[0])
+    read = sense * (phi + _shaft(random, phi, output_eccentricity, bends[1])) + zero
     read = read + noise * random.standard_normal(count)
-    if encoder is not None:
-        angle, read = _digital(angle, encoder), _digital(read, encoder)
+    if pair is not None:
+        angle, read = _digital(angle, pair[0]), _digital(read, pair[1])
     read[random.random(count) < missing] = np.nan
     return Readings(angle, read, synthetic=True)
 

@@ -9,9 +9,12 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from escapement import validate
-from escapement.columns import read_columns
+from escapement.columns import Columns, read_columns
 from escapement.errors import InputFileError, InvalidValue
 from escapement.files import write_file
+from escapement.headings import COUNTS
+from escapement.measurement.rollover import unrolled
+from escapement.measurement.stamps import checked_times
 from escapement.mechanism import FloatArray
 
 TURN = 2.0 * np.pi
@@ -41,7 +44,8 @@ class Readings:
     remark : str
         A warning that becomes part of the message of each result.
     time : array_like, shape (n,), optional
-        When each sample was taken, increasing [s]. With times, all outputs may be NaN.
+        When each sample was taken, increasing [s]; neighbours of a coarse clock may be equal,
+        and are then spread over its step. With times, all outputs may be NaN.
 
     Raises
     ------
@@ -71,7 +75,8 @@ class Readings:
         vars(self)["line"] = lines
         taken = self.complete
         if self.time is not None:
-            vars(self)["time"] = _times(self.time, lines, where)
+            vars(self)["time"], doubt = checked_times(self.time, lines, where)
+            vars(self)["remark"] = "; ".join(filter(None, (self.remark, doubt)))
             taken = np.isfinite(self.input)
         check_samples(int(np.count_nonzero(taken)), size)
         if np.ptp(self.input[taken]) == 0.0:
@@ -133,20 +138,6 @@ def _column(name: str, values: ArrayLike, lines: np.ndarray, where: str) -> Floa
     return angles
 
 
-def _times(values: ArrayLike, lines: np.ndarray, where: str) -> FloatArray:
-    times = validate.numbers("time", values, "give the time of each sample in s")
-    if times.shape != lines.shape:
-        rule = f"a row of {lines.size} times"
-        raise validate.fail("time", rule, values, "give the time of each sample in s")
-    late = np.flatnonzero(np.diff(times) <= 0.0)
-    if late.size:
-        raise InvalidValue(
-            f"time must increase, got {times[late[0] + 1]:g} s after {times[late[0]]:g} s in "
-            f"{where} {lines[late[0] + 1]}; sort the samples, or check the column of times"
-        )
-    return times
-
-
 def check_samples(count: int, size: int) -> None:
     """Raise InvalidValue if there are too few complete samples."""
     if count < LEAST_SAMPLES:
@@ -174,31 +165,37 @@ def read_readings(
     output: str | None = None,
     time: str | None = None,
     angle_unit: str | None = None,
-    resolution: int | None = None,
+    resolution: int | tuple[int, int] | None = None,
     skip_rows: int = 0,
+    time_unit: str | None = None,
 ) -> Readings:
     """Read the angles of two encoders from a CSV file.
 
     Parameters
     ----------
     path : path
-        Text in UTF-8, with columns separated by comma, semicolon, tab or blanks; lines that
-        begin with # are comments. If commas do not separate columns, they may be decimal
-        points. An empty field, NaN or NA is a missing reading.
+        Text in UTF-8, UTF-16 or code page 1252, with columns separated by comma, semicolon, tab
+        or blanks; lines that begin with # are comments. If commas do not separate columns, they
+        may be decimal points. An empty field, NaN, NA, #N/A or - is a missing reading. Below the
+        names there may be a line of units.
     input, output : str, optional
         Names of the columns in the header, with or without their unit. Default:
         those called input or driver, and output or follower; in a file without a header
         the first and the second of two columns.
     time : str, optional
-        Name of the column of times, in s unless its name ends in ms or us. Default:
-        times are not read. A file with times needs no output.
+        Name of the column of times; "time" stands for t or timestamp too. Default: times are
+        not read. A file with times needs no output.
     angle_unit : str, optional
-        "deg", "rad" or "counts". Default: the unit in a column's name, as in input_rad
+        "deg", "rad", "turn" or "counts". Default: the unit in a column's name, as in input_rad
         or "input (rad)", else degrees.
-    resolution : int, optional
-        Counts in a turn, >= 2, for angles in counts.
+    resolution : int or (int, int), optional
+        Counts in a turn, >= 2, for angles in counts; a pair is that of input and output. A
+        register of 8, 16, 24 or 32 bits that starts again is undone.
     skip_rows : int
         How many lines to ignore at the beginning of the file.
+    time_unit : str, optional
+        "s", "ms", "us", "ns", "min" or "h". Default: the unit in the column's name, else s. Times
+        may also be written as 19:13:03.25 or 2026-11-25T19:13:03.25.
 
     Returns
     -------
@@ -214,19 +211,51 @@ def read_readings(
     InvalidValue
         If there is no column with a given name, or the unit is unknown.
     """
-    if resolution is not None:
-        validate.integer("resolution", resolution, 2, "give the counts in a turn")
+    pair = checked_resolution(resolution)
     validate.integer("skip_rows", skip_rows, 0, "give how many lines to skip")
     names = input, output, time
     found = read_columns(
-        path, "measurement", names, angle_unit, resolution=resolution, skip=skip_rows
-    )
+        path, "measurement", names, angle_unit, resolution=pair, skip=skip_rows,
+        time_unit=time_unit,
+    )  # fmt: skip
     synthetic = any(comment.startswith(_SYNTHETIC) for comment in found.comments)
-    remark = "the angles have no unit and are taken as degrees" if None in found.units else ""
+    remarks = ["the angles have no unit and are taken as degrees"] if None in found.units else []
+    if found.time is not None and found.time_unit is None:
+        remarks.append("the times have no unit and are taken as seconds")
+    first, second = found.angles if pair is None else _unrolled(found, pair, remarks)
     try:
-        return Readings(*found.angles, found.line, synthetic, remark, found.time)
+        return Readings(first, second, found.line, synthetic, "; ".join(remarks), found.time)
     except InvalidValue as error:
         raise InputFileError(f"{path}: {error}") from None
+
+
+def checked_resolution(resolution: int | tuple[int, int] | None) -> tuple[int, int] | None:
+    """Counts in a turn of input and output."""
+    if resolution is None:
+        return None
+    pair = tuple(resolution) if isinstance(resolution, tuple | list) else (resolution,) * 2
+    remedy = "give the counts in a turn, or those of input and output"
+    if len(pair) != 2:
+        raise validate.fail("resolution", "one number or two", resolution, remedy)
+    first, second = (validate.integer("resolution", count, 2, remedy) for count in pair)
+    return first, second
+
+
+def _unrolled(found: Columns, pair: tuple[int, int], remarks: list[str]) -> Iterator[FloatArray]:
+    """Angles with the roll-overs of their counters undone; a remark says so."""
+    for name, angle, counts, unit in zip(
+        ("input", "output"), found.angles, pair, (*found.units, None), strict=False
+    ):
+        if unit != COUNTS:
+            yield angle
+            continue
+        better, bits, first = unrolled(angle, TURN / counts, TURN)
+        if bits:
+            remarks.append(
+                f"the counter of the {name} has {bits} bits and starts again, first in line "
+                f"{found.line[first]}, which was undone"
+            )
+        yield better
 
 
 def write_readings(

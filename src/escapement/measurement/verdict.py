@@ -1,4 +1,10 @@
-"""The verdict on a measurement, and warnings that a user of its figures must know."""
+"""The verdict on a measurement, and warnings that a user of its figures must know.
+
+The null hypothesis is that this mechanism was turned, and that its errors are independent noise of
+the encoders. The verdict is "not good" where a test contradicts this with certainty, "cannot say"
+where the readings are too few, too noisy or too much alike for the tests, or where a test is near
+its limit, and "good" where all tests were possible and passed.
+"""
 
 import math
 from collections.abc import Iterator
@@ -6,88 +12,155 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from escapement.measurement.backlash import Backlash
-from escapement.measurement.encoder import step_of
-from escapement.measurement.readings import wraps
-from escapement.measurement.shaft_errors import IN_95, SURE, ShaftError, chance, told_backlash
+from escapement.lazy import Lazy
+from escapement.measurement.causes import Cause, causes_of, encoders_explain
+from escapement.measurement.other_reading import other_reading
+from escapement.measurement.readings import TURN, wraps
+from escapement.measurement.shaft_errors import SURE
 
+special = Lazy("scipy.special")
 _ALIKE = 0.05  # a smaller correlation of neighbouring errors hardly changes a p-value
 _CLOSE_TO_HALF_A_TURN = 0.8 * math.pi
 _MUCH = 0.25  # errors above this share of a step mean that the mechanism is another one
-_NOISE, _ROUNDING = "noise with correlated neighbours", "the rounding of the encoders"
+_SMALL = 0.05  # errors of this share of a step leave a pin no way into its slot
+_CELLS = 2  # an error that repeats must be seen twice before it can be told from others
+_SEEN = 5.0  # standard errors of an error that is seen nineteen times in twenty
 
 
 class Verdict(NamedTuple):
     """Whether a mechanism is good, as far as its readings show.
 
-    good : True if the errors are small for this mechanism, and neither backlash nor an error that
-        repeats with a shaft is certain. Half a step of the encoders or less is never certain.
-    text : one or two sentences that say what is wrong, and with which shaft.
+    good : True if the tests that would contradict it were possible and passed, False if the
+        readings contradict it, None if they cannot say.
+    text : one or two sentences that say what is wrong, and where, or why they cannot say.
     """
 
-    good: bool
+    good: bool | None
     text: str
 
 
 def verdict_on(result: Any) -> Verdict:
     """The verdict on a `Measurement`."""
-    rms, step = math.hypot(result.mean, result.standard_deviation), result.mechanism.follower_step
-    if rms > _MUCH * abs(step):
-        return Verdict(
-            False,
-            f"Not this mechanism: errors of {math.degrees(rms):.3g} degrees are large against the "
-            f"follower's step of {math.degrees(abs(step)):.3g} degrees. Check the mechanism, which "
-            "column is the input, and the unit of the angles.",
-        )
+    if reason := _not_this_mechanism(result):
+        remedy = "Check the mechanism, which column is the input, and the unit of the angles."
+        hint = other_reading(result, _CELLS, _SMALL) or remedy
+        return Verdict(False, f"Not this mechanism: {reason}. {hint}")
+    if reason := _too_short(result):
+        hint = other_reading(result, _CELLS, _SMALL)
+        hint = hint or "Turn it further, or check the unit of the angles and the columns."
+        return Verdict(None, f"Cannot say: {reason}. {hint}")
     lacking = "" if result.backlash else " It turned one way only, so backlash cannot be seen."
-    findings = dict(_findings(result))
-    if wrong := [told for told, doubt in findings.items() if not doubt]:
+    if wrong := [cause.told for cause in _causes(result) if cause.certain]:
         return Verdict(False, f"Not good: {'; '.join(wrong)}.{lacking}")
-    size = f"{math.degrees(result.standard_deviation):.3g} degrees"
-    text = f"Good: no error is certain to repeat with a shaft, and the errors scatter by {size}"
-    if result.sensor_share:
-        share = math.degrees(result.sensor_share.standard)
-        text += f", where the encoders alone explain {share:.3g}"
-    if _ROUNDING in findings.values():
-        lacking += (
-            " Errors below half a step of the encoders "
-            f"({math.degrees(0.5 * _step(result)):.3g} degrees) cannot be told from their "
-            "rounding, which repeats where positions do: stop at other positions in every turn, "
-            "or, if you do so already, use finer encoders."
+    if doubts := [*_doubts(result)]:
+        return Verdict(None, f"Cannot say: {'; '.join(doubts)}.{lacking}")
+    return Verdict(True, _good(result) + lacking)
+
+
+def _causes(result: Any) -> Iterator[Cause]:
+    """The causes of errors that were found."""
+    return causes_of(result, _SMALL * abs(result.mechanism.follower_step))
+
+
+def _not_this_mechanism(result: Any) -> str:
+    """Why the readings are not those of this mechanism, "" if they may be."""
+    step = abs(result.mechanism.follower_step)
+    cells = _cells(result)
+    if cells > 1.0 and np.ptp(result.output) < min(0.5 * step, result.spread):
+        return (
+            f"the output moves by {_deg(np.ptp(result.output))} in all while the input turns "
+            f"through {cells:.3g} cells"
         )
-    return Verdict(True, f"{text}.{lacking}")
+    alike = unexplained(result) < SURE
+    # where something remains unexplained, so may be what was found
+    size = result.spread if alike else result.scatter
+    if cells > _MUCH and size > (_SMALL if alike else _MUCH) * step:
+        return f"errors of {_deg(size)} are large against the follower's step of {_deg(step)}" + (
+            f", and neighbours are alike (correlation {result.autocorrelation:.2f})" * alike
+        )
+    for cause in _causes(result):
+        if cause.certain and cause.effect > 1.0:
+            return f"{cause.told}, which is large against the follower's step of {_deg(step)}"
+    return ""
 
 
-def _findings(result: Any) -> Iterator[tuple[str, str]]:
-    """Errors that independent noise seldom causes: the words for each, and what else it may be."""
-    rest, step = result.rest_autocorrelation, _step(result)
-    for found in (*result.shaft_errors, *result.backlash):
-        if found.p_value < SURE:
-            doubt = _NOISE if chance(found.p_value, rest) >= SURE else ""
-            doubt = doubt or (_ROUNDING if _may_be_rounding(result, found, step) else "")
-            told = told_backlash if isinstance(found, Backlash) else ShaftError.told
-            yield told(found, not doubt), doubt
+def _too_short(result: Any) -> str:
+    """Why the shafts did not move far enough to judge anything, "" if they did."""
+    mechanism = result.mechanism
+    # the cells count as whole if one mean step after the last sample completes them
+    least = _CELLS * (1.0 - 1e-9) * (result.errors.size - 1) / result.errors.size
+    if _cells(result) >= least:
+        return ""
+    return (
+        f"the input moved by {_deg(np.ptp(result.input))} and the output by "
+        f"{_deg(np.ptp(result.output))}, but errors can be told from noise only over {_CELLS} "
+        f"whole cells, {_deg(_CELLS * mechanism.cell_angle)} of the input and "
+        f"{_deg(_CELLS * abs(mechanism.follower_step))} of the output"
+    )
 
 
-def _step(result: Any) -> float:
-    """Step of the encoders, 0 if it is unknown [rad]."""
-    return float(result.encoder.quantum if result.encoder else step_of(result.output))
+def _cells(result: Any) -> float:
+    """Cells between the least and the greatest input."""
+    return float(np.ptp(result.input)) / float(result.mechanism.cell_angle)
 
 
-def _may_be_rounding(result: Any, found: ShaftError | Backlash, step: float) -> bool:
-    """Whether rounding to this step alone may look like an error that was found."""
-    if isinstance(found, Backlash):
-        size, share = abs(found.width), 0.5
+def unexplained(result: Any) -> float:
+    """Probability that independent noise, read by these encoders, makes neighbours so alike."""
+    # rounding and linearity may make neighbours alike, as far as they explain the variance
+    share = 0.0
+    if result.scatter > 0.0:
+        share = min(1.0, (encoders_explain(result) / result.scatter) ** 2)
+    excess = result.rest_autocorrelation - share
+    return float(special.ndtr(-excess * math.sqrt(result.errors.size)))
+
+
+def _doubts(result: Any) -> Iterator[str]:
+    """What keeps a mechanism from being called good although nothing is certain."""
+    step = abs(result.mechanism.follower_step)
+    for cause in _causes(result):
+        if not cause.harmless:
+            yield f"{cause.told}, or is {cause.doubt}"
+    if unexplained(result) < SURE:
+        yield (
+            f"neighbouring errors are alike (correlation {result.rest_autocorrelation:.2f}), which "
+            "neither independent noise nor any error that was looked for explains"
+        )
+    if result.scatter > _SMALL * step:
+        yield (
+            f"the errors scatter by {_deg(result.scatter)}, which is much for steps of {_deg(step)}"
+        )
+
+
+def _good(result: Any) -> str:
+    """What was looked for and not found, and how small it might have been."""
+    seen = _SEEN * result.scatter * math.sqrt(2.0 / result.errors.size)
+    text = (
+        "Good: the errors are noise without an error of a shaft or of a slot, without a change for "
+        f"good and without a reading far out, and scatter by {_deg(result.standard_deviation)}"
+    )
+    if result.sensor_share:
+        text += f", where the encoders alone explain {_deg(result.sensor_share.standard)[:-8]}"
+    if not any(_causes(result)):
+        text += f". An error of the output of {_deg(seen)} that repeats would have been seen."
     else:
-        size, share = found.amplitude, math.sqrt(0.5)
-    if size < 0.5 * step:
-        return True
-    # a fit that can hardly separate an error from others may find it greater than all that was read
-    through = float(np.mean(result.fit.slope**2))
-    effect = size * share * (math.sqrt(through) if found.shaft == "input" else 1.0)
-    vague = effect > result.standard_deviation or size - IN_95 * found.standard_error < 0.5 * step
-    most = 0.5 * step * math.sqrt(1.0 + through)
-    return bool(vague and result.standard_deviation < most)
+        text += (
+            f". Errors below half a step of the encoders ({_deg(0.5 * max(result.steps))}) cannot "
+            "be told from their rounding, which repeats where positions do: stop at other "
+            "positions in every turn, or, if you do so already, use finer encoders."
+        )
+    if unknown := _unjudged(result):
+        text += f" Errors that repeat with the {unknown} cannot be told from others."
+    return text
+
+
+def _unjudged(result: Any) -> str:
+    """Shafts of which an error could not be judged, in words; "" if there are none."""
+    names = (it.shaft for it in result.shaft_errors if math.isnan(it.p_value))
+    return " and the ".join(dict.fromkeys(names))
+
+
+def _deg(angle: float) -> str:
+    return f"{math.degrees(angle):.3g} degrees"
 
 
 def remarks_on(result: Any) -> Iterator[str]:
@@ -115,11 +188,16 @@ def _on_the_fit(result: Any) -> Iterator[str]:
     known = np.flatnonzero(np.isfinite(readings.input))
     steps = np.abs(np.diff(readings.counted_input[known]))
     far = int(np.argmax(steps))
+    line = readings.line[known[far + 1]]
     if wraps(readings.input[known]) and steps[far] > _CLOSE_TO_HALF_A_TURN:
-        line = readings.line[known[far + 1]]
         yield (
             f"the input moves by {math.degrees(steps[far]):.0f} degrees up to line {line}: its "
             "turns may be miscounted; take samples at smaller steps"
+        )
+    elif steps[far] > TURN:
+        yield (
+            f"the input jumps by {steps[far] / TURN:.3g} turns up to line {line}: its counter may "
+            "start again there; give angles that go on counting"
         )
 
 
@@ -137,14 +215,14 @@ def _on_repeated_errors(result: Any) -> Iterator[str]:
             f"neighbouring errors are alike (correlation {alike:.2f}), but {spoilt} "
             "assume that they are independent: do not trust those"
         )
-    for told, doubt in _findings(result):
-        if doubt:
-            yield f"{told}, or is {doubt}"
-    unknown = dict.fromkeys(it.shaft for it in result.shaft_errors if math.isnan(it.p_value))
-    if unknown:
+    # where the verdict cannot say, it names the other doubts itself
+    for cause in _causes(result):
+        if cause.harmless or (cause.doubt and result.verdict.good is False):
+            yield f"{cause.told}, or is {cause.doubt}"
+    if unknown := _unjudged(result):
         yield (
-            f"errors that repeat with the {' and the '.join(unknown)} are not judged: either the "
-            "readings do not cover a whole turn, or they cannot separate these errors from others"
+            f"errors that repeat with the {unknown} are not judged: either the readings do not "
+            "cover a whole turn, or they cannot separate these errors from others"
         )
     if result.periodogram.samples < result.errors.size:
         yield f"the periodogram covers the first {result.periodogram.turns:.0f} turns"

@@ -1,0 +1,135 @@
+"""The noise of readings: its variance at each sample, and what rounding alone may look like."""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from escapement.measurement.readings import TURN
+from escapement.mechanism import FloatArray
+
+_ROUNDS = 20  # the variances converge in a few
+_UNEVEN = 3.3  # the noise counts as uneven beyond so many standard errors, once in a thousand sets
+_LEAST = 1e-2  # share of the mean variance below which the noise is nowhere assumed
+_REVISITED = 0.75  # a smaller share of the positions expected at random means that they repeat
+_TERMS = np.arange(1, 40)
+
+
+def first_noise(
+    errors: FloatArray, slope: FloatArray, steps: tuple[float, float]
+) -> tuple[float, float]:
+    """The same as `noise_of` before any cause is known, from differences of neighbours.
+
+    A cause whose errors change slowly from sample to sample hardly counts in them.
+
+    Source: J. Rice, Bandwidth choice for nonparametric regression, 1984.
+    """
+    apart = np.diff(errors) / math.sqrt(2.0)
+    between = np.sqrt(0.5 * (slope[1:] ** 2 + slope[:-1] ** 2))
+    return noise_of(apart, between, steps)
+
+
+def noise_of(
+    errors: FloatArray, slope: FloatArray, steps: tuple[float, float]
+) -> tuple[float, float]:
+    """Variance a of the noise, and b of that which comes through the transmission [rad^2].
+
+    Noise of the output is the same at every sample, and noise of the input reaches the output
+    through the transmission g, so the variance of a sample is a + b g^2 (maximum likelihood).
+    Unless the errors show that they scatter more where g is greater, b is that of rounding alone.
+
+    Parameters
+    ----------
+    errors : ndarray, shape (n,)
+        What the fit leaves, without readings far out [rad].
+    slope : ndarray, shape (n,)
+        Transmission g [-].
+    steps : (float, float)
+        Steps of the encoders of input and output, 0 if unknown [rad].
+    """
+    squares, through = errors**2, slope**2
+    mean, spread = float(squares.mean()), through - through.mean()
+    scale = float(spread @ spread)
+    known = steps[0] ** 2 / 12.0
+    least = max(_LEAST * mean, steps[1] ** 2 / 12.0)
+    # the score test: squares of normal errors have a variance of twice the square of their mean
+    if not scale > 0.0 or float(spread @ squares) < _UNEVEN * mean * math.sqrt(2.0 * scale):
+        return max(mean - known * float(through.mean()), least), known
+    a, b = mean, 0.0
+    for _ in range(_ROUNDS):
+        weights = 1.0 / (a + b * through) ** 2
+        sums = [float(weights @ (through**k)) for k in range(3)]
+        right = float(weights @ squares), float(weights @ (squares * through))
+        b = (sums[0] * right[1] - sums[1] * right[0]) / (sums[0] * sums[2] - sums[1] ** 2)
+        b = max(b, known)
+        a = max((right[0] - b * sums[1]) / sums[0], least)
+    return a, b
+
+
+class Rounding(NamedTuple):
+    """Errors of the output that the rounding of both encoders causes and that last.
+
+    steps : of input and output, 0 if unknown [rad].
+    repeats : whether the input stood at the same positions again and again; else its rounding
+        does not last.
+    """
+
+    steps: tuple[float, float]
+    repeats: bool
+
+    def explains(self, shaft: str, slope: FloatArray, scale: FloatArray, noise: float) -> float:
+        """Greatest sum of squares that it explains as an error of a shaft [rad^2].
+
+        Parameters
+        ----------
+        shaft : str
+            An error of the input acts where the transmission is great, others act everywhere.
+        slope, scale : ndarray, shape (n,)
+            Transmission, and root of the weight of each sample [-].
+        noise : float
+            Variance of the noise of the output, its rounding included [rad^2].
+        """
+        of_input, of_output = self.steps
+        bias = rounding_bias(of_output, math.sqrt(max(noise - of_output**2 / 12.0, 0.0)))
+        weight = scale**2
+        through = float(weight @ slope**2)
+        acting = float(weight.sum())
+        if shaft == "input" and through > 0.0:
+            # of all errors up to a bound, those explain most that have the sign of the column
+            acting = float(weight @ np.abs(slope)) ** 2 / through
+        lasting = 0.5 * of_input * math.sqrt(through) if self.repeats else 0.0
+        return acting * bias**2 + lasting**2
+
+
+def rounding_of(angle: FloatArray, steps: tuple[float, float]) -> Rounding:
+    """The rounding of readings of the input, of shape (n,) [rad]."""
+    return Rounding(steps, steps[0] > 0.0 and _positions(angle, steps[0]) < _REVISITED)
+
+
+def _positions(angle: FloatArray, step: float) -> float:
+    """Number of different positions in a turn, over that of as many positions at random."""
+    counts = np.round(np.mod(angle, TURN) / step)
+    places = min(TURN, float(np.ptp(angle))) / step
+    expected = -places * math.expm1(-counts.size / places)
+    return float(np.unique(counts).size / expected)
+
+
+def rounding_bias(step: float, noise: float) -> float:
+    """Greatest error that rounding leaves in the mean of readings at one position [rad].
+
+    Without noise it is half a step. Noise before the rounding makes it smaller: the sawtooth of
+    rounding errors loses its harmonics one after the other.
+
+    Parameters
+    ----------
+    step : float
+        Step of the encoder [rad].
+    noise : float
+        Standard deviation of the noise before rounding [rad].
+
+    Source: Widrow and Kollar, Quantization Noise, 2008, chapter 4.
+    """
+    if not step > 0.0:
+        return 0.0
+    left = np.exp(-2.0 * (math.pi * _TERMS * noise / step) ** 2) / (math.pi * _TERMS)
+    return step * min(0.5, float(left.sum()))

@@ -1,0 +1,80 @@
+"""Times of samples: they increase, and a coarse clock that gives some the same is allowed for."""
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from escapement import validate
+from escapement.errors import InvalidValue
+from escapement.mechanism import FloatArray
+
+_REMEDY = "give the time of each sample in s"
+
+
+def checked_times(values: ArrayLike, lines: np.ndarray, where: str) -> tuple[FloatArray, str]:
+    """Times that increase [s], and a remark if some of them were equal.
+
+    Parameters
+    ----------
+    values : array_like, shape (n,)
+        Times as they were given [s].
+    lines : ndarray of int, shape (n,)
+        Line of each sample, for messages.
+    where : str
+        What a line is called, for messages.
+
+    Raises
+    ------
+    InvalidValue
+        If there is not one finite time for each sample, or they do not increase.
+    """
+    times = _numbers(values)
+    if times.shape != lines.shape:
+        raise validate.fail("time", f"a row of {lines.size} times", values, _REMEDY)
+    unknown = np.flatnonzero(~np.isfinite(times))
+    if unknown.size:
+        raise InvalidValue(
+            f"time must be known for every sample, got none in {where} {lines[unknown[0]]}; "
+            "delete this row, or fill the time in"
+        )
+    steps = np.diff(times)
+    late = np.flatnonzero(steps < 0.0)
+    if late.size or not np.ptp(times) > 0.0:
+        at = late[0] if late.size else 0
+        raise InvalidValue(
+            f"time must increase, got {times[at + 1]:g} s after {times[at]:g} s in "
+            f"{where} {lines[at + 1]}; sort the samples, or check the column of times"
+        )
+    equal = int(np.count_nonzero(steps == 0.0))
+    if not equal:
+        return times, ""
+    tick = float(steps[steps > 0.0].min())
+    return spread(times, tick), (
+        f"{equal} times equal the one before, as those of a clock with steps of {tick:g} s do; "
+        "samples within a step are taken as evenly spaced"
+    )
+
+
+def _numbers(values: Any) -> FloatArray:
+    try:
+        return np.asarray(np.ma.filled(np.ma.asanyarray(values).astype(float), np.nan))
+    except (TypeError, ValueError):
+        raise validate.fail("time", "real numbers", values, _REMEDY) from None
+
+
+def spread(times: FloatArray, tick: float) -> FloatArray:
+    """Times of a clock that shows only whole steps, spread evenly over each step [s].
+
+    The first and the last step may be seen in part: their samples are as far apart as those of the
+    step beside them.
+    """
+    starts = np.flatnonzero(np.diff(times, prepend=-np.inf) > 0.0)
+    counts = np.diff(np.append(starts, times.size))
+    gaps = tick / counts
+    if counts.size > 1:
+        gaps[[0, -1]] = np.minimum(gaps[[0, -1]], gaps[[1, -2]])
+    place = np.arange(times.size) - np.repeat(starts, counts) + 0.5
+    # the first step is seen from somewhere in it to its end
+    place[: counts[0]] += tick / gaps[0] - counts[0]
+    return np.asarray(times + np.repeat(gaps, counts) * place - 0.5 * tick)
