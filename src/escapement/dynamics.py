@@ -55,6 +55,12 @@ LOSSES = (
     *("barrel", "load_train"),
 )
 """Where work is lost: in the slot or the mesh, in the bearings, to the air or to oil, in trains."""
+SAME_PLACE = 1e-12
+"""Two events, or an event and a break of the mechanism, this close [rad] are at one place."""
+# The same for a mechanism known from a table, whose slopes are rounding errors at a stop.
+_TABLE_ROUNDING = 1e-9
+# So far behind a place [rad] a force that vanishes there has a sign.
+_BEHIND = 1e-7
 
 
 @inner_jit(allocates=True, inlined=True)
@@ -283,18 +289,40 @@ def ends_alike(g_in, g_out, rho):
 
 
 @inner_jit
-def side_at(g, k, pull, w, scene):
-    """Side that carries the force where a piece begins: +1 or -1.
+def rounding(inertia, pull, w, scene):
+    """Size below which X (`inertia` = rho) or J theta_ddot (1) is taken for zero.
 
-    It is the sign of X. At pin entry g is zero except for rounding, and so is X if the driver
-    is at rest without a load: then the sign of g' decides, which is that of X just behind the
-    entry. Where a mesh stops, g and g' are both zero, or rounding errors of a table; the driver
-    is then about to push the follower, and the side is +1.
+    g and g' change by about as much as the angle, so that the zero is about `SAME_PLACE` away.
+    """
+    share = _TABLE_ROUNDING if scene.path.table else SAME_PLACE
+    return share * (inertia * w + abs(pull))
+
+
+@inner_jit
+def side_at(theta, g, k, pull, slope, w, scene):
+    """Side that carries the force just behind a driver angle where a piece begins: +1 or -1.
+
+    It is the sign of X, as a limit from behind. X vanishes at the pin entry if the driver is at
+    rest without a load, and at dead centre if there is no torque. It is then evaluated a little
+    behind, to where the driver turns free. Where a mesh stops, g and g' are both zero, or rounding
+    errors of a table; the driver is then about to push the follower, and the side is +1.
+
+    Parameters
+    ----------
+    theta : driver angle [rad].
+    g, k : there.
+    pull, slope : there, and by the angle behind it.
+    w : there.
     """
     value = contact(g, k, pull, w, root_of(w, scene), scene)
-    # g' below 1e-9 counts as a table's rounding
-    if abs(value) <= 1e-12 * (1.0 + abs(scene.rho * k * w)):
-        value = k if abs(k) > 1e-9 else 1.0
+    limit = rounding(scene.rho, pull, w, scene)
+    if abs(value) <= limit:
+        g, _u, dg, _radius = pose_at(scene.path, theta + _BEHIND)
+        w = max(w + free_gain(_BEHIND, pull, w, scene), 0.0)
+        k, pull = dragged_slope(g, dg, scene), pull + slope * _BEHIND
+        value = contact(g, k, pull, w, root_of(w, scene), scene)
+        if abs(value) <= limit:
+            value = 1.0
     return 1.0 if value >= 0.0 else -1.0
 
 

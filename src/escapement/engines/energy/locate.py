@@ -132,7 +132,7 @@ def reversal_at(scene, work, panel, side, x, slope, w):
     way = side * contact(g, k, pull, w, root_of(w, scene), scene) / -slope
     way = panel.half * (way if abs(way) < LARGEST_CORRECTION else 0.0)
     # X = 0 means that there is no contact force: the driver turns free
-    return Instant(angle + way, elapsed + way / np.sqrt(w), w + free_gain(way, pull, w, scene))
+    return Instant(min(angle + way, panel.left + 2.0 * panel.half), elapsed + way / np.sqrt(w), w + free_gain(way, pull, w, scene))
 
 
 @inner_jit
@@ -256,7 +256,7 @@ def _hides_more(scene, work, panel, side, w, reversal, trend):
     # the search begins one point later, because X passes through zero at the reversal itself
     rest = reversal + 1
     more = 0
-    more += trend != 0.0 and a * trend <= 0.0
+    more += trend != 0.0 and a * trend < 0.0
     if panel.half > CLOSE_PAIR:
         negligible = NEGLIGIBLE * (scene.rho + panel.entry.g**2)
         more += c > 0.0

@@ -102,6 +102,8 @@ def march(scene, cells, store, count, request, w, rising, events, used):
             if chained.flow != scene.flow:
                 panels.fill_again(store, state.panel, scene, cells)
             state = _turned(state, chained.entry.g, before, scene.rho)
+        if state.panel != panels.FIRST_PANEL and not chained.locked:
+            state = _face(scene, chained, state, events)
         starting = _choose(scene, work, chained, state, request)
         panel = work.spare if starting else chained
         passage = _pass_over(scene, work, panel, starting, state, request)
@@ -109,7 +111,7 @@ def march(scene, cells, store, count, request, w, rising, events, used):
             return _found(STALL, state, passage.angle, passage.time, count)
         # the events of the left end come before those of the inside, in the order of time
         if not passage.split and request.detail > Detail.TIME:
-            state = _note_left_end(scene, chained, state, events)
+            state = _note_left_end(scene, work, chained, state, events)
         extremum = _check(scene, work, panel, starting, state, passage, request)
         inside = _note_inside(scene, work, panel, state, passage, extremum, request, events)
         if inside.split:
@@ -139,9 +141,28 @@ def _found(status, state, angle, time, count):
 def _enter(scene, panel, w, rising, used):
     """MarchState at the entry, which is the left end of the first panel."""
     end = panel.entry
-    side = side_at(end.g, end.dg, end.pull, w, scene)
+    side = side_at(panel.left, end.g, end.dg, end.pull, panel.slope, w, scene)
     energy = w * (scene.rho + end.g**2)
     return MarchState(panels.FIRST_PANEL, w, energy, side, rising, 0.0, 0.0, 0.0, used, False)
+
+
+@inner_jit(inlined=True)
+def _face(scene, panel, state, events):
+    """MarchState with the side that carries the force just behind the left end of a panel.
+
+    A reversal there is noted, as behind a spring that is spent at dead centre. No panel holds a
+    reversal at one of its ends, where the sign of X may be rounding.
+    """
+    end = panel.entry
+    side = side_at(panel.left, end.g, end.dg, end.pull, panel.slope, state.w, scene)
+    if side == state.side:
+        return state
+    kind = np.int64(EventKind.REVERSAL)
+    used = note(events, state.used, kind, panel.left, state.time, state.w)
+    return MarchState(
+        state.panel, state.w, state.energy, side, state.rising, state.time, state.exponent,
+        state.source, used, state.left_noted,
+    )  # fmt: skip
 
 
 @inner_jit(inlined=True)
@@ -217,7 +238,7 @@ def _pass_over(scene, work, panel, starting, state, request):
     if sampling.turns_back(scene, work, panel, solution, side, w, w_right):
         return Passage(True, False, 0.0, energy, w_right, right, time, reversal, slowing, left)
     negligible = NEGLIGIBLE * (scene.rho + panel.entry.g**2)
-    if not panel.locked and (against > 0 or right <= 0.0):
+    if not panel.locked and (against > 0 or right < 0.0):
         split, reversal = _single_reversal(
             work, panel, against, left, right, negligible, starting or tail > request.strict
         )
@@ -266,7 +287,7 @@ def _single_reversal(work, panel, against, left, right, negligible, rough):
     panel that is `rough` may hold none, since values inside it are not accurate.
     """
     reversal = sampling.first_against(work)
-    split = rough or N - reversal != against or right > 0.0
+    split = rough or N - reversal != against or right > 0.0 or (reversal == 0 and left <= 0.0)
     split = split or sampling.may_vanish(
         work, work.contact, negligible, left, right, FIRST_POINT, reversal
     )
@@ -298,8 +319,8 @@ def _time_over(work, panel, noise, w, w_right, left, right, negligible, reversal
 
 
 @inner_jit(inlined=True)
-def _note_left_end(scene, panel, state, events):
-    """Note a break of the mechanism, and an extremum where theta_ddot jumps through zero."""
+def _note_left_end(scene, work, panel, state, events):
+    """Note a break of the mechanism, and an extremum where theta_ddot jumps or goes through zero."""
     used, rising = state.used, state.rising
     if panel.kink and not state.left_noted:
         left_slot = panel.left == scene.edges[-1]
@@ -309,6 +330,8 @@ def _note_left_end(scene, panel, state, events):
     now = sampling.net_torque_at(panel.entry, state.side, state.w, scene)
     if panel.locked and panel.slope == 0.0 and not panel.kink:
         now = 0.0  # nothing jumps inside a dwell, and near the final speed this is rounding
+    elif now == 0.0 and not _turns_free(scene, panel):
+        now = work.net_torque[0]
     if now * rising < 0.0:
         used = note(events, used, extremum_kind(rising), panel.left, state.time, state.w)
     if now != 0.0:

@@ -16,6 +16,7 @@ from escapement.engines.energy import panels
 from escapement.engines.energy.calls import march, refine
 from escapement.engines.energy.events import EVENT, NO_EVENTS, EventKind
 from escapement.engines.energy.locate import weights_to
+from escapement.engines.energy.march import OK
 from escapement.engines.energy.panels import NUMBER, WHOLE, record_dtype
 from escapement.engines.energy.passage import Detail, Request
 from escapement.engines.energy.pattern import scene_in
@@ -82,6 +83,8 @@ def events_of(addresses, scene_tuple, cells, meetings, numbers, turned, squares,
     -------
     events : ndarray of MOTION_EVENT
         The events of each engagement in turn; its entry comes first.
+    reached : ndarray
+        w with which each leaves for the next, NaN where the march does not come to its end.
     """
     common, size = scene_of(scene_tuple), meetings.size
     loose, strict = panels.tolerances(rtol)
@@ -89,7 +92,7 @@ def events_of(addresses, scene_tuple, cells, meetings, numbers, turned, squares,
     store = panels.new_store(panels.MAX_PANELS)
     events = np.empty(_ROOM + 4 * common.edges.size + MOST_KNOTS, EVENT)
     table = np.empty(8 * numbers.size + 64, MOTION_EVENT)
-    filled, rising = NO_EVENTS, 0.0
+    filled, rising, reached = NO_EVENTS, 0.0, np.full(numbers.size, np.nan)
     for i in range(numbers.size):
         k, w, scene = numbers[i], squares[i], cell_after(turned[i], common)
         if i == 0 or numbers[i - 1] != k - 1:
@@ -107,6 +110,10 @@ def events_of(addresses, scene_tuple, cells, meetings, numbers, turned, squares,
         count = panels.NO_PANELS
         found = march(addresses, scene, cells, store, count, request, w, rising, events, NO_EVENTS)
         rising, used = found.rising, found.used
+        if found.status == OK:
+            reached[i] = found.w
+            if size > 0 and meetings[(k + 1) % size].kind == Handoff.STRIKE:
+                reached[i] *= left_by_blow(scene_in(common, meetings[(k + 1) % size])) ** 2
         if filled + used + 2 > table.shape[0]:
             larger = np.empty(2 * table.shape[0] + used, MOTION_EVENT)
             _copy(table, larger, filled)
@@ -121,7 +128,7 @@ def events_of(addresses, scene_tuple, cells, meetings, numbers, turned, squares,
             filled = _append(table, filled, k, event.kind, event.angle, event.time, event.w, 0.0)
     happened = np.empty(filled, MOTION_EVENT)
     _copy(table, happened, filled)
-    return happened
+    return happened, reached
 
 
 @inner_jit
@@ -181,6 +188,9 @@ def _states_in(scene, store, ends, piece, rtol, times, theta, squares, losses, p
     values = np.empty((N + 2, peaks.size))
     for j in range(times.size):
         theta[j], squares[j] = left, w
+    if not w >= 0.0:
+        _forget(0.0, times, theta, squares, losses)
+        return
     while part.left < end:
         # a record does not keep its memory alive: `store` must be in use to the end of the loop
         work, panel = store.workspace[0], store.panels[panels.FIRST_PANEL]

@@ -7,7 +7,15 @@ these it needs for which panel.
 
 import numpy as np
 
-from escapement.dynamics import bend, contact, is_viscous, net_torque, reduced_inertia, root_of
+from escapement.dynamics import (
+    bend,
+    contact,
+    is_viscous,
+    net_torque,
+    reduced_inertia,
+    root_of,
+    rounding,
+)
 from escapement.engines.energy.panels import points_of
 from escapement.gauss import (
     LAST_BUT_ONE_COEFFICIENT,
@@ -44,16 +52,18 @@ def bend_at(end, side, scene):
 
 @inner_jit
 def net_torque_at(end, side, w, scene):
-    """J theta_ddot at an end of a panel."""
-    return net_torque(
+    """J theta_ddot at an end of a panel, 0 where it is rounding: its sign is that inside then."""
+    value = net_torque(
         end.g, bend_at(end, side, scene), end.dg, end.pull, w, root_of(w, scene), scene
     )
+    return value if abs(value) > rounding(1.0, end.pull, w, scene) else 0.0
 
 
 @inner_jit
 def contact_at(end, w, scene):
-    """X at an end of a panel."""
-    return contact(end.g, end.dg, end.pull, w, root_of(w, scene), scene)
+    """X at an end of a panel, 0 where it is rounding: its sign is that inside then."""
+    value = contact(end.g, end.dg, end.pull, w, root_of(w, scene), scene)
+    return value if abs(value) > rounding(scene.rho, end.pull, w, scene) else 0.0
 
 
 @inner_jit

@@ -16,6 +16,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from scipy.integrate import OdeSolution, solve_ivp
 
+from escapement.dynamics import SAME_PLACE
 from escapement.engines.time.crossings import ROUNDING, find_roots
 from escapement.engines.time.law import Law, slope
 from escapement.mechanism import FloatArray
@@ -226,7 +227,8 @@ class _Problem:
         if reversed_:
             turns.append(last)
         if turns:
-            beyond = solved.sol(turns[0])[0] >= self.task.end - self.task.anchor
+            # a reversal at the goal belongs to the next piece
+            beyond = solved.sol(turns[0])[0] >= self.task.end - self.task.anchor - SAME_PLACE
             return turns[0], Ending.ARRIVED if beyond else Ending.REVERSED
         if arrived:
             return last, Ending.ARRIVED

@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from escapement.drive import REST, is_spent, next_knot
-from escapement.dynamics import LOSSES, left_by_blow
+from escapement.dynamics import LOSSES, SAME_PLACE, left_by_blow
 from escapement.engines.time.free import FreeTurn, is_free, stand_still, turn_free
 from escapement.engines.time.law import Law, least_share
 from escapement.engines.time.piece import Ending, NotConverged, Options, Solution, Task, solve_piece
@@ -39,8 +39,6 @@ _STEEP = 0.1
 """Share of rho + g^2 that friction leaves of J_s, below which the law is steep."""
 _ROUNDING = 4.0 * float(np.finfo(float).eps)
 """Relative error of a time that is converted to natural units and back."""
-_SAME_PLACE = 1e-12
-"""Two reversals, or extrema, this close [rad] are a single one that rounding makes double."""
 
 
 class Span(NamedTuple):
@@ -205,7 +203,7 @@ class _Simulation:
         """Note a pin reversal, or drop the last one if this undoes it at the same place."""
         found = Event(self.engagement, self.time, self.theta, self.speed)
         last = self.reversals[-1] if self.reversals else None
-        if last and last.engagement == found.engagement and found.theta - last.theta <= _SAME_PLACE:
+        if last and last.engagement == found.engagement and found.theta - last.theta <= SAME_PLACE:
             self.reversals.pop()
         else:
             self.reversals.append(found)
@@ -231,7 +229,7 @@ class _Simulation:
     def _note_extremum(self, time: float, theta: float, speed: float) -> None:
         """Note an extremum, or drop the last one if this undoes it at the same place."""
         last = self.extrema[-1] if self.extrema else None
-        if last and last.engagement == self.engagement and theta - last.theta <= _SAME_PLACE:
+        if last and last.engagement == self.engagement and theta - last.theta <= SAME_PLACE:
             self.extrema.pop()
         else:
             self.extrema.append(Event(self.engagement, time, theta, speed, self.trend > 0.0))
