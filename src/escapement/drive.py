@@ -15,7 +15,7 @@ from escapement.scene import Scene
 
 # After the spring is spent a driver of this squared speed, in units of torque/I_f, is at rest.
 REST = 1e-6
-# A knot so close to the end of a stretch [rad] counts as that end.
+# Knots of the torque, breaks of the mechanism and events so close together [rad] are at one place.
 KNOT_GAP = 1e-9
 
 

@@ -45,7 +45,7 @@ J_s = rho + g p vanishes.
 
 import numpy as np
 
-from escapement.drive import REST, is_spent
+from escapement.drive import KNOT_GAP, REST, is_spent
 from escapement.jit import inner_jit, jit
 from escapement.mechanisms.slotted import pose_at
 from escapement.scene import Path, Scene
@@ -55,12 +55,10 @@ LOSSES = (
     *("barrel", "load_train"),
 )
 """Where work is lost: in the slot or the mesh, in the bearings, to the air or to oil, in trains."""
-SAME_PLACE = 1e-12
-"""Two events, or an event and a break of the mechanism, this close [rad] are at one place."""
-# The same for a mechanism known from a table, whose slopes are rounding errors at a stop.
+# A force below this share of its terms may vanish near by, and is looked at a little behind [rad].
+_SMALL, _BEHIND = 1e-6, 1e-7
+# Where a mesh stops, g and g' of a table are rounding errors below this.
 _TABLE_ROUNDING = 1e-9
-# So far behind a place [rad] a force that vanishes there has a sign.
-_BEHIND = 1e-7
 
 
 @inner_jit(allocates=True, inlined=True)
@@ -289,41 +287,43 @@ def ends_alike(g_in, g_out, rho):
 
 
 @inner_jit
-def rounding(inertia, pull, w, scene):
-    """Size below which X (`inertia` = rho) or J theta_ddot (1) is taken for zero.
-
-    g and g' change by about as much as the angle, so that the zero is about `SAME_PLACE` away.
-    """
-    share = _TABLE_ROUNDING if scene.path.table else SAME_PLACE
-    return share * (inertia * w + abs(pull))
-
-
-@inner_jit
 def side_at(theta, g, k, pull, slope, w, scene):
     """Side that carries the force just behind a driver angle where a piece begins: +1 or -1.
 
-    It is the sign of X, as a limit from behind. X vanishes at the pin entry if the driver is at
-    rest without a load, and at dead centre if there is no torque. It is then evaluated a little
-    behind, to where the driver turns free. Where a mesh stops, g and g' are both zero, or rounding
-    errors of a table; the driver is then about to push the follower, and the side is +1.
+    It is the sign of X, as a limit from behind: X vanishes at the pin entry if the driver is at
+    rest without a load, and at dead centre if there is no torque. Where it is small it is also
+    evaluated a little behind, to where the driver turns free. Where a mesh stops, g and g' are
+    both zero, or rounding errors of a table; the driver is then about to push the follower, and
+    the side is +1.
 
     Parameters
     ----------
     theta : driver angle [rad].
-    g, k : there.
-    pull, slope : there, and by the angle behind it.
-    w : there.
+    g, k, pull, w : there.
+    slope : of the pull behind it.
     """
     value = contact(g, k, pull, w, root_of(w, scene), scene)
-    limit = rounding(scene.rho, pull, w, scene)
-    if abs(value) <= limit:
+    size = scene.rho * w + abs(pull)
+    if abs(value) <= _SMALL * size:
         g, _u, dg, _radius = pose_at(scene.path, theta + _BEHIND)
-        w = max(w + free_gain(_BEHIND, pull, w, scene), 0.0)
-        k, pull = dragged_slope(g, dg, scene), pull + slope * _BEHIND
-        value = contact(g, k, pull, w, root_of(w, scene), scene)
-        if abs(value) <= limit:
+        k, w = dragged_slope(g, dg, scene), max(w + free_gain(_BEHIND, pull, w, scene), 0.0)
+        behind = contact(g, k, pull + slope * _BEHIND, w, root_of(w, scene), scene)
+        value = settled(value, behind, _BEHIND)
+        if value == 0.0:
+            value = behind
+        if scene.path.table and max(abs(value), abs(behind)) <= _TABLE_ROUNDING * size:
             value = 1.0
     return 1.0 if value >= 0.0 else -1.0
+
+
+@inner_jit
+def settled(value, other, way):
+    """A value at a place, or 0 where it has another sign within `KNOT_GAP` of there.
+
+    `other` is the value at the distance `way` [rad], and has the sign that counts then.
+    """
+    near = abs(value) * way <= KNOT_GAP * abs(other - value)
+    return 0.0 if near and value * other <= 0.0 else value
 
 
 @inner_jit

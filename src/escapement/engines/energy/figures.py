@@ -17,9 +17,11 @@ from escapement.engines.energy.events import (
     is_extremum,
     most_events,
 )
+from escapement.engines.energy.leap import GENTLE, ROWS, Leap, is_worth_it, leap
 from escapement.engines.energy.march import NO_TERMINAL, NOT_CONVERGED, OK, STALL
 from escapement.engines.energy.panels import MAX_PANELS, NO_PANELS, new_store, tolerances
 from escapement.engines.energy.passage import Detail, Request
+from escapement.gauss import N
 from escapement.jit import inner_jit
 from escapement.metrics import (
     FALL_63,
@@ -34,6 +36,8 @@ from escapement.metrics import (
 KEPT_EVENTS = 256
 # The terminal cycle is searched for after this many engagements, settled or not.
 LATEST_SEARCH = 40
+# Where no leap is possible so many engagements are marched before the next attempt.
+RETRY = 64
 
 
 class Extent(IntEnum):
@@ -50,13 +54,14 @@ class Extent(IntEnum):
 
 @inner_jit(allocates=True)
 def workspace(edges):
-    """Memory for `figures`: a store of panels, an array of events, and times and w of handoffs."""
+    """Memory for `figures`: panels, events, times and w of handoffs, and the rows of a leap."""
     events = np.empty(KEPT_EVENTS + 2 * most_events(edges), EVENT)
-    return new_store(MAX_PANELS), events, np.empty((LATEST_SEARCH + 2, 2))
+    handoffs, rows = np.empty((LATEST_SEARCH + 2, 2)), np.empty((ROWS, N))
+    return new_store(MAX_PANELS), events, handoffs, rows
 
 
 @inner_jit
-def figures(case, handoffs, w, rtol, extent, out):
+def figures(case, handoffs, rows, w, rtol, extent, out):
     """Figures of merit of one case into out (natural units); returns the status.
 
     The motion is followed from its start until it has nearly settled, and its extrema are
@@ -78,7 +83,9 @@ def figures(case, handoffs, w, rtol, extent, out):
     count, first, in_band = NO_PANELS, NO_EVENTS, NO_EVENTS
     time, rising, cycle_known, sought = 0.0, 0.0, False, False
     before = cycle.Attempt(w, w)
-    for k in range(MAX_ENGAGEMENTS):
+    k, attempt = np.int64(0), np.int64(0)
+    while k < MAX_ENGAGEMENTS:
+        ready = cycle_known
         found = march_case(case, count, request, w, rising, first)
         count = found.panels
         if found.status != OK:
@@ -90,8 +97,7 @@ def figures(case, handoffs, w, rtol, extent, out):
         used, rising = found.used, found.rising
         _mark_extrema(case, first, used, time)
         time += found.time
-        row = (k + 1) % handoffs.shape[0]
-        handoffs[row, 0], handoffs[row, 1] = time, found.w
+        _note_handoff(handoffs, k + 1, time, found.w)
         if cycle_known:
             in_band = _judge(case, first, used, in_band, out)
             note_fall(start, handoffs, k, rtol, out)
@@ -117,15 +123,78 @@ def figures(case, handoffs, w, rtol, extent, out):
                     if out[cycle.CONTRACTION] > 1.0 - 1.0 / MAX_ENGAGEMENTS:
                         return OK
             before = cycle.Attempt(w, step.w)
-        w = found.w
+        w, k = found.w, k + 1
         # two motions never cross, so w at entry tends to its terminal value from one side: when
         # a maximum and a minimum are in the band, all later ones are
         if cycle_known and in_band >= 2 and (extent < Extent.FALLEN or out[cycle.RISE_98] >= 0.0):
             return OK
+        if ready and k >= attempt and out[cycle.CONTRACTION] > 1.0 - GENTLE:
+            step = cycle.newton_step(w, found, scene, ends, True)
+            passed = _leap_on(case, request, ends, start, w, k, step, used, extent, rows, out)
+            attempt = k if passed.number > 0 else k + RETRY
+            k, w, time, count = k + passed.number, passed.w, time + passed.time, NO_PANELS
+            _note_handoff(handoffs, k, time, w)
     # a settling time beyond the limit of engagements is not given
     if in_band < 2:
         out[cycle.SETTLING] = np.nan
     return OK if cycle_known else NOT_CONVERGED
+
+
+@inner_jit
+def _note_handoff(handoffs, k, time, w):
+    """Keep time and w at the entry of engagement k."""
+    row = k % handoffs.shape[0]
+    handoffs[row, 0], handoffs[row, 1] = time, w
+
+
+@inner_jit
+def _leap_on(case, request, ends, start, w, k, step, used, extent, rows, out):
+    """Leap from w, at the entry of engagement k, until shortly before the next figure is known."""
+    goal, final = _goal(case, used, start, w, extent, out), out[cycle.HANDOFF] ** 2
+    if not is_worth_it(w, step, final, goal):
+        return Leap(np.int64(0), w, 0.0)
+    return leap(case, request, ends, w, final, goal, MAX_ENGAGEMENTS - k, rows)
+
+
+@inner_jit
+def _goal(case, used, start, w, extent, out):
+    """The w, about, at which the next figure of the transient is known.
+
+    The events up to `used` are those of the engagement before w. Its extrema are as far from
+    their terminal values as w, once a loss hardly changes anything.
+    """
+    final, least, most = out[cycle.HANDOFF], np.inf, 0.0
+    speed = np.sqrt(w)
+    sense = 1.0 if speed > final else -1.0
+    for i in range(used):
+        event = case.events[i]
+        if is_extremum(event):
+            refine(case.addresses, case.scene, case.store, case.events, i)
+            top = event.kind == EventKind.MAXIMUM
+            error = abs(np.sqrt(event.w) / out[cycle.V_MAX if top else cycle.V_MIN] - 1.0)
+            least, most = min(least, error), max(most, error if event.outermost else 0.0)
+    nearest = final
+    if np.isnan(out[cycle.RISE]) and least < np.inf:
+        nearest = _further(
+            nearest, speed * (1.0 + sense * RISE_BAND) / (1.0 + sense * least), sense
+        )
+    if np.isnan(out[cycle.SETTLING]):
+        band = speed * (1.0 + sense * SETTLING_BAND) / (1.0 + sense * most)
+        nearest = _further(nearest, band, sense)
+    if extent == Extent.FALLEN:
+        for place in range(cycle.RISE_63, cycle.RISE_98 + 1):
+            level = FALL_63 if place == cycle.RISE_63 else FALL_98
+            if np.isnan(out[place]):
+                band = final + level * (np.sqrt(start) - final)
+                nearest = _further(nearest, band, sense)
+    # with nothing left to be known there is no goal
+    return nearest * nearest if nearest != final else w
+
+
+@inner_jit
+def _further(nearest, other, sense):
+    """Of two speeds that of which a motion passes first; `sense` is 1 where it comes from above."""
+    return max(nearest, other) if sense > 0.0 else min(nearest, other)
 
 
 @inner_jit

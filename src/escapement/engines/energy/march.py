@@ -150,8 +150,8 @@ def _enter(scene, panel, w, rising, used):
 def _face(scene, panel, state, events):
     """MarchState with the side that carries the force just behind the left end of a panel.
 
-    A reversal there is noted, as behind a spring that is spent at dead centre. No panel holds a
-    reversal at one of its ends, where the sign of X may be rounding.
+    A reversal there is noted, as behind a spring that is spent at dead centre. None is inside a
+    panel next to one of its ends, where rounding would decide on its place.
     """
     end = panel.entry
     side = side_at(panel.left, end.g, end.dg, end.pull, panel.slope, state.w, scene)
@@ -199,7 +199,8 @@ def _pass_over(scene, work, panel, starting, state, request):
     energy = solution.alpha_end * state.energy + solution.beta_end
     w_right = energy / (scene.rho + panel.exit.g**2)
     right = side * sampling.contact_at(panel.exit, w_right, scene)
-    left = side * sampling.contact_at(panel.entry, w, scene)
+    # side_at has told the side: another sign is rounding
+    left = max(side * sampling.contact_at(panel.entry, w, scene), 0.0)
     # in a start all energy comes from this panel, so that its error is the error of E itself
     split = tail > (request.strict if starting else request.loose)
     time, slowing, reversal = state.time, np.int64(0), NOWHERE
@@ -227,6 +228,7 @@ def _pass_over(scene, work, panel, starting, state, request):
     against, stopped, slowing = sampling.sample_panel(
         scene, work, panel, solution, side, state.energy
     )
+    right = sampling.beside(panel, right, work.contact, N - 1)
     # at the stop of a mesh the sign of X is rounding, and would look like many reversals
     if starting and against > 0:
         against = sampling.clearly_against(work)
@@ -320,7 +322,7 @@ def _time_over(work, panel, noise, w, w_right, left, right, negligible, reversal
 
 @inner_jit(inlined=True)
 def _note_left_end(scene, work, panel, state, events):
-    """Note a break of the mechanism, and an extremum where theta_ddot jumps or goes through zero."""
+    """Note a break of the mechanism, and an extremum where theta_ddot goes through zero."""
     used, rising = state.used, state.rising
     if panel.kink and not state.left_noted:
         left_slot = panel.left == scene.edges[-1]
@@ -330,7 +332,7 @@ def _note_left_end(scene, work, panel, state, events):
     now = sampling.net_torque_at(panel.entry, state.side, state.w, scene)
     if panel.locked and panel.slope == 0.0 and not panel.kink:
         now = 0.0  # nothing jumps inside a dwell, and near the final speed this is rounding
-    elif now == 0.0 and not _turns_free(scene, panel):
+    elif not _turns_free(scene, panel) and sampling.beside(panel, now, work.net_torque, 0) == 0.0:
         now = work.net_torque[0]
     if now * rising < 0.0:
         used = note(events, used, extremum_kind(rising), panel.left, state.time, state.w)
@@ -352,6 +354,7 @@ def _check(scene, work, panel, starting, state, passage, request):
     steady = panel.locked and panel.slope == 0.0
     if not split and request.detail > Detail.TIME and not steady:
         first = sampling.net_torque_at(panel.entry, side, state.w, scene)
+        first = sampling.beside(panel, first, work.net_torque, 0)
         last = passage.reversal
         # at a reversal X = 0, so that J theta_ddot = D J/rho has the sign of the drive D
         if last >= 0:
@@ -359,6 +362,7 @@ def _check(scene, work, panel, starting, state, passage, request):
             final = drive_sign(panel.pull[last_point], work.w[last_point], scene)
         else:
             final, last = sampling.net_torque_at(panel.exit, side, passage.w, scene), ALL_POINTS
+            final = sampling.beside(panel, final, work.net_torque, N - 1)
         slowing, changes = passage.slowing, 0
         # one sign at all points and at both ends means that there is nothing to find
         gains = slowing == 0 and first > 0.0 and final > 0.0
@@ -382,9 +386,9 @@ def _note_inside(scene, work, panel, state, passage, extremum, request, events):
         return Inside(split, used, after_reversal)
     x, slope = 1.0, 0.0
     if reversal >= 0:
-        # with s X <= 0 at the left end already, which is rounding, the reversal lies there
+        # with s X = 0 at the left end and s X < 0 at the first point the reversal lies there
         x = -1.0
-        if passage.left_contact > 0.0:
+        if reversal > 0 or passage.left_contact > 0.0:
             left, right = passage.left_contact, passage.contact
             x, slope = locate.locate(work, work.contact, reversal, left, right, 1.0)
         locate.weights_to(work, x)

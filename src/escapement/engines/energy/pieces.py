@@ -15,7 +15,7 @@ from escapement.dynamics import LOSSES, left_by_blow, scene_of
 from escapement.engines.energy import panels
 from escapement.engines.energy.calls import march, refine
 from escapement.engines.energy.events import EVENT, NO_EVENTS, EventKind
-from escapement.engines.energy.locate import weights_to
+from escapement.engines.energy.locate import invert
 from escapement.engines.energy.march import OK
 from escapement.engines.energy.panels import NUMBER, WHOLE, record_dtype
 from escapement.engines.energy.passage import Detail, Request
@@ -29,7 +29,6 @@ from escapement.mechanism import FloatArray
 from escapement.mechanisms.pattern import Handoff
 from escapement.mechanisms.slotted import transmission_at
 from escapement.power_flow import flowing
-from escapement.roots import newton_in_bracket
 from escapement.scene import Scene
 from escapement.tabulation import losses_at
 from escapement.torque_curve import MOST_KNOTS
@@ -278,7 +277,7 @@ def _read(scene, work, panel, part, length, end, times, theta, squares):
         t = times[j] - part.time
         if t < 0.0 or (t > length and part.right < end):
             continue
-        x = _invert(work, min(t, length), length)
+        x = invert(work, min(t, length), length)
         theta[j] = 0.5 * (part.left + part.right) + panel.half * x
         g = 0.0 if panel.locked else transmission_at(scene.path, theta[j])[0]
         # E is interpolated, which is mostly smoother than w: the factor of w = E/(rho + g^2)
@@ -359,26 +358,3 @@ def _add_losses(scene, work, panel, side, losses):
         share = panel.half * WEIGHTS[i]
         for j in range(losses.size):
             losses[j] += share * rates[j + 1]
-
-
-@inner_jit
-def _invert(work, target, whole_time):
-    """x in [-1, 1] at the time `target` since the left end; leaves its weights in the workspace.
-
-    `whole_time` is the time over the panel, and `work.scratch` holds that to every point.
-    """
-    count = panels.points_of(work)
-    x = 2.0 * target / whole_time - 1.0
-    low, high = -1.0, 1.0
-    for _ in range(60):
-        weights_to(work, x)
-        # Newton's method on the time, whose derivative by x is dt/dx
-        over = dot(work.from_left, work.scratch, count) - target
-        slope = dot(work.at_x, work.slowness, count)
-        guess, low, high = newton_in_bracket(x, over, slope, low, high, True)
-        step = abs(guess - x)
-        x = guess
-        if step <= 1e-8:
-            break
-    weights_to(work, x)
-    return x

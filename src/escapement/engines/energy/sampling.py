@@ -14,7 +14,7 @@ from escapement.dynamics import (
     net_torque,
     reduced_inertia,
     root_of,
-    rounding,
+    settled,
 )
 from escapement.engines.energy.panels import points_of
 from escapement.gauss import (
@@ -52,18 +52,25 @@ def bend_at(end, side, scene):
 
 @inner_jit
 def net_torque_at(end, side, w, scene):
-    """J theta_ddot at an end of a panel, 0 where it is rounding: its sign is that inside then."""
-    value = net_torque(
+    """J theta_ddot at an end of a panel."""
+    return net_torque(
         end.g, bend_at(end, side, scene), end.dg, end.pull, w, root_of(w, scene), scene
     )
-    return value if abs(value) > rounding(1.0, end.pull, w, scene) else 0.0
 
 
 @inner_jit
 def contact_at(end, w, scene):
-    """X at an end of a panel, 0 where it is rounding: its sign is that inside then."""
-    value = contact(end.g, end.dg, end.pull, w, root_of(w, scene), scene)
-    return value if abs(value) > rounding(scene.rho, end.pull, w, scene) else 0.0
+    """X at an end of a panel."""
+    return contact(end.g, end.dg, end.pull, w, root_of(w, scene), scene)
+
+
+@inner_jit
+def beside(panel, value, row, point):
+    """A value at an end of a panel, 0 where it has the sign of the nearest point close to it.
+
+    `row` has the values at the points, and `point` is 0 at the left end and N - 1 at the right.
+    """
+    return settled(value, row[point], panel.dtheta_dx[point] * TO_NEAREST)
 
 
 @inner_jit

@@ -16,11 +16,14 @@ from typing import Any, NamedTuple
 import numpy as np
 from scipy.integrate import OdeSolution, solve_ivp
 
-from escapement.dynamics import SAME_PLACE
+from escapement.drive import KNOT_GAP
+from escapement.dynamics import settled as _settled
 from escapement.engines.time.crossings import ROUNDING, find_roots
 from escapement.engines.time.law import Law, slope
+from escapement.jit import as_python
 from escapement.mechanism import FloatArray
 
+settled = as_python(_settled)
 MOST_STEPS = 25_000
 """Solver steps that a piece may take, a second or two; DOP853 needs fifty."""
 _LEAST_ATOL = 1e-30  # with an atol of zero solve_ivp would divide 0 by 0
@@ -118,8 +121,10 @@ def solve_piece(law: Law, task: Task, options: Options) -> Solution:
     dense, end = problem.retake_last_step(solved, end, ending)
     # extrema of the speed are roots of the acceleration
     kept = times < end
-    last_rate = problem.rate(dense(end))
-    times, rates = np.append(times[kept], end), np.append(rates[kept], last_rate)
+    times, rates = np.append(times[kept], end), np.append(rates[kept], problem.rate(dense(end)))
+    angles = dense(times[[0, 1, -2, -1]])[0]
+    rates[0] = _beside(rates[0], rates[1], angles[1] - angles[0])
+    rates[-1] = last_rate = _beside(rates[-1], rates[-2], angles[3] - angles[2])
     if not task.sign and law.is_steady:
         # A locked follower leaves a law of the speed alone: the acceleration keeps its sign, though
         # at the speed where drag balances the drive rounding changes it.
@@ -228,7 +233,7 @@ class _Problem:
             turns.append(last)
         if turns:
             # a reversal at the goal belongs to the next piece
-            beyond = solved.sol(turns[0])[0] >= self.task.end - self.task.anchor - SAME_PLACE
+            beyond = solved.sol(turns[0])[0] >= self.task.end - self.task.anchor - KNOT_GAP
             return turns[0], Ending.ARRIVED if beyond else Ending.REVERSED
         if arrived:
             return last, Ending.ARRIVED
@@ -280,6 +285,14 @@ class _Problem:
         value = vanishes(y)
         growth = (vanishes(y + _NUDGE * rates) - value) / _NUDGE
         return -value / growth if growth else np.inf
+
+
+def _beside(value: float, other: float, way: float) -> float:
+    """An acceleration at an end of a piece, or the `other` where it has that one's sign close by.
+
+    Next to an end rounding decides on the place of an extremum, which belongs to the end.
+    """
+    return value if settled(value, other, way) else other
 
 
 def _too_many_steps(method: str) -> str:

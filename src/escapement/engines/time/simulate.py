@@ -12,8 +12,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from escapement.drive import REST, is_spent, next_knot
-from escapement.dynamics import LOSSES, SAME_PLACE, left_by_blow
+from escapement.drive import KNOT_GAP, REST, is_spent, next_knot
+from escapement.dynamics import LOSSES, left_by_blow
 from escapement.engines.time.free import FreeTurn, is_free, stand_still, turn_free
 from escapement.engines.time.law import Law, least_share
 from escapement.engines.time.piece import Ending, NotConverged, Options, Solution, Task, solve_piece
@@ -199,11 +199,16 @@ class _Simulation:
     def _add(self, sign: float, losses: FloatArray, solution: Solution | FreeTurn) -> None:
         self.pieces.append((self.time, self.engagement, sign, losses, solution))
 
+    def _turned_since(self, event: Event, theta: float) -> float:
+        """Driver angle since an event to one in this engagement [rad]."""
+        cells = (self.engagement - event.engagement) * self.escapement.mechanism.cell_angle
+        return cells + theta - event.theta
+
     def _note_reversal(self) -> None:
         """Note a pin reversal, or drop the last one if this undoes it at the same place."""
         found = Event(self.engagement, self.time, self.theta, self.speed)
         last = self.reversals[-1] if self.reversals else None
-        if last and last.engagement == found.engagement and found.theta - last.theta <= SAME_PLACE:
+        if last and self._turned_since(last, found.theta) <= KNOT_GAP:
             self.reversals.pop()
         else:
             self.reversals.append(found)
@@ -229,7 +234,7 @@ class _Simulation:
     def _note_extremum(self, time: float, theta: float, speed: float) -> None:
         """Note an extremum, or drop the last one if this undoes it at the same place."""
         last = self.extrema[-1] if self.extrema else None
-        if last and last.engagement == self.engagement and theta - last.theta <= SAME_PLACE:
+        if last and self._turned_since(last, theta) <= KNOT_GAP:
             self.extrema.pop()
         else:
             self.extrema.append(Event(self.engagement, time, theta, speed, self.trend > 0.0))
