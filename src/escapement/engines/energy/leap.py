@@ -26,18 +26,18 @@ from escapement.gauss import POINTS, N, cumulate, dot, integral, tail_of
 from escapement.jit import inner_jit
 
 # Engagements that change w by more than this share, or contract it by more, are marched.
-GENTLE = 2e-3
+GENTLE = 5e-3
 # A leap over fewer engagements is not worth while.
 WORTH = 64
-# A leap goes this share of the way to its goal, which is an estimate.
-SHARE = 0.8
+# A leap goes this share of the way to its goal, and the rest is marched.
+SHARE = 0.9
 # The greatest change of log q in a leap.
 WIDEST = 1.0
 # The share that the series of a leap may miss.
 ROUGHEST = 1e-9
-GAIN, GAP, SLOPE, TIME = range(4)
-"""Rows of a leap: h, gamma, the derivative of w by the coordinate x, and T."""
-ROWS = 4
+GAIN, GAP, SLOPE, TIME, GOALS = range(5)
+"""Rows of a leap: h, gamma, the derivative of w by the coordinate x, T, and goals of `figures`."""
+ROWS = 5
 
 
 class Leap(NamedTuple):
@@ -55,14 +55,17 @@ def distance(w, final):
 
 
 @inner_jit
-def is_worth_it(w, step, final, goal):
-    """Whether many engagements pass up to the goal, each of which hardly changes w.
+def is_gentle(w, step):
+    """Whether an engagement hardly changes w; `step` is that of Newton's method from w."""
+    gap = 1.0 - step.contraction
+    return step.sound and gap < GENTLE and abs(step.w - w) * gap < GENTLE * w
 
-    `step` is that of Newton's method from w.
-    """
+
+@inner_jit
+def is_worth_it(w, step, final, goal):
+    """Whether many engagements pass up to the goal; `step` is that of Newton's method from w."""
     gap, way = 1.0 - step.contraction, distance(w, final) - distance(goal, final)
-    gentle = step.sound and gap < GENTLE and abs(step.w - w) * gap < GENTLE * w
-    return gentle and SHARE * way > WORTH * gap * max(1.0, final / w)
+    return SHARE * way > WORTH * gap * max(1.0, final / w)
 
 
 @inner_jit

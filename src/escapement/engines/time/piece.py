@@ -121,6 +121,8 @@ def solve_piece(law: Law, task: Task, options: Options) -> Solution:
     dense, end = problem.retake_last_step(solved, end, ending)
     # extrema of the speed are roots of the acceleration
     kept = times < end
+    # a sample that is as good as at the end is none
+    kept &= (times <= times[0]) | (dense(times)[0] < dense(end)[0] - KNOT_GAP)
     times, rates = np.append(times[kept], end), np.append(rates[kept], problem.rate(dense(end)))
     angles = dense(times[[0, 1, -2, -1]])[0]
     rates[0] = _beside(rates[0], rates[1], angles[1] - angles[0])
