@@ -30,9 +30,9 @@ MOST = 40_000
 def difference(escapement, start, figures):
     """Greatest relative difference of the times from a motion's; None if that is too long."""
     decay = 6.0 + 2.0 * np.log1p(start / figures.handoff_velocity)
-    count = 60 + int(decay / (1.0 - figures.contraction))
-    if not 60 < count <= MOST:
+    if not decay < MOST * (1.0 - figures.contraction):
         return None
+    count = 60 + int(decay / (1.0 - figures.contraction))
     motion = esc.simulate(escapement, count, initial_speed=start)
     rise, settled = read_transient(motion, figures)
     told = (rise, *fall_times(motion, start, figures.handoff_velocity), settled)
