@@ -45,7 +45,7 @@ J_s = rho + g p vanishes.
 
 import numpy as np
 
-from escapement.drive import KNOT_GAP, REST, is_spent
+from escapement.drive import REST, gap_of_places, is_spent
 from escapement.jit import inner_jit, jit
 from escapement.mechanisms.slotted import pose_at
 from escapement.scene import Path, Scene
@@ -308,7 +308,7 @@ def side_at(theta, g, k, pull, slope, w, scene):
         g, _u, dg, _radius = pose_at(scene.path, theta + _BEHIND)
         k, w = dragged_slope(g, dg, scene), max(w + free_gain(_BEHIND, pull, w, scene), 0.0)
         behind = contact(g, k, pull + slope * _BEHIND, w, root_of(w, scene), scene)
-        value = settled(value, behind, _BEHIND)
+        value = settled(value, behind, _BEHIND, gap_of_places(scene))
         if value == 0.0:
             value = behind
         if scene.path.table and max(abs(value), abs(behind)) <= _TABLE_ROUNDING * size:
@@ -317,12 +317,12 @@ def side_at(theta, g, k, pull, slope, w, scene):
 
 
 @inner_jit
-def settled(value, other, way):
-    """A value at a place, or 0 where it has another sign within `KNOT_GAP` of there.
+def settled(value, other, way, gap):
+    """A value at a place, or 0 where it has another sign closer to it than `gap` [rad].
 
     `other` is the value at the distance `way` [rad], and has the sign that counts then.
     """
-    near = abs(value) * way <= KNOT_GAP * abs(other - value)
+    near = abs(value) * way <= gap * abs(other - value)
     return 0.0 if near and value * other <= 0.0 else value
 
 

@@ -278,10 +278,10 @@ def _hides_more(scene, work, panel, side, w, reversal, trend):
     """
     # the row of s X is that of the other side
     c = -sampling.beside(
-        panel, -side * sampling.contact_at(panel.exit, w, scene), work.contact, N - 1
+        scene, panel, -side * sampling.contact_at(panel.exit, w, scene), work.contact, N - 1
     )
     a = sampling.net_torque_at(panel.exit, -side, w, scene)
-    a = sampling.beside(panel, a, work.net_torque, N - 1)
+    a = sampling.beside(scene, panel, a, work.net_torque, N - 1)
     # the search begins one point later, because X passes through zero at the reversal itself
     rest = reversal + 1
     more = 0

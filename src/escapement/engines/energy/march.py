@@ -228,7 +228,7 @@ def _pass_over(scene, work, panel, starting, state, request):
     against, stopped, slowing = sampling.sample_panel(
         scene, work, panel, solution, side, state.energy
     )
-    right = sampling.beside(panel, right, work.contact, N - 1)
+    right = sampling.beside(scene, panel, right, work.contact, N - 1)
     # at the stop of a mesh the sign of X is rounding, and would look like many reversals
     if starting and against > 0:
         against = sampling.clearly_against(work)
@@ -332,7 +332,10 @@ def _note_left_end(scene, work, panel, state, events):
     now = sampling.net_torque_at(panel.entry, state.side, state.w, scene)
     if panel.locked and panel.slope == 0.0 and not panel.kink:
         now = 0.0  # nothing jumps inside a dwell, and near the final speed this is rounding
-    elif not _turns_free(scene, panel) and sampling.beside(panel, now, work.net_torque, 0) == 0.0:
+    elif (
+        not _turns_free(scene, panel)
+        and sampling.beside(scene, panel, now, work.net_torque, 0) == 0.0
+    ):
         now = work.net_torque[0]
     if now * rising < 0.0:
         used = note(events, used, extremum_kind(rising), panel.left, state.time, state.w)
@@ -354,7 +357,7 @@ def _check(scene, work, panel, starting, state, passage, request):
     steady = panel.locked and panel.slope == 0.0
     if not split and request.detail > Detail.TIME and not steady:
         first = sampling.net_torque_at(panel.entry, side, state.w, scene)
-        first = sampling.beside(panel, first, work.net_torque, 0)
+        first = sampling.beside(scene, panel, first, work.net_torque, 0)
         last = passage.reversal
         # at a reversal X = 0, so that J theta_ddot = D J/rho has the sign of the drive D
         if last >= 0:
@@ -362,7 +365,7 @@ def _check(scene, work, panel, starting, state, passage, request):
             final = drive_sign(panel.pull[last_point], work.w[last_point], scene)
         else:
             final, last = sampling.net_torque_at(panel.exit, side, passage.w, scene), ALL_POINTS
-            final = sampling.beside(panel, final, work.net_torque, N - 1)
+            final = sampling.beside(scene, panel, final, work.net_torque, N - 1)
         slowing, changes = passage.slowing, 0
         # one sign at all points and at both ends means that there is nothing to find
         gains = slowing == 0 and first > 0.0 and final > 0.0

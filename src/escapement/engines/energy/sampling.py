@@ -7,6 +7,7 @@ these it needs for which panel.
 
 import numpy as np
 
+from escapement.drive import gap_of_places
 from escapement.dynamics import (
     bend,
     contact,
@@ -65,12 +66,12 @@ def contact_at(end, w, scene):
 
 
 @inner_jit
-def beside(panel, value, row, point):
+def beside(scene, panel, value, row, point):
     """A value at an end of a panel, 0 where it has the sign of the nearest point close to it.
 
     `row` has the values at the points, and `point` is 0 at the left end and N - 1 at the right.
     """
-    return settled(value, row[point], panel.dtheta_dx[point] * TO_NEAREST)
+    return settled(value, row[point], panel.dtheta_dx[point] * TO_NEAREST, gap_of_places(scene))
 
 
 @inner_jit

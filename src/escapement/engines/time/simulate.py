@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from escapement.drive import KNOT_GAP, REST, is_spent, next_knot
+from escapement.drive import KNOT_GAP, REST, SAME_PLACE, is_spent, next_knot
 from escapement.dynamics import LOSSES, left_by_blow
 from escapement.engines.time.free import FreeTurn, is_free, stand_still, turn_free
 from escapement.engines.time.law import Law, least_share
@@ -121,6 +121,11 @@ class _Simulation:
     extrema: list[Event] = field(default_factory=list)
 
     @property
+    def gap(self) -> float:
+        """Distance up to which breaks and events are at one place [rad]."""
+        return SAME_PLACE if self.drive.is_steady else KNOT_GAP
+
+    @property
     def over(self) -> bool:
         return self.stalled or self.time >= self.end_time
 
@@ -181,7 +186,7 @@ class _Simulation:
         edges = self.law.scene.edges
         first, last = (edges[0], edges[-1]) if self.law.is_table else (self.theta, end)
         typical, time_left = 0.5 * (first + last), self.end_time - self.time
-        task = Task(self.theta, self.speed, sign, end, span.slow, typical, time_left)
+        task = Task(self.theta, self.speed, sign, end, span.slow, typical, time_left, self.gap)
         if is_free(self.law, task):
             solved: Solution | FreeTurn = turn_free(self.law, task)
         else:
@@ -208,7 +213,7 @@ class _Simulation:
         """Note a pin reversal, or drop the last one if this undoes it at the same place."""
         found = Event(self.engagement, self.time, self.theta, self.speed)
         last = self.reversals[-1] if self.reversals else None
-        if last and self._turned_since(last, found.theta) <= KNOT_GAP:
+        if last and self._turned_since(last, found.theta) <= self.gap:
             self.reversals.pop()
         else:
             self.reversals.append(found)
@@ -234,7 +239,7 @@ class _Simulation:
     def _note_extremum(self, time: float, theta: float, speed: float) -> None:
         """Note an extremum, or drop the last one if this undoes it at the same place."""
         last = self.extrema[-1] if self.extrema else None
-        if last and self._turned_since(last, theta) <= KNOT_GAP:
+        if last and self._turned_since(last, theta) <= self.gap:
             self.extrema.pop()
         else:
             self.extrema.append(Event(self.engagement, time, theta, speed, self.trend > 0.0))
