@@ -15,8 +15,10 @@ from escapement.scene import Scene
 
 # Where nothing drives it a driver of this squared speed, in units of torque/I_f, is at rest.
 REST = 1e-6
-# A knot so close to the end of a stretch [rad] counts as that end.
+# Knots of the torque, and breaks or events as close to one [rad], are at one place.
 KNOT_GAP = 1e-9
+# Without knots breaks and events so close together [rad] are.
+SAME_PLACE = 1e-12
 
 
 @inner_jit
@@ -29,6 +31,12 @@ def knots_of(scene):
 def is_constant(scene):
     """Whether the torque is the same at all angles."""
     return scene.torque.size == 3
+
+
+@inner_jit
+def gap_of_places(scene):
+    """Distance up to which breaks and events are at one place [rad]."""
+    return SAME_PLACE if is_constant(scene) else KNOT_GAP
 
 
 @inner_jit

@@ -45,7 +45,7 @@ J_s = rho + g p vanishes.
 
 import numpy as np
 
-from escapement.drive import REST, is_undriven
+from escapement.drive import REST, gap_of_places, is_undriven
 from escapement.jit import inner_jit, jit
 from escapement.mechanisms.slotted import pose_at
 from escapement.scene import Path, Scene
@@ -55,6 +55,10 @@ LOSSES = (
     *("barrel", "load_train"),
 )
 """Where work is lost: in the slot or the mesh, in the bearings, to the air or to oil, in trains."""
+# A force below this share of its terms may vanish near by, and is looked at a little behind [rad].
+_SMALL, _BEHIND = 1e-6, 1e-7
+# Where a mesh stops, g and g' of a table are rounding errors below this.
+_TABLE_ROUNDING = 1e-9
 
 
 @inner_jit(allocates=True, inlined=True)
@@ -283,19 +287,43 @@ def ends_alike(g_in, g_out, rho):
 
 
 @inner_jit
-def side_at(g, k, pull, w, scene):
-    """Side that carries the force where a piece begins: +1 or -1.
+def side_at(theta, g, k, pull, slope, w, scene):
+    """Side that carries the force just behind a driver angle where a piece begins: +1 or -1.
 
-    It is the sign of X. At pin entry g is zero except for rounding, and so is X if the driver
-    is at rest without a load: then the sign of g' decides, which is that of X just behind the
-    entry. Where a mesh stops, g and g' are both zero, or rounding errors of a table; the driver
-    is then about to push the follower, and the side is +1.
+    It is the sign of X, as a limit from behind: X vanishes at the pin entry if the driver is at
+    rest without a load, and at dead centre if there is no torque. Where it is small it is also
+    evaluated a little behind, to where the driver turns free. Where a mesh stops, g and g' are
+    both zero, or rounding errors of a table; the driver is then about to push the follower, and
+    the side is +1.
+
+    Parameters
+    ----------
+    theta : driver angle [rad].
+    g, k, pull, w : there.
+    slope : of the pull behind it.
     """
     value = contact(g, k, pull, w, root_of(w, scene), scene)
-    # g' below 1e-9 counts as a table's rounding
-    if abs(value) <= 1e-12 * (1.0 + abs(scene.rho * k * w)):
-        value = k if abs(k) > 1e-9 else 1.0
+    size = scene.rho * w + abs(pull)
+    if abs(value) <= _SMALL * size:
+        g, _u, dg, _radius = pose_at(scene.path, theta + _BEHIND)
+        k, w = dragged_slope(g, dg, scene), max(w + free_gain(_BEHIND, pull, w, scene), 0.0)
+        behind = contact(g, k, pull + slope * _BEHIND, w, root_of(w, scene), scene)
+        value = settled(value, behind, _BEHIND, gap_of_places(scene))
+        if value == 0.0:
+            value = behind
+        if scene.path.table and max(abs(value), abs(behind)) <= _TABLE_ROUNDING * size:
+            value = 1.0
     return 1.0 if value >= 0.0 else -1.0
+
+
+@inner_jit
+def settled(value, other, way, gap):
+    """A value at a place, or 0 where it has another sign closer to it than `gap` [rad].
+
+    `other` is the value at the distance `way` [rad], and has the sign that counts then.
+    """
+    near = abs(value) * way <= gap * abs(other - value)
+    return 0.0 if near and value * other <= 0.0 else value
 
 
 @inner_jit

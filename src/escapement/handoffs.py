@@ -69,7 +69,8 @@ def slide_changes_of(motion: Any) -> Events:
     ]
     rows = zip(angle, side, which, strict=True)
     here = [abs(x - places[k].get(s, np.nan)) < 1e-9 for x, s, k in rows]
-    # at a reversal the other wall takes over, and the contact point changes
-    kept = np.array(here) & (side == trajectory.sign[pieces - 1])
+    # at a reversal the other wall takes over, and the contact point changes, unless both are one
+    both = [abs(places[k].get(1.0, np.nan) - places[k].get(-1.0, np.nan)) < 1e-9 for k in which]
+    kept = np.array(here) & ((side == trajectory.sign[pieces - 1]) | np.array(both))
     columns = engagement, start, found.theta, found.theta_dot
     return Events(*(column[kept] for column in columns))

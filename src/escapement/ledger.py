@@ -9,8 +9,12 @@ from typing import Any
 import numpy as np
 
 from escapement.dynamics import LOSSES
+from escapement.status import Status
 from escapement.text import Shown
 from escapement.trajectory import NoTrajectory
+
+TOLERATED = 1e-6
+"""A motion whose energy balance misses more than this share of the work is not a result [-]."""
 
 
 @dataclass(frozen=True, repr=False)
@@ -80,3 +84,19 @@ def ledger_of(motion: Any, progress: Callable[[int, int, int], None] | None = No
     scale = max(abs(x) for x in (work, energies[0], kinetic, load, *parts.values()))
     residual = float(missing / scale) if scale > 0.0 else 0.0
     return Ledger(float(work), kinetic, float(load), **parts, residual=residual)
+
+
+def judged(status: Status, message: str, residual: float, rtol: float) -> tuple[Status, str]:
+    """Status and message of a result with this residual of its energy balance.
+
+    A result whose balance does not close within `TOLERATED`, or within a coarser `rtol` that was
+    asked for, has not converged; NaN does not close.
+    """
+    if status.failed or abs(residual) <= max(TOLERATED, rtol):
+        return status, message
+    missing = (
+        "no balance of energy exists"
+        if residual != residual
+        else (f"{abs(residual):.2g} of the work is not accounted for")
+    )
+    return Status.NOT_CONVERGED, f"the result is not reliable: {missing}; try the other engine"

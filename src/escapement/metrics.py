@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 
+from escapement.ledger import judged
 from escapement.mechanism import FloatArray
 from escapement.merits import FIGURES
 from escapement.motion import Motion
@@ -162,8 +163,16 @@ class Figures(Shown):
 
     @property
     def energy_residual(self) -> float:
-        """Energy unaccounted for, as a share of the work [-]."""
-        return _NAN if self.motion is None else self.motion.ledger.residual
+        """Energy unaccounted for, as a share of the work [-].
+
+        If it is above 1e-6, `status` becomes NOT_CONVERGED.
+        """
+        if self.motion is None:
+            return _NAN
+        residual, rtol = self.motion.ledger.residual, self.motion.rtol
+        status, message = judged(self.status, self.message, residual, rtol)
+        vars(self).update(status=status, message=message)
+        return residual
 
     @property
     def reversal_angles(self) -> tuple[float, ...]:

@@ -6,7 +6,7 @@ and contact moment follow from the equation of motion, so they are
 computed when they are asked for.
 """
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property
 from operator import attrgetter
@@ -19,7 +19,7 @@ from escapement.dynamics import LOSSES
 from escapement.errors import InvalidValue
 from escapement.flow_changes import FlowChanges, flow_changes_of
 from escapement.handoffs import blows_among, handoffs_of, slide_changes_of
-from escapement.ledger import Ledger, ledger_of
+from escapement.ledger import Ledger, judged, ledger_of
 from escapement.mechanism import FloatArray
 from escapement.model import Escapement
 from escapement.painleve import painleve_message
@@ -97,7 +97,8 @@ class Motion(Shown):
         End of each completed engagement [s] and the driver speed there [rad/s], after the blow if
         there is one.
     status, message : Status, str
-        How it ended, and the reason in a sentence.
+        How it ended, and the reason in a sentence. It becomes NOT_CONVERGED where the `ledger`
+        does not close, and where there are no states at the times asked for.
     """
 
     escapement: Escapement
@@ -217,6 +218,8 @@ class Motion(Shown):
         escapement, clock = self.escapement, self.escapement.time_unit
         mechanism, owners, flat = escapement.mechanism, pieces.reshape(-1), times.reshape(-1)
         theta, speed = trajectory.states(owners, flat)
+        if np.isnan(speed).any():
+            self._judge(np.nan)
         engagement, sign = trajectory.engagement[owners], trajectory.sign[owners]
         turned = escapement.turned_before(engagement) + np.zeros(theta.size)
         # the sense from the nearer end of the piece into it
@@ -349,8 +352,22 @@ class Motion(Shown):
 
     @cached_property
     def ledger(self) -> Ledger:
-        """Energy balance from start to end; it closes up to the engine's error."""
-        return ledger_of(self)
+        """Energy balance from start to end; it closes up to the engine's error.
+
+        If it does not close within 1e-6, `status` becomes NOT_CONVERGED.
+        """
+        return self.balance()
+
+    def balance(self, progress: Callable[[int, int, int], None] | None = None) -> Ledger:
+        """The `ledger`, computed with a progress bar as in `write_motion`."""
+        ledger = ledger_of(self, progress)
+        vars(self)["ledger"] = ledger
+        self._judge(ledger.residual)
+        return ledger
+
+    def _judge(self, residual: float) -> None:
+        """Say so if a residual of the energy balance shows that the motion is wrong."""
+        self.status, self.message = judged(self.status, self.message, residual, self.rtol)
 
 
 def no_motion(escapement: Escapement, engine: str, rtol: float, invalid: str = "") -> Motion:

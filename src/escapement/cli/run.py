@@ -81,6 +81,8 @@ def execute(args: Arguments) -> int:
         )
     # the figures belong to the terminal cycle and do not depend on the length of the motion
     figures = esc.terminal(escapement, **settings)
+    # the balance may change the status, which files and the report hold
+    _balance(motion)
     for save in _files(motion, args, settings["initial_speed"]):
         save()
     length = "engagements" if args.duration is None else "duration"
@@ -186,7 +188,7 @@ def _summarise(motion: "esc.Motion", figures: "esc.Figures", units: str) -> dict
     return found | {
         "handoff_times": motion.handoff_times,
         "handoff_velocities": motion.handoff_velocities,
-        "energy_residual": _residual(motion),
+        "energy_residual": motion.ledger.residual,
         "status": outcome.status.label,
         "message": "; ".join(reasons),
         "engine": motion.engine,
@@ -204,14 +206,13 @@ def _by_rule(cycle: "JamCycle") -> dict[str, Any]:
     }
 
 
-def _residual(motion: "esc.Motion") -> float:
-    """Residual of the energy balance as a share of the work; long motions show their progress."""
-    from escapement.ledger import ledger_of
+def _balance(motion: "esc.Motion") -> None:
+    """Compute the energy balance; long motions show their progress."""
     from escapement.progress import Progress
 
     shown: dict[str, Any] = {"what": "engagements balanced", "log": _log.progress}
     with Progress(quiet=motion.handoff_times.size < _LONG, **shown) as progress:
-        return ledger_of(motion, progress).residual
+        motion.balance(progress)
 
 
 def _print_table(inputs: list[Input], record: dict[str, Any], units: str) -> None:

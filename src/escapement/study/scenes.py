@@ -296,7 +296,9 @@ def _alone(plan: StudyPlan, case: int) -> Figures:
         # on an axis that begins with zero clearance, each case has the engine that it needs
         del given["engine"]
     try:
-        return simulation.terminal(plan.escapement(case), initial_speed=speed, **given)
+        found = simulation.terminal(plan.escapement(case), initial_speed=speed, **given)
+        found.energy_residual  # noqa: B018 - the status depends on it
+        return found
     except InvalidValue:
         return Figures(status=Status.INVALID)
     except (ArithmeticError, ValueError, RuntimeError):

@@ -43,6 +43,7 @@ Files, in the order in which they are best read:
     trajectory events and states of a motion, of the engagements that are asked for
     simulate   the motion that `escapement.simulate` returns
     cycle      the terminal cycle by Newton's method
+    leap       many engagements of a slow transient at once
     figures    figures of merit of one case, transient included
     batch      figures of merit of many scenes
     terminal   the figures that `escapement.terminal` returns

@@ -39,7 +39,7 @@ def solve_rows(addresses, scene_tuple, cells, none, numbers, rtol, extent, table
         driver angle [rad] and the engagement.
     """
     shared = scene_of(scene_tuple)
-    store, events, handoffs = workspace(shared.edges)
+    store, events, handoffs, rows = workspace(shared.edges)
     for i in range(status.size):
         own = to_fixed_tuple(numbers[i], _NUMBERS)
         drive = (shared.torque, shared.turned)
@@ -53,7 +53,8 @@ def solve_rows(addresses, scene_tuple, cells, none, numbers, rtol, extent, table
             status[i] = PAINLEVE
         else:
             case = MarchInputs(addresses, scene, known, store, events)
-            status[i] = figures(case, handoffs, numbers[i, _NUMBERS], rtol, extent, table[i])
+            w = numbers[i, _NUMBERS]
+            status[i] = figures(case, handoffs, rows, w, rtol, extent, table[i])
 
 
 def solve(

@@ -64,6 +64,17 @@ class Attempt(NamedTuple):
 
 
 @inner_jit
+def map_of(found, scene, ends):
+    """Slope of the affine map of w, 1 minus this, and the offset, from what a march has `found`."""
+    # in a published cell g differs between entry and exit: w_out (rho + g_out^2) =
+    # exp(-exponent) w_in (rho + g_in^2) + source has the slope exp(-exponent) (1 - unequal)
+    leave = scene.rho + ends.exit * ends.exit
+    unequal = (ends.exit - ends.entry) * (ends.exit + ends.entry) / leave
+    gap = -np.expm1(-found.exponent) + np.exp(-found.exponent) * unequal
+    return np.exp(-found.exponent) * (1.0 - unequal), gap, found.source / leave
+
+
+@inner_jit
 def newton_step(w, found, scene, ends, has_turned):
     """Fixed point of the affine map by which a march went from w to `found`.
 
@@ -71,19 +82,14 @@ def newton_step(w, found, scene, ends, has_turned):
     difference, so that it is accurate even where friction takes very little. The step is not
     sound where the map has no fixed point, or where rounding alone makes one.
     """
-    # in a published cell g differs between entry and exit: w_out (rho + g_out^2) =
-    # exp(-exponent) w_in (rho + g_in^2) + source has the slope exp(-exponent) (1 - unequal)
-    leave = scene.rho + ends.exit * ends.exit
-    unequal = (ends.exit - ends.entry) * (ends.exit + ends.entry) / leave
-    contraction = np.exp(-found.exponent) * (1.0 - unequal)
-    gap = -np.expm1(-found.exponent) + np.exp(-found.exponent) * unequal
+    contraction, gap, offset = map_of(found, scene, ends)
     if gap <= 0.0 or (gap <= NO_LOSS and not has_turned):
         # Without a reversal s stays +1, and int B over the engagement is zero, since g' changes
         # sign at dead centre: the map then has no fixed point. Where the motion gains speed,
         # one twice as fast is tried, which may have a reversal.
         return Step(4.0 * found.w if found.w > w else found.w, contraction, False)
-    # solve w = w - gap w + source/(rho + g_out^2)
-    return Step(found.source / leave / gap, contraction, True)
+    # solve w = w - gap w + offset
+    return Step(offset / gap, contraction, True)
 
 
 @inner_jit

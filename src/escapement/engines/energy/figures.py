@@ -17,9 +17,11 @@ from escapement.engines.energy.events import (
     is_extremum,
     most_events,
 )
+from escapement.engines.energy.leap import GENTLE, GOALS, ROWS, Leap, is_gentle, is_worth_it, leap
 from escapement.engines.energy.march import NO_TERMINAL, NOT_CONVERGED, OK, STALL
 from escapement.engines.energy.panels import MAX_PANELS, NO_PANELS, new_store, tolerances
 from escapement.engines.energy.passage import Detail, Request
+from escapement.gauss import N
 from escapement.jit import inner_jit
 from escapement.metrics import (
     FALL_63,
@@ -34,6 +36,8 @@ from escapement.metrics import (
 KEPT_EVENTS = 256
 # The terminal cycle is searched for after this many engagements, settled or not.
 LATEST_SEARCH = 40
+# Where no leap is possible so many engagements are marched before the next attempt.
+RETRY = 64
 
 
 class Extent(IntEnum):
@@ -50,13 +54,14 @@ class Extent(IntEnum):
 
 @inner_jit(allocates=True)
 def workspace(edges):
-    """Memory for `figures`: a store of panels, an array of events, and times and w of handoffs."""
+    """Memory for `figures`: panels, events, times and w of handoffs, and the rows of a leap."""
     events = np.empty(KEPT_EVENTS + 2 * most_events(edges), EVENT)
-    return new_store(MAX_PANELS), events, np.empty((LATEST_SEARCH + 2, 2))
+    handoffs, rows = np.empty((LATEST_SEARCH + 2, 2)), np.empty((ROWS, N))
+    return new_store(MAX_PANELS), events, handoffs, rows
 
 
 @inner_jit
-def figures(case, handoffs, w, rtol, extent, out):
+def figures(case, handoffs, rows, w, rtol, extent, out):
     """Figures of merit of one case into out (natural units); returns the status.
 
     The motion is followed from its start until it has nearly settled, and its extrema are
@@ -78,7 +83,9 @@ def figures(case, handoffs, w, rtol, extent, out):
     count, first, in_band = NO_PANELS, NO_EVENTS, NO_EVENTS
     time, rising, cycle_known, sought = 0.0, 0.0, False, False
     before = cycle.Attempt(w, w)
-    for k in range(MAX_ENGAGEMENTS):
+    k, attempt, rows[GOALS, 0] = np.int64(0), np.int64(0), np.nan
+    while k < MAX_ENGAGEMENTS:
+        ready = cycle_known
         found = march_case(case, count, request, w, rising, first)
         count = found.panels
         if found.status != OK:
@@ -90,8 +97,7 @@ def figures(case, handoffs, w, rtol, extent, out):
         used, rising = found.used, found.rising
         _mark_extrema(case, first, used, time)
         time += found.time
-        row = (k + 1) % handoffs.shape[0]
-        handoffs[row, 0], handoffs[row, 1] = time, found.w
+        _note_handoff(handoffs, k + 1, time, found.w)
         if cycle_known:
             in_band = _judge(case, first, used, in_band, out)
             note_fall(start, handoffs, k, out[cycle.HANDOFF], out[cycle.HANDOFF], rtol, out)
@@ -117,15 +123,108 @@ def figures(case, handoffs, w, rtol, extent, out):
                     if out[cycle.CONTRACTION] > 1.0 - 1.0 / MAX_ENGAGEMENTS:
                         return OK
             before = cycle.Attempt(w, step.w)
-        w = found.w
+        w, k = found.w, k + 1
         # two motions never cross, so w at entry tends to its terminal value from one side: when
         # a maximum and a minimum are in the band, all later ones are
         if cycle_known and in_band >= 2 and (extent < Extent.FALLEN or out[cycle.RISE_98] >= 0.0):
             return OK
+        if ready and k >= attempt and out[cycle.CONTRACTION] > 1.0 - GENTLE:
+            step = cycle.newton_step(w, found, scene, ends, True)
+            passed = _leap_on(case, request, ends, start, w, k, step, rising, extent, rows, out)
+            attempt = k if passed.number > 0 else k + RETRY
+            k, w, time, count = k + passed.number, passed.w, time + passed.time, NO_PANELS
+            _note_handoff(handoffs, k, time, w)
     # a settling time beyond the limit of engagements is not given
     if in_band < 2:
         out[cycle.SETTLING] = np.nan
     return OK if cycle_known else NOT_CONVERGED
+
+
+@inner_jit
+def _note_handoff(handoffs, k, time, w):
+    """Keep time and w at the entry of engagement k."""
+    row = k % handoffs.shape[0]
+    handoffs[row, 0], handoffs[row, 1] = time, w
+
+
+@inner_jit
+def _leap_on(case, request, ends, start, w, k, step, rising, extent, rows, out):
+    """Leap from w, at the entry of engagement k, until shortly before the next figure is known."""
+    none, final = Leap(np.int64(0), w, 0.0), out[cycle.HANDOFF] ** 2
+    if not is_gentle(w, step):
+        return none
+    goals = rows[GOALS]
+    if np.isnan(goals[0]):
+        far = max(w, 0.8 * final) if w < final else min(w, 1.25 * final)
+        goals[0] = _first_in_band(case, request, w, rising, RISE_BAND, False, out)
+        goals[1] = _first_in_band(case, request, far, rising, SETTLING_BAND, True, out)
+    goal = _goal(goals, start, w, extent, out)
+    if not is_worth_it(w, step, final, goal):
+        return none
+    return leap(case, request, ends, w, final, goal, MAX_ENGAGEMENTS - k, rows)
+
+
+@inner_jit
+def _goal(goals, start, w, extent, out):
+    """The w at which the next figure of the transient is known; w itself if there is none left."""
+    final, nearest = out[cycle.HANDOFF], out[cycle.HANDOFF] ** 2
+    sense = 1.0 if w > nearest else -1.0
+    for i in range(2):
+        if np.isnan(out[cycle.SETTLING if i > 0 else cycle.RISE]):
+            nearest = _further(nearest, goals[i], sense)
+    for place in range(cycle.RISE_63, cycle.RISE_98 + 1):
+        if extent == Extent.FALLEN and np.isnan(out[place]):
+            level = FALL_63 if place == cycle.RISE_63 else FALL_98
+            speed = final + level * (np.sqrt(start) - final)
+            nearest = _further(nearest, speed * speed, sense)
+    return nearest if nearest != final * final else w
+
+
+@inner_jit
+def _first_in_band(case, request, w, rising, band, every, out):
+    """The first w from which an engagement has an extremum in the band, or all of its extremes.
+
+    Speeds up to the terminal one are tried in steps of half a band of 2 %, because an extremum may
+    appear where one of its engagement is in the band already.
+    """
+    final = out[cycle.HANDOFF] ** 2
+    factor = (1.0 + 0.5 * RISE_BAND) ** (2.0 if w < final else -2.0)
+    following = w
+    while following != final and not _in_band(case, request, following, rising, band, every, out):
+        w, following = following, following * factor
+        if (following - final) * (w - final) <= 0.0:
+            following = final
+    for _ in range(40):
+        middle = 0.5 * (w + following)
+        if _in_band(case, request, middle, rising, band, every, out):
+            following = middle
+        else:
+            w = middle
+    return following
+
+
+@inner_jit
+def _in_band(case, request, w, rising, band, every, out):
+    """Whether an engagement from w has an extremum in the band, or `every` extreme is in it."""
+    found = march_case(case, NO_PANELS, request, w, rising, NO_EVENTS)
+    if found.rising * rising < 0.0:
+        found = march_case(case, found.panels, request, w, found.rising, NO_EVENTS)
+    _mark_extrema(case, NO_EVENTS, found.used, 0.0)
+    inside = outside = 0
+    for i in range(found.used):
+        event = case.events[i]
+        if is_extremum(event) and (event.outermost or not every):
+            refine(case.addresses, case.scene, case.store, case.events, i)
+            top = event.kind == EventKind.MAXIMUM
+            error = abs(np.sqrt(event.w) / out[cycle.V_MAX if top else cycle.V_MIN] - 1.0)
+            inside, outside = inside + (error <= band), outside + (error > band)
+    return inside > 0 and (outside == 0 or not every)
+
+
+@inner_jit
+def _further(nearest, other, sense):
+    """Of two w that which a motion passes first; `sense` is 1 where it comes from above."""
+    return max(nearest, other) if sense > 0.0 else min(nearest, other)
 
 
 @inner_jit

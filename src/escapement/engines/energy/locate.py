@@ -41,6 +41,7 @@ from escapement.gauss import (
 )
 from escapement.jit import inner_jit
 from escapement.mechanisms.slotted import transmission_at
+from escapement.roots import newton_in_bracket
 
 # A last step of Newton's method for a reversal that is longer than this, in x, is due to
 # rounding and left out.
@@ -104,6 +105,29 @@ def locate(work, values, point, left, right, high):
     return x, slope
 
 
+@inner_jit
+def invert(work, target, whole_time):
+    """x in [-1, 1] at the time `target` since the left end; leaves its weights in the workspace.
+
+    `whole_time` is the time over the panel, and `work.scratch` holds that to every point.
+    """
+    count = points_of(work)
+    x = 2.0 * target / whole_time - 1.0
+    low, high = -1.0, 1.0
+    for _ in range(60):
+        weights_to(work, x)
+        # Newton's method on the time, whose derivative by x is dt/dx
+        over = dot(work.from_left, work.scratch, count) - target
+        slope = dot(work.at_x, work.slowness, count)
+        guess, low, high = newton_in_bracket(x, over, slope, low, high, True)
+        step = abs(guess - x)
+        x = guess
+        if step <= 1e-8:
+            break
+    weights_to(work, x)
+    return x
+
+
 class Instant(NamedTuple):
     """Driver angle, time since the left end of the panel, and w."""
 
@@ -131,7 +155,8 @@ def reversal_at(scene, work, panel, side, x, slope, w):
     k, pull = dragged_slope(g, dg, scene), torque_at(angle, scene)[0] - scene.bearing
     way = side * contact(g, k, pull, w, root_of(w, scene), scene) / -slope
     way = panel.half * (way if abs(way) < LARGEST_CORRECTION else 0.0)
-    # X = 0 means that there is no contact force: the driver turns free
+    # X = 0 means that there is no contact force: the driver turns free. It stays in the panel.
+    way = min(way, panel.left + 2.0 * panel.half - angle)
     return Instant(angle + way, elapsed + way / np.sqrt(w), w + free_gain(way, pull, w, scene))
 
 
@@ -251,12 +276,16 @@ def _hides_more(scene, work, panel, side, w, reversal, trend):
 
     `side` is that before the reversal, and `w` is that at the right end.
     """
-    c = side * sampling.contact_at(panel.exit, w, scene)
+    # the row of s X is that of the other side
+    c = -sampling.beside(
+        scene, panel, -side * sampling.contact_at(panel.exit, w, scene), work.contact, N - 1
+    )
     a = sampling.net_torque_at(panel.exit, -side, w, scene)
+    a = sampling.beside(scene, panel, a, work.net_torque, N - 1)
     # the search begins one point later, because X passes through zero at the reversal itself
     rest = reversal + 1
     more = 0
-    more += trend != 0.0 and a * trend <= 0.0
+    more += trend != 0.0 and a * trend < 0.0
     if panel.half > CLOSE_PAIR:
         negligible = NEGLIGIBLE * (scene.rho + panel.entry.g**2)
         more += c > 0.0

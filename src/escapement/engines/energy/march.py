@@ -105,6 +105,8 @@ def march(scene, cells, store, count, request, w, rising, events, used):
             if chained.flow != scene.flow:
                 panels.fill_again(store, state.panel, scene, cells)
             state = _turned(state, chained.entry.g, before, scene.rho)
+        if state.panel != panels.FIRST_PANEL and not chained.locked:
+            state = _face(scene, chained, state, events)
         starting = _choose(scene, work, chained, state, request)
         panel = work.spare if starting else chained
         passage = _pass_over(scene, work, panel, starting, state, request)
@@ -112,7 +114,7 @@ def march(scene, cells, store, count, request, w, rising, events, used):
             return _found(STALL, state, passage.angle, passage.time, count)
         # the events of the left end come before those of the inside, in the order of time
         if not passage.split and request.detail > Detail.TIME:
-            state = _note_left_end(scene, chained, state, events)
+            state = _note_left_end(scene, work, chained, state, events)
         extremum = _check(scene, work, panel, starting, state, passage, request)
         inside = _note_inside(scene, work, panel, state, passage, extremum, request, events)
         if inside.split:
@@ -142,9 +144,28 @@ def _found(status, state, angle, time, count):
 def _enter(scene, panel, w, rising, used):
     """MarchState at the entry, which is the left end of the first panel."""
     end = panel.entry
-    side = side_at(end.g, end.dg, end.pull, w, scene)
+    side = side_at(panel.left, end.g, end.dg, end.pull, panel.slope, w, scene)
     energy = w * (scene.rho + end.g**2)
     return MarchState(panels.FIRST_PANEL, w, energy, side, rising, 0.0, 0.0, 0.0, used, False)
+
+
+@inner_jit(inlined=True)
+def _face(scene, panel, state, events):
+    """MarchState with the side that carries the force just behind the left end of a panel.
+
+    A reversal there is noted, as behind a spring that is spent at dead centre. None is inside a
+    panel next to one of its ends, where rounding would decide on its place.
+    """
+    end = panel.entry
+    side = side_at(panel.left, end.g, end.dg, end.pull, panel.slope, state.w, scene)
+    if side == state.side:
+        return state
+    kind = np.int64(EventKind.REVERSAL)
+    used = note(events, state.used, kind, panel.left, state.time, state.w)
+    return MarchState(
+        state.panel, state.w, state.energy, side, state.rising, state.time, state.exponent,
+        state.source, used, state.left_noted,
+    )  # fmt: skip
 
 
 @inner_jit(inlined=True)
@@ -181,7 +202,8 @@ def _pass_over(scene, work, panel, starting, state, request):
     energy = solution.alpha_end * state.energy + solution.beta_end
     w_right = energy / (scene.rho + panel.exit.g**2)
     right = side * sampling.contact_at(panel.exit, w_right, scene)
-    left = side * sampling.contact_at(panel.entry, w, scene)
+    # side_at has told the side: another sign is rounding
+    left = max(side * sampling.contact_at(panel.entry, w, scene), 0.0)
     # in a start all energy comes from this panel, so that its error is the error of E itself
     split = tail > (request.strict if starting else request.loose)
     time, slowing, reversal = state.time, np.int64(0), NOWHERE
@@ -209,6 +231,7 @@ def _pass_over(scene, work, panel, starting, state, request):
     against, stopped, slowing = sampling.sample_panel(
         scene, work, panel, solution, side, state.energy
     )
+    right = sampling.beside(scene, panel, right, work.contact, N - 1)
     # at the stop of a mesh the sign of X is rounding, and would look like many reversals
     if starting and against > 0:
         against = sampling.clearly_against(work)
@@ -220,7 +243,7 @@ def _pass_over(scene, work, panel, starting, state, request):
     if sampling.turns_back(scene, work, panel, solution, side, w, w_right):
         return Passage(True, False, 0.0, energy, w_right, right, time, reversal, slowing, left)
     negligible = NEGLIGIBLE * (scene.rho + panel.entry.g**2)
-    if not panel.locked and (against > 0 or right <= 0.0):
+    if not panel.locked and (against > 0 or right < 0.0):
         split, reversal = _single_reversal(
             work, panel, against, left, right, negligible, starting or tail > request.strict
         )
@@ -271,7 +294,7 @@ def _single_reversal(work, panel, against, left, right, negligible, rough):
     panel that is `rough` may hold none, since values inside it are not accurate.
     """
     reversal = sampling.first_against(work)
-    split = rough or N - reversal != against or right > 0.0
+    split = rough or N - reversal != against or right > 0.0 or (reversal == 0 and left <= 0.0)
     split = split or sampling.may_vanish(
         work, work.contact, negligible, left, right, FIRST_POINT, reversal
     )
@@ -303,8 +326,8 @@ def _time_over(work, panel, noise, w, w_right, left, right, negligible, reversal
 
 
 @inner_jit(inlined=True)
-def _note_left_end(scene, panel, state, events):
-    """Note a break of the mechanism, and an extremum where theta_ddot jumps through zero."""
+def _note_left_end(scene, work, panel, state, events):
+    """Note a break of the mechanism, and an extremum where theta_ddot goes through zero."""
     used, rising = state.used, state.rising
     if panel.kink and not state.left_noted:
         left_slot = panel.left == scene.edges[-1]
@@ -314,6 +337,11 @@ def _note_left_end(scene, panel, state, events):
     now = sampling.net_torque_at(panel.entry, state.side, state.w, scene)
     if panel.locked and panel.slope == 0.0 and not panel.kink:
         now = 0.0  # nothing jumps inside a dwell, and near the final speed this is rounding
+    elif (
+        not _turns_free(scene, panel)
+        and sampling.beside(scene, panel, now, work.net_torque, 0) == 0.0
+    ):
+        now = work.net_torque[0]
     if now * rising < 0.0:
         used = note(events, used, extremum_kind(rising), panel.left, state.time, state.w)
     if now != 0.0:
@@ -334,6 +362,7 @@ def _check(scene, work, panel, starting, state, passage, request):
     steady = panel.locked and panel.slope == 0.0
     if not split and request.detail > Detail.TIME and not steady:
         first = sampling.net_torque_at(panel.entry, side, state.w, scene)
+        first = sampling.beside(scene, panel, first, work.net_torque, 0)
         last = passage.reversal
         # at a reversal X = 0, so that J theta_ddot = D J/rho has the sign of the drive D
         if last >= 0:
@@ -341,6 +370,7 @@ def _check(scene, work, panel, starting, state, passage, request):
             final = drive_sign(panel.pull[last_point], work.w[last_point], scene)
         else:
             final, last = sampling.net_torque_at(panel.exit, side, passage.w, scene), ALL_POINTS
+            final = sampling.beside(scene, panel, final, work.net_torque, N - 1)
         slowing, changes = passage.slowing, 0
         # one sign at all points and at both ends means that there is nothing to find
         gains = slowing == 0 and first > 0.0 and final > 0.0
@@ -364,9 +394,9 @@ def _note_inside(scene, work, panel, state, passage, extremum, request, events):
         return Inside(split, used, after_reversal)
     x, slope = 1.0, 0.0
     if reversal >= 0:
-        # with s X <= 0 at the left end already, which is rounding, the reversal lies there
+        # with s X = 0 at the left end and s X < 0 at the first point the reversal lies there
         x = -1.0
-        if passage.left_contact > 0.0:
+        if reversal > 0 or passage.left_contact > 0.0:
             left, right = passage.left_contact, passage.contact
             x, slope = locate.locate(work, work.contact, reversal, left, right, 1.0)
         locate.weights_to(work, x)

@@ -15,7 +15,8 @@ from escapement.dynamics import LOSSES, left_by_blow, scene_of
 from escapement.engines.energy import panels
 from escapement.engines.energy.calls import march, refine
 from escapement.engines.energy.events import EVENT, NO_EVENTS, EventKind
-from escapement.engines.energy.locate import weights_to
+from escapement.engines.energy.locate import invert
+from escapement.engines.energy.march import OK
 from escapement.engines.energy.panels import NUMBER, WHOLE, record_dtype
 from escapement.engines.energy.passage import Detail, Request
 from escapement.engines.energy.pattern import scene_in
@@ -28,7 +29,6 @@ from escapement.mechanism import FloatArray
 from escapement.mechanisms.pattern import Handoff
 from escapement.mechanisms.slotted import transmission_at
 from escapement.power_flow import flowing
-from escapement.roots import newton_in_bracket
 from escapement.scene import Scene
 from escapement.tabulation import losses_at
 from escapement.torque_curve import MOST_KNOTS
@@ -82,6 +82,8 @@ def events_of(addresses, scene_tuple, cells, meetings, numbers, turned, squares,
     -------
     events : ndarray of MOTION_EVENT
         The events of each engagement in turn; its entry comes first.
+    reached : ndarray
+        w with which each leaves for the next, NaN where the march does not come to its end.
     """
     common, size = scene_of(scene_tuple), meetings.size
     loose, strict = panels.tolerances(rtol)
@@ -89,7 +91,7 @@ def events_of(addresses, scene_tuple, cells, meetings, numbers, turned, squares,
     store = panels.new_store(panels.MAX_PANELS)
     events = np.empty(_ROOM + 4 * common.edges.size + MOST_KNOTS, EVENT)
     table = np.empty(8 * numbers.size + 64, MOTION_EVENT)
-    filled, rising = NO_EVENTS, 0.0
+    filled, rising, reached = NO_EVENTS, 0.0, np.full(numbers.size, np.nan)
     for i in range(numbers.size):
         k, w, scene = numbers[i], squares[i], cell_after(turned[i], common)
         if i == 0 or numbers[i - 1] != k - 1:
@@ -107,6 +109,10 @@ def events_of(addresses, scene_tuple, cells, meetings, numbers, turned, squares,
         count = panels.NO_PANELS
         found = march(addresses, scene, cells, store, count, request, w, rising, events, NO_EVENTS)
         rising, used = found.rising, found.used
+        if found.status == OK:
+            reached[i] = found.w
+            if size > 0 and meetings[(k + 1) % size].kind == Handoff.STRIKE:
+                reached[i] *= left_by_blow(scene_in(common, meetings[(k + 1) % size])) ** 2
         if filled + used + 2 > table.shape[0]:
             larger = np.empty(2 * table.shape[0] + used, MOTION_EVENT)
             _copy(table, larger, filled)
@@ -121,7 +127,7 @@ def events_of(addresses, scene_tuple, cells, meetings, numbers, turned, squares,
             filled = _append(table, filled, k, event.kind, event.angle, event.time, event.w, 0.0)
     happened = np.empty(filled, MOTION_EVENT)
     _copy(table, happened, filled)
-    return happened
+    return happened, reached
 
 
 @inner_jit
@@ -181,6 +187,9 @@ def _states_in(scene, store, ends, piece, rtol, times, theta, squares, losses, p
     values = np.empty((N + 2, peaks.size))
     for j in range(times.size):
         theta[j], squares[j] = left, w
+    if not w >= 0.0:
+        _forget(0.0, times, theta, squares, losses)
+        return
     while part.left < end:
         # a record does not keep its memory alive: `store` must be in use to the end of the loop
         work, panel = store.workspace[0], store.panels[panels.FIRST_PANEL]
@@ -268,7 +277,7 @@ def _read(scene, work, panel, part, length, end, times, theta, squares):
         t = times[j] - part.time
         if t < 0.0 or (t > length and part.right < end):
             continue
-        x = _invert(work, min(t, length), length)
+        x = invert(work, min(t, length), length)
         theta[j] = 0.5 * (part.left + part.right) + panel.half * x
         g = 0.0 if panel.locked else transmission_at(scene.path, theta[j])[0]
         # E is interpolated, which is mostly smoother than w: the factor of w = E/(rho + g^2)
@@ -349,26 +358,3 @@ def _add_losses(scene, work, panel, side, losses):
         share = panel.half * WEIGHTS[i]
         for j in range(losses.size):
             losses[j] += share * rates[j + 1]
-
-
-@inner_jit
-def _invert(work, target, whole_time):
-    """x in [-1, 1] at the time `target` since the left end; leaves its weights in the workspace.
-
-    `whole_time` is the time over the panel, and `work.scratch` holds that to every point.
-    """
-    count = panels.points_of(work)
-    x = 2.0 * target / whole_time - 1.0
-    low, high = -1.0, 1.0
-    for _ in range(60):
-        weights_to(work, x)
-        # Newton's method on the time, whose derivative by x is dt/dx
-        over = dot(work.from_left, work.scratch, count) - target
-        slope = dot(work.at_x, work.slowness, count)
-        guess, low, high = newton_in_bracket(x, over, slope, low, high, True)
-        step = abs(guess - x)
-        x = guess
-        if step <= 1e-8:
-            break
-    weights_to(work, x)
-    return x

@@ -7,7 +7,16 @@ these it needs for which panel.
 
 import numpy as np
 
-from escapement.dynamics import bend, contact, is_viscous, net_torque, reduced_inertia, root_of
+from escapement.drive import gap_of_places
+from escapement.dynamics import (
+    bend,
+    contact,
+    is_viscous,
+    net_torque,
+    reduced_inertia,
+    root_of,
+    settled,
+)
 from escapement.engines.energy.panels import points_of
 from escapement.gauss import (
     LAST_BUT_ONE_COEFFICIENT,
@@ -54,6 +63,15 @@ def net_torque_at(end, side, w, scene):
 def contact_at(end, w, scene):
     """X at an end of a panel."""
     return contact(end.g, end.dg, end.pull, w, root_of(w, scene), scene)
+
+
+@inner_jit
+def beside(scene, panel, value, row, point):
+    """A value at an end of a panel, 0 where it has the sign of the nearest point close to it.
+
+    `row` has the values at the points, and `point` is 0 at the left end and N - 1 at the right.
+    """
+    return settled(value, row[point], panel.dtheta_dx[point] * TO_NEAREST, gap_of_places(scene))
 
 
 @inner_jit

@@ -28,6 +28,8 @@ _NO_PATTERN = np.empty(0, MEETING)
 _AT_ONCE = 1 << 15
 # The engagements of a part of a long motion; the events of a part are kept.
 _PART = 512
+# The w at the end of an engagement may differ from that of its handoff by this share.
+_FAR = 1e-6
 _STOPS = [EventKind.ENTRY, EventKind.REVERSAL, EventKind.EXIT, EventKind.BREAK]
 
 
@@ -117,9 +119,16 @@ class EnergyTrajectory:
             mechanism: Any = escapement.mechanism
             pattern, cells = mechanism.pattern, NO_CELLS
         turned = np.broadcast_to(escapement.turned_before(numbers), numbers.shape).astype(float)
-        table = events_of(
-            addresses, scene, cells, pattern, numbers, turned, (speed * clock) ** 2, self.rtol
-        )  # fmt: skip
+        squares = (speed * clock) ** 2
+        table, reached = events_of(
+            addresses, scene, cells, pattern, numbers, turned, squares, self.rtol
+        )
+        inner = numbers < self.turns
+        given = (self.speeds[numbers[inner]] * clock) ** 2
+        allowed = _FAR * (given + squares[inner]) + _FAR**2
+        lost = numbers[inner][~(np.abs(reached[inner] - given) <= allowed)]
+        # an engagement whose events lead to another end than its handoff has no states
+        table["w"][np.isin(table["engagement"], lost)] = np.nan
         owner = np.searchsorted(numbers, table["engagement"])
         time, after = start[owner] + table["time"] * clock, np.minimum(numbers + 1, self.turns)
         ends = np.where(numbers < self.turns, self._entries(after)[0], np.inf)
@@ -143,7 +152,10 @@ class EnergyTrajectory:
         ends = np.array([float(scene.edges[-1] + scene.dwell) for scene in scenes])[place]
         ends[:-1] = np.where(entry[1:], ends[:-1], angle[1:])
         turned = np.broadcast_to(self.escapement.turned_before(engagement), angle.shape)
-        return Pieces(time, engagement, place, np.column_stack([side, angle, ends, w, turned]))
+        rows = np.column_stack([side, angle, ends, w, turned])
+        # of events at one place the last begins the piece
+        kept = ends > angle
+        return Pieces(time[kept], engagement[kept], place[kept], rows[kept])
 
     @property
     def start(self) -> FloatArray:

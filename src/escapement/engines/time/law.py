@@ -150,11 +150,11 @@ def contact_at(theta, w, side, plain):
 
 @jit(allocates=True)
 def side_from(theta, w, plain):
-    """Side of the slot that carries the force from a driver angle on."""
+    """Side of the slot that carries the force just behind a driver angle."""
     scene = flowing(theta, 1.0, w, scene_of(plain))
     g, _c, k = dynamics.bent_pose(theta, 1.0, scene)
-    pull = torque_at(theta, scene)[0] - scene.bearing
-    return dynamics.side_at(g, k, pull, w, scene)
+    torque, slope = torque_at(theta, scene)
+    return dynamics.side_at(theta, g, k, torque - scene.bearing, slope, w, scene)
 
 
 @jit(allocates=True)

@@ -16,10 +16,13 @@ from typing import Any, NamedTuple
 import numpy as np
 from scipy.integrate import OdeSolution, solve_ivp
 
+from escapement.dynamics import settled as _settled
 from escapement.engines.time.crossings import ROUNDING, find_roots
 from escapement.engines.time.law import Law, slope
+from escapement.jit import as_python
 from escapement.mechanism import FloatArray
 
+settled = as_python(_settled)
 MOST_STEPS = 25_000
 """Solver steps that a piece may take, a second or two; DOP853 needs fifty."""
 _LEAST_ATOL = 1e-30  # with an atol of zero solve_ivp would divide 0 by 0
@@ -54,6 +57,7 @@ class Task(NamedTuple):
     anchor : driver angle to count from [rad].
     typical : driver angle at which the friction loss has its usual size [rad].
     time : natural time left.
+    gap : distance up to which breaks and events are at one place [rad].
     """
 
     theta: float
@@ -63,6 +67,7 @@ class Task(NamedTuple):
     anchor: float
     typical: float
     time: float
+    gap: float
 
 
 class Ending(Enum):
@@ -117,8 +122,12 @@ def solve_piece(law: Law, task: Task, options: Options) -> Solution:
     dense, end = problem.retake_last_step(solved, end, ending)
     # extrema of the speed are roots of the acceleration
     kept = times < end
-    last_rate = problem.rate(dense(end))
-    times, rates = np.append(times[kept], end), np.append(rates[kept], last_rate)
+    # a sample that is as good as at the end is none
+    kept &= (times <= times[0]) | (dense(times)[0] < dense(end)[0] - task.gap)
+    times, rates = np.append(times[kept], end), np.append(rates[kept], problem.rate(dense(end)))
+    angles = dense(times[[0, 1, -2, -1]])[0]
+    rates[0] = _beside(rates[0], rates[1], angles[1] - angles[0], task.gap)
+    rates[-1] = last_rate = _beside(rates[-1], rates[-2], angles[3] - angles[2], task.gap)
     if not task.sign and law.is_steady:
         # A locked follower leaves a law of the speed alone: the acceleration keeps its sign, though
         # at the speed where drag balances the drive rounding changes it.
@@ -226,7 +235,8 @@ class _Problem:
         if reversed_:
             turns.append(last)
         if turns:
-            beyond = solved.sol(turns[0])[0] >= self.task.end - self.task.anchor
+            # a reversal at the goal belongs to the next piece
+            beyond = solved.sol(turns[0])[0] >= self.task.end - self.task.anchor - self.task.gap
             return turns[0], Ending.ARRIVED if beyond else Ending.REVERSED
         if arrived:
             return last, Ending.ARRIVED
@@ -278,6 +288,14 @@ class _Problem:
         value = vanishes(y)
         growth = (vanishes(y + _NUDGE * rates) - value) / _NUDGE
         return -value / growth if growth else np.inf
+
+
+def _beside(value: float, other: float, way: float, gap: float) -> float:
+    """An acceleration at an end of a piece, or the `other` where it has that one's sign close by.
+
+    Next to an end rounding decides on the place of an extremum, which belongs to the end.
+    """
+    return value if settled(value, other, way, gap) else other
 
 
 def _too_many_steps(method: str) -> str:

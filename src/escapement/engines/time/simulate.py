@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from escapement.drive import REST, is_spent, is_undriven, next_knot
+from escapement.drive import KNOT_GAP, REST, SAME_PLACE, is_spent, is_undriven, next_knot
 from escapement.dynamics import LOSSES, left_by_blow
 from escapement.engines.time.free import FreeTurn, is_free, stand_still, turn_free
 from escapement.engines.time.law import Law, least_share
@@ -39,8 +39,6 @@ _STEEP = 0.1
 """Share of rho + g^2 that friction leaves of J_s, below which the law is steep."""
 _ROUNDING = 4.0 * float(np.finfo(float).eps)
 """Relative error of a time that is converted to natural units and back."""
-_SAME_PLACE = 1e-12
-"""Two reversals, or extrema, this close [rad] are a single one that rounding makes double."""
 
 
 class Span(NamedTuple):
@@ -123,6 +121,11 @@ class _Simulation:
     extrema: list[Event] = field(default_factory=list)
 
     @property
+    def gap(self) -> float:
+        """Distance up to which breaks and events are at one place [rad]."""
+        return SAME_PLACE if self.drive.is_steady else KNOT_GAP
+
+    @property
     def over(self) -> bool:
         return self.stalled or self.time >= self.end_time
 
@@ -190,7 +193,7 @@ class _Simulation:
         edges = self.law.scene.edges
         first, last = (edges[0], edges[-1]) if self.law.is_table else (self.theta, end)
         typical, time_left = 0.5 * (first + last), self.end_time - self.time
-        task = Task(self.theta, self.speed, sign, end, span.slow, typical, time_left)
+        task = Task(self.theta, self.speed, sign, end, span.slow, typical, time_left, self.gap)
         if is_free(self.law, task):
             solved: Solution | FreeTurn = turn_free(self.law, task)
         else:
@@ -208,11 +211,16 @@ class _Simulation:
     def _add(self, sign: float, losses: FloatArray, solution: Solution | FreeTurn) -> None:
         self.pieces.append((self.time, self.engagement, sign, losses, solution))
 
+    def _turned_since(self, event: Event, theta: float) -> float:
+        """Driver angle since an event to one in this engagement [rad]."""
+        cells = (self.engagement - event.engagement) * self.escapement.mechanism.cell_angle
+        return cells + theta - event.theta
+
     def _note_reversal(self) -> None:
         """Note a pin reversal, or drop the last one if this undoes it at the same place."""
         found = Event(self.engagement, self.time, self.theta, self.speed)
         last = self.reversals[-1] if self.reversals else None
-        if last and last.engagement == found.engagement and found.theta - last.theta <= _SAME_PLACE:
+        if last and self._turned_since(last, found.theta) <= self.gap:
             self.reversals.pop()
         else:
             self.reversals.append(found)
@@ -238,7 +246,7 @@ class _Simulation:
     def _note_extremum(self, time: float, theta: float, speed: float) -> None:
         """Note an extremum, or drop the last one if this undoes it at the same place."""
         last = self.extrema[-1] if self.extrema else None
-        if last and last.engagement == self.engagement and theta - last.theta <= _SAME_PLACE:
+        if last and self._turned_since(last, theta) <= self.gap:
             self.extrema.pop()
         else:
             self.extrema.append(Event(self.engagement, time, theta, speed, self.trend > 0.0))

@@ -1,0 +1,134 @@
+"""Many engagements of a slow transient at once, where one hardly changes the speed.
+
+With few losses it takes up to a million engagements until the terminal cycle is near. The map of
+one, w + h(w), is the flow of dw/dk = v(w) over one engagement. Up to the third order in h/w, with
+the gap gamma = -h',
+
+    v = h [-log(1 - gamma)/gamma + h h''/12]
+
+so that k = int dw/v engagements pass. By Euler and Maclaurin their times T add up to
+int T dk - [T]/2 + [dT/dk]/12; in the last term T goes with 1/sqrt(w). Both integrals run over
+16 Gauss points, an engagement each. The coordinate is log q, where q is the distance from the
+terminal w over the smaller of both.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from escapement.engines.energy.calls import march_case
+from escapement.engines.energy.cycle import map_of
+from escapement.engines.energy.events import NO_EVENTS
+from escapement.engines.energy.locate import invert, weights_to
+from escapement.engines.energy.march import OK
+from escapement.engines.energy.panels import NO_PANELS, points_of
+from escapement.gauss import POINTS, N, cumulate, dot, integral, tail_of
+from escapement.jit import inner_jit
+
+# Engagements that change w by more than this share, or contract it by more, are marched.
+GENTLE = 5e-3
+# A leap over fewer engagements is not worth while.
+WORTH = 64
+# A leap goes this share of the way to its goal, and the rest is marched.
+SHARE = 0.9
+# The greatest change of log q in a leap.
+WIDEST = 1.0
+# The share that the series of a leap may miss.
+ROUGHEST = 1e-9
+GAIN, GAP, SLOPE, TIME, GOALS = range(5)
+"""Rows of a leap: h, gamma, the derivative of w by the coordinate x, T, and goals of `figures`."""
+ROWS = 5
+
+
+class Leap(NamedTuple):
+    """Number of engagements passed, 0 where it is no use; w behind them, and their time."""
+
+    number: int
+    w: float
+    time: float
+
+
+@inner_jit
+def distance(w, final):
+    """log q of w."""
+    return np.log(abs(final - w) / min(w, final))
+
+
+@inner_jit
+def is_gentle(w, step):
+    """Whether an engagement hardly changes w; `step` is that of Newton's method from w."""
+    gap = 1.0 - step.contraction
+    return step.sound and gap < GENTLE and abs(step.w - w) * gap < GENTLE * w
+
+
+@inner_jit
+def is_worth_it(w, step, final, goal):
+    """Whether many engagements pass up to the goal; `step` is that of Newton's method from w."""
+    gap, way = 1.0 - step.contraction, distance(w, final) - distance(goal, final)
+    return SHARE * way > WORTH * gap * max(1.0, final / w)
+
+
+@inner_jit
+def leap(case, request, ends, w, final, goal, most, rows):
+    """Leap from w towards `goal`, which lies before the terminal w, `final`.
+
+    At most `most` engagements are passed; `rows` is memory of shape (ROWS, N).
+    """
+    none, below, start = Leap(np.int64(0), w, 0.0), w < final, distance(w, final)
+    half = -0.5 * min(SHARE * (start - distance(goal, final)), WIDEST)
+    if not _march(case, request, ends, start + half, half, below, final, rows):
+        return none
+    work = case.store.workspace[0]
+    count = points_of(work)
+    for i in range(N):
+        gap, gain = rows[GAP, i], rows[GAIN, i]
+        # h'' = -dgamma/dw, by the neighbours
+        one, two = max(i - 1, 0), min(i + 1, N - 1)
+        way = (POINTS[two] - POINTS[one]) * rows[SLOPE, i]
+        bend = -(rows[GAP, two] - rows[GAP, one]) / way
+        flow = gain * (-np.log1p(-gap) / gap + gain * bend / 12.0)
+        work.slowness[i] = rows[SLOPE, i] / flow
+        work.energy[i] = rows[TIME, i] * work.slowness[i]
+    whole = integral(work.slowness, count)
+    if not tail_of(work.slowness, count) <= ROUGHEST * whole or not whole >= WORTH:
+        return none
+    passed = min(np.int64(whole), most)
+    cumulate(work.slowness, work.scratch)
+    x = invert(work, float(passed), whole)
+    cumulate(work.energy, work.scratch)
+    time = dot(work.from_left, work.scratch, count)
+    # the ends of the sum: w, h and T there
+    here = _at(start + half * (1.0 + x), below, final)
+    time += _correction(work, rows, here, count)
+    weights_to(work, -1.0)
+    return Leap(passed, here, time - _correction(work, rows, w, count))
+
+
+@inner_jit
+def _march(case, request, ends, middle, half, below, final, rows):
+    """Fill the rows of a leap; returns whether all engagements are sound."""
+    panels = NO_PANELS
+    for i in range(N):
+        z = middle + half * POINTS[i]
+        here = _at(z, below, final)
+        found = march_case(case, panels, request, here, 0.0, NO_EVENTS)
+        panels = found.panels
+        _contraction, gap, offset = map_of(found, case.scene, ends)
+        if found.status != OK or not gap > 0.0:
+            return False
+        rows[GAIN, i], rows[GAP, i], rows[TIME, i] = offset - gap * here, gap, found.time
+        rows[SLOPE, i] = half * np.exp(z) * (-here * here / final if below else final)
+    return True
+
+
+@inner_jit
+def _at(z, below, final):
+    """w at log q = z."""
+    return final / (1.0 + np.exp(z)) if below else final * (1.0 + np.exp(z))
+
+
+@inner_jit
+def _correction(work, rows, w, count):
+    """-T/2 + (dT/dk)/12 at w, whose weights are in the workspace."""
+    time, gain = dot(work.at_x, rows[TIME], count), dot(work.at_x, rows[GAIN], count)
+    return -0.5 * time - time * gain / (24.0 * w)

@@ -1,0 +1,114 @@
+"""Knots of the torque and ends of a spring that coincide with breaks of the mechanism.
+
+Behind a spring that is spent at dead centre the force vanishes there together with the
+acceleration, so that rounding would decide on reversals and extrema. `ivp` is the judge.
+"""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import escapement as esc
+from coinciding import counts, curve_scene, differences, spring_scene
+from escapement.ledger import judged
+from escapement.status import Status
+
+CELL, TORQUE = np.pi / 2.0, 0.0113
+GENEVA, INERTIA = esc.Geneva(4), esc.Inertia(3.39e-7, 5.65e-6)
+
+
+def agree(escapement, engagements):
+    """Both engines find the same motion, and both balances close."""
+    fast = esc.simulate(escapement, engagements)
+    judge = esc.simulate(escapement, engagements, engine="ivp", rtol=1e-12)
+    assert abs(fast.ledger.residual) < 1e-12
+    assert abs(judge.ledger.residual) < 1e-12
+    assert counts(fast) == counts(judge)
+    assert max(differences(fast, judge).values()) < 1e-9
+    if fast.handoff_times.size:
+        assert np.allclose(fast.handoff_times, judge.handoff_times, rtol=1e-11, atol=0.0)
+    return fast
+
+
+def no_torque_from(place):
+    """A torque that is zero from a place in the cell on, for .3 rad."""
+    curve = esc.TorqueCurve([0.0, place, place + 0.3, CELL], [TORQUE, 0, 0, TORQUE], periodic=True)
+    return esc.Escapement(GENEVA, INERTIA, torque=curve, friction=0.35)
+
+
+@pytest.mark.parametrize("beside", [0.0, 1e-16, -1e-16, 1e-12, -1e-10])
+def test_the_torque_becomes_zero_at_dead_centre(beside):
+    motion = agree(no_torque_from(CELL / 2.0 + beside), 4)
+    assert motion.reversals.time.size == 12
+    # one of the three reversals of each engagement is at dead centre, where the contact point
+    # reverses its direction of sliding as well
+    from_centre = motion.reversals.theta - motion.reversals.engagement * CELL
+    assert np.sum(np.abs(from_centre) < 1e-9) == 4
+    assert motion.slide_changes.time.size == 4
+
+
+@pytest.mark.parametrize("cells", [0.5, 1.0, 1.5, 2.0, 2.5])
+def test_a_spring_is_spent_at_a_break(cells):
+    spring = esc.Escapement(
+        GENEVA, INERTIA, torque=TORQUE, spring_rate=TORQUE / (cells * CELL), friction=0.3
+    )
+    agree(spring, 4)
+
+
+def test_a_long_rundown_that_ends_at_dead_centre_ends_with_ivp():
+    rate = TORQUE / (6.5 * CELL)
+    spring = esc.Escapement(GENEVA, INERTIA, torque=TORQUE, spring_rate=rate, friction=0.3)
+    agree(spring, 9)
+
+
+@pytest.mark.parametrize("family", [curve_scene, spring_scene])
+@pytest.mark.parametrize("seed", [66, 121, 200, 210])
+def test_random_scenes(family, seed):
+    agree(family(np.random.default_rng(seed)), 3)
+
+
+def test_pieces_have_a_length():
+    motion = esc.simulate(no_torque_from(CELL / 2.0), 4)
+    assert (np.diff(motion.trajectory.start) > 0.0).all()
+
+
+def test_events_that_lead_elsewhere_than_their_handoff_give_no_states():
+    motion = esc.simulate(no_torque_from(CELL / 2.0), 4)
+    motion.trajectory.speeds[1] *= 1.001
+    assert motion.status is Status.OK
+    within = motion.at((motion.handoff_times[0] + motion.handoff_times[1]) / 2.0)
+    assert np.isnan(within.theta_dot)
+    assert motion.status is Status.NOT_CONVERGED
+    assert "not reliable" in motion.message
+
+
+@pytest.mark.parametrize("engine", ["energy", "ivp"])
+def test_a_motion_whose_balance_does_not_close_is_not_ok(engine):
+    motion = esc.simulate(esc.Escapement(GENEVA, INERTIA, TORQUE, 0.3), 3, engine=engine)
+    wrong = replace(motion, escapement=esc.Escapement(GENEVA, INERTIA, 1.001 * TORQUE, 0.3))
+    wrong.trajectory = motion.trajectory
+    assert motion.ledger.residual < 1e-12
+    assert motion.status is Status.OK
+    assert abs(wrong.ledger.residual) > 1e-6
+    assert wrong.status is Status.NOT_CONVERGED
+    assert "not accounted for" in wrong.message
+
+
+def test_figures_of_a_cycle_whose_balance_does_not_close_are_not_ok():
+    figures = esc.terminal(esc.Escapement(GENEVA, INERTIA, TORQUE, 0.3))
+    other = esc.Escapement(GENEVA, INERTIA, 1.001 * TORQUE, 0.3)
+    motion = replace(figures.motion, escapement=other)
+    wrong = replace(figures, motion=motion)
+    assert figures.as_dict()["status"] == Status.OK
+    assert wrong.as_dict()["status"] == Status.NOT_CONVERGED
+
+
+def test_what_closes():
+    ok, stall = (Status.OK, "done"), (Status.STALL, "it stops")
+    assert judged(*ok, 2e-11, 1e-12) == ok
+    assert judged(*ok, -2e-6, 1e-4) == ok
+    assert judged(*stall, 1.0, 1e-12) == stall
+    for residual in (2e-6, -2e-6, np.nan, np.inf):
+        assert judged(*ok, residual, 1e-12)[0] is Status.NOT_CONVERGED
+        assert judged(Status.SPENT, "", residual, 1e-12)[0] is Status.NOT_CONVERGED

@@ -1,0 +1,72 @@
+"""Figures of wheels nearly without losses, whose transient is leapt over."""
+
+import math
+from time import process_time
+
+import numpy as np
+import pytest
+
+import escapement as esc
+from escapement.merits import TRANSIENT
+from escapement.metrics import fall_times, read_transient
+from escapement.status import Status
+from slow_wheels import random_wheel
+
+GENEVA, INERTIA, TORQUE = esc.Geneva(4), esc.Inertia(3.39e-7, 5.65e-6), 0.0113
+
+
+def wheel(geneva=GENEVA, **numbers):
+    return esc.Escapement(geneva, INERTIA, torque=TORQUE, **numbers)
+
+
+@pytest.mark.parametrize(
+    ("escapement", "start"),
+    [
+        (wheel(friction=1e-4), 0.0),
+        (wheel(friction=1e-4), 3e4),
+        (wheel(friction=1e-4, load_torque=2e-3), 0.0),
+        (wheel(friction=3e-5, driver_viscous=1e-9), 0.0),
+        (wheel(friction=0.0, follower_drag=2e-9), 0.0),
+        # here an extremum appears at the pin exit when its speed is in the band already
+        (wheel(esc.Geneva(8), friction=1e-4), 0.0),
+    ],
+)
+def test_times_are_those_of_the_motion(escapement, start):
+    figures = esc.terminal(escapement, initial_speed=start)
+    assert 0.99 < figures.contraction < 0.9999
+    decay = 6.0 + 2.0 * math.log1p(start / figures.handoff_velocity)
+    count = int(decay / (1.0 - figures.contraction))
+    motion = esc.simulate(escapement, count, initial_speed=start)
+    rise, settled = read_transient(motion, figures)
+    told = (rise, *fall_times(motion, start, figures.handoff_velocity), settled)
+    for name, time in zip(TRANSIENT, told, strict=True):
+        assert getattr(figures, name) == pytest.approx(time, rel=1e-8)
+
+
+def test_a_drag_of_the_driver_alone_balances_the_torque():
+    """Without friction the drag c w takes the work of the drive over a cell, to first order."""
+    drag = 1e-11
+    figures = esc.terminal(wheel(friction=0.0, driver_drag=drag))
+    # w (rho + g^2) is nearly constant: its mean of w over the cell decides
+    theta = np.linspace(*GENEVA.breaks[::2], 20001)
+    g = GENEVA.transmission(theta).g
+    share = INERTIA.driver / (INERTIA.driver + INERTIA.follower * g**2)
+    square = TORQUE / (drag * np.trapezoid(share, theta) / (theta[-1] - theta[0]))
+    assert figures.handoff_velocity == pytest.approx(math.sqrt(square), rel=1e-4)
+
+
+@pytest.mark.parametrize("seed", range(40))
+def test_no_wheel_takes_long(seed):
+    escapement, start = random_wheel(np.random.default_rng(seed))
+    esc.terminal(wheel(friction=0.3))
+    before = process_time()
+    figures = esc.terminal(escapement, initial_speed=start)
+    assert process_time() - before < 0.05
+    assert not figures.status.failed
+
+
+def test_without_any_loss_there_is_no_terminal_cycle():
+    for load in (0.0, 1e-3):
+        figures = esc.terminal(wheel(friction=0.0, load_torque=load))
+        assert figures.status is Status.NO_TERMINAL
+        assert math.isnan(figures.period)
