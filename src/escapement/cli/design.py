@@ -4,7 +4,7 @@ from pathlib import Path
 from typing import Any
 
 import escapement as esc
-from escapement.cli import SOME_FAILED, _arguments, _output
+from escapement.cli import SOME_FAILED, _arguments, _inputs, _output
 from escapement.cli._arguments import Arguments, Parser
 from escapement.files import write_file
 from escapement.text import as_csv, print_columns, words
@@ -36,7 +36,8 @@ def execute(args: Arguments) -> int:
     _output.check_wanted(args, file="FILE.csv")
     wish, system = load_wish(args.wish)
     found = esc.design(wish, count=args.count or 40)
-    shown = args.units or system
+    shown = args.units = args.units or system
+    known = [*_inputs.of_wish(wish), ("count", args.count or 40, "ratio")]
     kinds = {**_CHOSEN, **{name: entry.unit for name, entry in BOUNDS.items()}}
     lines = [_line(one) for one in found.designs]
     record = [
@@ -44,7 +45,9 @@ def execute(args: Arguments) -> int:
         for line in lines
     ]
     if not lines:
-        _output.tell(args, {"designs": [], "message": found.message}, lambda: None, found.message)
+        _output.tell(
+            args, {"designs": [], "message": found.message}, lambda: None, found.message, known
+        )
         return SOME_FAILED
     if args.output is not None:
         table = as_csv([[*lines[0]], *([*line.values()] for line in lines)])
@@ -61,7 +64,7 @@ def execute(args: Arguments) -> int:
         print_columns([header], [[line[name] for name in names] for line in record])
 
     message = f"{len(lines)} designs, from {found.tried} points tried"
-    _output.tell(args, {"designs": record, "message": message}, table_of_designs, message)
+    _output.tell(args, {"designs": record, "message": message}, table_of_designs, message, known)
     return 0
 
 

@@ -8,6 +8,7 @@ from escapement.cli import _arguments, _output
 from escapement.cli._arguments import Arguments, Parser, UsageError
 from escapement.files import CUTS
 from escapement.fits import Fits
+from escapement.inputs import inputs_of_mechanism, inputs_of_settings
 from escapement.mechanisms import DEFAULT_KIND, kind_of
 from escapement.quantity import Quantity, declared
 from escapement.units import factor
@@ -61,7 +62,9 @@ def execute(args: Arguments) -> int:
     else:
         how = {name: getattr(args, name) for name in ("segments", "r12", "force")}
         gaps = esc.export(mechanism, args.output, fits, inches=args.units != "SI", **how)
-    _output.report(args, _summary(args, mechanism, fits, gaps), _KINDS, _warning(mechanism, fits))
+    known = [*inputs_of_mechanism(mechanism), *inputs_of_settings(fits, mechanism.meshed)]
+    record = _summary(args, mechanism, fits, gaps)
+    _output.report(args, record, _KINDS, _warning(mechanism, fits), known)
     return 0
 
 

@@ -15,6 +15,8 @@ from escapement.cli._arguments import (
     option,
 )
 from escapement.errors import InvalidValue
+from escapement.fitting import LENGTHS
+from escapement.inputs import inputs_of, inputs_of_mechanism
 from escapement.lazy import Lazy
 from escapement.model import model_settings
 from escapement.text import print_columns, print_values, words
@@ -146,7 +148,8 @@ def execute(args: Arguments) -> int:
     else:
         _output.draw(args.plot, lambda plots: plots.plot_speeds(fit))
     record = _joined(result, fit, args.units)
-    _output.tell(args, record, lambda: _print(record), record["message"])
+    known = inputs_of(escapement) if escapement else inputs_of_mechanism(mechanism)
+    _output.tell(args, record, lambda: _print(record), record["message"], known)
     return 0
 
 
@@ -155,7 +158,9 @@ def _read_model(args: Arguments) -> "esc.Escapement | None":
     if args.fit is not None:
         escapement: esc.Escapement = _arguments.read_escapement(args)
         return escapement
-    given = {option(name): getattr(args, name) for name in model_settings()}
+    # the sizes of a wheel change no angles
+    names = (*model_settings(), *LENGTHS, "fixed_radius")
+    given = {option(name): getattr(args, name) for name in names}
     given["--time-column"] = args.time_column
     for name, value in given.items():
         if value is not None:
