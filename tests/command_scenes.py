@@ -4,7 +4,9 @@ A scene is the options of one command line by name. Every number needs a scene o
 kind in which it can change a result: one with its partner, as a bearing's radius has friction.
 """
 
+import io
 import math
+from contextlib import redirect_stderr, redirect_stdout
 from pathlib import Path
 
 import numpy as np
@@ -128,7 +130,8 @@ def _export(kind):
     if kind == "tabulated":  # it has no parts
         return []
     thick = {"pin_radius": 0.001, "clearance": 1e-4} if kind in ERRORS else {}
-    return [{**WHEELS[kind], **thick, **SHAFTS, **FITS, **DISCS}]
+    wheel = {name: x for name, x in WHEELS[kind].items() if name != "unused_lobes"}
+    return [{**wheel, **thick, **SHAFTS, **FITS, **DISCS}]
 
 
 def _drive_torque(kind):
@@ -181,6 +184,7 @@ CHANGED = {
     **{"curve": "hypocycloid", "table": "other.csv", "engine": "energy", "method": "RK45"},
     **{"contact_law": "hunt-crossley", "atol": 1e-6, "rtol": 1e-11, "max_step": 1e-3},
     "duration": 0.2,
+    "confidence": 0.9,
     **{"select": "friction=0.2", "result": "rise_time", "angle_unit": "rad", "bins": 9},
     **{"fit": "driver_inertia", "input_column": "again_deg", "output_column": "again_deg"},
     **{"indices": 8, "lobes": "1/2", "time_column": "later_s"},
@@ -294,7 +298,8 @@ def write_inputs(command, kind):
         text = "".join(f"{x!r},{y!r}\n" for x, y in np.degrees([angles, turned]).T.tolist())
         Path(f"{name}.csv").write_text(text)
     if command == "plot":
-        main(["sweep", "study.toml", "--quiet", "--json"])
+        with redirect_stdout(io.StringIO()), redirect_stderr(io.StringIO()):
+            main(["sweep", "study.toml", "--quiet"])
     if command != "measure":
         return
     machine = MACHINES[kind]()

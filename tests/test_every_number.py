@@ -79,7 +79,13 @@ def verdict(action, scene, base, found):
         same = record == base if action.dest in SOLVER else alike(record, base)
         return "silent" if same else "acts"
     # a train is named by its place; or the option does not suit another one that is named
-    names = {action.dest, *action.option_strings, action.dest.rpartition("_")[0] or "-", *scene}
+    names = {
+        action.dest,
+        *action.option_strings,
+        action.dest.rpartition("_")[0] or "-",
+        *scene,
+        "required",
+    }
     told = code in (2, 65) and err.count("\n") == 1 and any(name in err for name in names)
     return "refused" if told else f"exit {code}: {err}"
 

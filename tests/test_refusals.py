@@ -14,7 +14,7 @@ from command_scenes import (
 from escapement.cli import _output
 from escapement.cli._arguments import parser_of
 
-MENDED_ELSEWHERE = {("export", "elliptical-planetary"), ("export", "tabulated")}
+MENDED_ELSEWHERE = {("export", kind) for kind in ("geneva", "gear-driven", "elliptical-planetary")}
 """Commands and kinds with known faults."""
 OUTPUTS = {"output": "made", "plot": "made.png", "report": "made.html"}
 SUFFIXES = {

@@ -64,7 +64,10 @@ class Parser(argparse.ArgumentParser):
         return {name: read.entry for name, read in types.items() if isinstance(read, Reader)}
 
     def understand(self, argv: Sequence[str]) -> Arguments:
-        """Parsed arguments, and as `settings` their declarations; SystemExit where help was asked for and given."""
+        """Parsed arguments, and as `settings` their declarations.
+
+        SystemExit ends it where help was asked for and given.
+        """
         known = self._option_string_actions
         for name in (word.partition("=")[0] for word in argv):
             # argparse would first report a missing argument, although an option was misspelt

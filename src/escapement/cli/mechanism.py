@@ -44,7 +44,7 @@ def execute(args: Arguments) -> int:
             "--angle must not come with a tabulated mechanism, which has no bodies to turn; "
             "leave it out"
         )
-    record = mechanism.report()
+    record, misfit = mechanism.report(), getattr(mechanism, "misfit", "")
     if given := _arguments.typed(args, declared(Inertia)):
         _arguments.require(args, declared(Inertia), ", both or none")
         if mechanism.meshed:
@@ -52,9 +52,11 @@ def execute(args: Arguments) -> int:
                 f"--driver-inertia must not come with a {mechanism.kind} mechanism, which has no "
                 "slots and so no critical friction; leave it out"
             )
+        if misfit:
+            raise UsageError(f"--driver-inertia must come with parts that fit, got: {misfit}")
         record["critical_friction"] = esc.critical_friction(mechanism, Inertia(**given))
     kinds, warnings = {**mechanism.report_units}, list[str]()
-    if not getattr(mechanism, "perfect", True) and not mechanism.misfit:
+    if not getattr(mechanism, "perfect", True) and not misfit:
         record["engagements"] = _engagements(mechanism)
     shaft = _arguments.typed(args, _SHAFT).get("follower_shaft_radius")
     outside = isinstance(mechanism, esc.Geneva) and not mechanism.internal
