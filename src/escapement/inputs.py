@@ -19,16 +19,27 @@ def inputs_of(escapement: Escapement) -> Iterator[Input]:
     Optional numbers that are 0 are left out, except friction and load.
     """
     mechanism: Any = escapement.mechanism
-    yield "kind", mechanism.kind, "ratio"
-    for owner in (mechanism, escapement.inertia, escapement):
-        for name, entry in declared(type(owner)).items():
-            value = getattr(owner, entry.key)
-            if isinstance(entry, Numbers):
-                # errors are listed if there are any; the angles of a table are too many
-                value = [*value] if value and not entry.required else None
-            told = value is not None and not entry.idle(value)
-            if told and entry.fits(mechanism.meshed):
-                told = isinstance(value, Fraction | TorqueCurve)
-                yield name, str(value) if told else value, "ratio" if told else entry.unit
+    yield from inputs_of_mechanism(mechanism)
+    for owner in (escapement.inertia, escapement):
+        yield from inputs_of_settings(owner, mechanism.meshed)
     for name, value in numbers_of_trains(escapement).items():
         yield name, value, train_numbers()[name].unit
+
+
+def inputs_of_mechanism(mechanism: Any) -> Iterator[Input]:
+    """As `inputs_of`, of a mechanism."""
+    yield "kind", mechanism.kind, "ratio"
+    yield from inputs_of_settings(mechanism, mechanism.meshed)
+
+
+def inputs_of_settings(owner: Any, meshed: bool) -> Iterator[Input]:
+    """As `inputs_of`, of anything that has declarations; `meshed` is as of its mechanism."""
+    for name, entry in declared(type(owner)).items():
+        value = getattr(owner, entry.key)
+        if isinstance(entry, Numbers):
+            # errors are listed if there are any; the angles of a table are too many
+            value = [*value] if value and not entry.required else None
+        told = value is not None and not entry.idle(value)
+        if told and entry.fits(meshed):
+            told = isinstance(value, Fraction | TorqueCurve)
+            yield name, str(value) if told else value, "ratio" if told else entry.unit

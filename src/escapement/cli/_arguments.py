@@ -9,7 +9,7 @@ import argparse
 import re
 import textwrap
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from importlib import import_module
 from pathlib import Path
@@ -57,8 +57,17 @@ class Parser(argparse.ArgumentParser):
         # argparse itself would print a usage of many lines and end the process
         raise UsageError(f"{message}; see '{self.prog} --help'")
 
+    @property
+    def settings(self) -> dict[str, Setting]:
+        """The declarations of its options, by name."""
+        types = {action.dest: action.type for action in self._actions}
+        return {name: read.entry for name, read in types.items() if isinstance(read, Reader)}
+
     def understand(self, argv: Sequence[str]) -> Arguments:
-        """Parsed arguments; SystemExit where help was asked for and given."""
+        """Parsed arguments, and as `settings` their declarations.
+
+        SystemExit ends it where help was asked for and given.
+        """
         known = self._option_string_actions
         for name in (word.partition("=")[0] for word in argv):
             # argparse would first report a missing argument, although an option was misspelt
@@ -68,6 +77,7 @@ class Parser(argparse.ArgumentParser):
                 remedy = validate.nearest(name, longer, f"see '{self.prog} --help'")
                 raise UsageError(f"unknown option {name!r}; {remedy}")
         args = self.parse_args(argv)
+        args.settings = self.settings
         # numbers are converted when --units is known, which may stand anywhere
         for name, value in vars(args).items():
             if callable(value):
@@ -117,27 +127,30 @@ def option(name: str) -> str:
     return "--" + name.replace("_", "-")
 
 
-def reader(label: str, entry: Setting) -> Callable[[str], Any]:
+@dataclass(frozen=True)
+class Reader:
     """An argparse type: what was typed, checked as declared; `label` names it in messages.
 
     A number becomes a function of the unit system, which `Parser.understand` calls.
     """
 
-    def read(text: str) -> Any:
-        if isinstance(entry, Quantity | Numbers):
-            return lambda system: replace(entry, system=system).parse(label, text)
+    label: str
+    entry: Setting
+
+    def __call__(self, text: str) -> Any:
+        """The value, or for a number the function that gives it."""
+        if isinstance(self.entry, Quantity | Numbers):
+            return lambda system: replace(self.entry, system=system).parse(self.label, text)
         try:
-            return entry.parse(label, text)
+            return self.entry.parse(self.label, text)
         except InvalidValue as error:
             # argparse treats a ValueError as its own, and drops its message
             raise UsageError(str(error)) from None
 
-    return read
-
 
 def one_of(label: str, allowed: Sequence[str]) -> Callable[[str], Any]:
     """Type of an argument with a few values."""
-    return reader(label, Choice(long_name=label, allowed=tuple(allowed)))
+    return Reader(label, Choice(long_name=label, allowed=tuple(allowed)))
 
 
 def add_setting(group: ArgumentGroup, entry: Setting, **keywords: Any) -> None:
@@ -146,7 +159,7 @@ def add_setting(group: ArgumentGroup, entry: Setting, **keywords: Any) -> None:
     if isinstance(entry, Truth):
         keywords["action"] = "store_true"
     else:
-        keywords |= {"type": reader(option(entry.name), entry), "metavar": entry.metavar}
+        keywords |= {"type": Reader(option(entry.name), entry), "metavar": entry.metavar}
     group.add_argument(option(entry.name), **keywords)
 
 
@@ -184,6 +197,7 @@ def read_escapement(args: Arguments) -> Any:
     from escapement.model import escapement_of, model_settings
 
     require(args, model_settings())
+    refuse_idle(args, model_settings())
     return escapement_of(read_mechanism(args), typed_by_name(args, model_settings()))
 
 
@@ -269,6 +283,20 @@ def add_report(group: ArgumentGroup) -> None:
     """Add a report to write; `_output.check_wanted` checks its place."""
     text = "write a report that needs no other file; replaced if it exists"
     group.add_argument("--report", type=Path, metavar="FILE.html", help=text)
+
+
+def refuse_idle(args: Arguments, settings: Mapping[str, Setting]) -> None:
+    """Raise UsageError if a setting was typed without the one without which it has no effect."""
+    for name, entry in settings.items():
+        if getattr(args, name) is None or not entry.needs:
+            continue
+        # compliant walls have blows without clearance, too
+        partners = (entry.needs, "stiffness") if entry.needs == "clearance" else (entry.needs,)
+        if all(getattr(args, partner) is None for partner in partners):
+            raise UsageError(
+                f"{option(name)} must come with {' or '.join(map(option, partners))}, got none; "
+                "it has no effect alone"
+            )
 
 
 def require(args: Arguments, settings: Mapping[str, Setting], where: str = "") -> None:

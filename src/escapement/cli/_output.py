@@ -6,7 +6,7 @@ The places of files are checked before anything is computed.
 import os
 import sys
 import tempfile
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager, suppress
 from functools import partial
 from pathlib import Path
@@ -15,6 +15,7 @@ from typing import Any
 import escapement as esc
 from escapement.cli import _log, _waiting
 from escapement.cli._arguments import Arguments, UsageError
+from escapement.cli._inputs import as_record, inputs_of_command, print_inputs
 from escapement.errors import CannotCreate
 from escapement.files import (
     FILMS,
@@ -25,8 +26,9 @@ from escapement.files import (
     file_format,
     write_file,
 )
+from escapement.inputs import Input
 from escapement.text import as_json, plain, print_columns, print_values, words
-from escapement.units import factor, printed
+from escapement.units import SYSTEMS, factor, printed
 
 Record = Mapping[str, Any]
 """What a command found, by JSON key."""
@@ -52,7 +54,7 @@ _NO_LIMIT = "no finite value makes the pin reverse"
 _REASONS = {
     "stations": "R2/R1 is not a fraction with a denominator of at most 1000, so the output never "
     "stops in the same direction again",
-    "critical_friction": "a mechanism without slots has no Painleve limit",
+    "critical_friction": "no friction in slots can jam it",
     "last_reversal_angle": "the pin does not reverse",
     "inertia_ratio": "F is not defined without a load",
     "reversal_limits": "the follower's deceleration ends at zero, so no inertia ratio lets it "
@@ -65,12 +67,24 @@ _REASONS = {
 """Why a number is missing, for numbers with only one possible reason."""
 
 
-def tell(args: Arguments, record: Record, table: Callable[[], None], message: str = "") -> None:
-    """Print what a command found: a JSON object, or a table, and what to know of it on stderr."""
+def tell(
+    args: Arguments,
+    record: Record,
+    table: Callable[[], None],
+    message: str = "",
+    known: Iterable[Input] = (),
+) -> None:
+    """Print what went in and what a command found, and what to know of it on stderr.
+
+    The output is a JSON object, or a table. `known` are the numbers that went in, with their
+    defaults; whatever else was typed is told, too.
+    """
     _waiting.end()
+    inputs, system = inputs_of_command(args, known), args.units or SYSTEMS[0]
     if args.json:
-        print_json(record)
+        print_json({"inputs": as_record(inputs, system)} | {**record})
     else:
+        print_inputs(inputs, system)
         table()
     if message:
         note(message)
@@ -81,11 +95,17 @@ def print_json(record: Record) -> None:
     print(as_json(record), end="")
 
 
-def report(args: Arguments, record: Record, kinds: Kinds, warning: str = "") -> None:
+def report(
+    args: Arguments,
+    record: Record,
+    kinds: Kinds,
+    warning: str = "",
+    known: Iterable[Input] = (),
+) -> None:
     """Print numbers in SI in the user's units; a list of objects becomes a table of its own.
 
     If there is a warning about the numbers, or a number is missing, a `message` is added, which
-    is also shown on stderr.
+    is also shown on stderr. `known` is as of `tell`.
     """
     shown = _shown(record, kinds, args.units)
     message = "; ".join([*filter(None, [warning]), *not_given(record)])
@@ -104,7 +124,7 @@ def report(args: Arguments, record: Record, kinds: Kinds, warning: str = "") -> 
                 ]
                 print_columns([header], [line.values() for line in shown[key]])
 
-    tell(args, shown | ({"message": message} if message else {}), table, message)
+    tell(args, shown | ({"message": message} if message else {}), table, message, known)
 
 
 def rows(record: Record, kinds: Kinds, system: str) -> list[tuple[str, Any, str]]:

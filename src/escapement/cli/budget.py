@@ -4,7 +4,7 @@ from pathlib import Path
 from typing import Any
 
 import escapement as esc
-from escapement.cli import SOME_FAILED, _arguments, _output
+from escapement.cli import SOME_FAILED, _arguments, _inputs, _output
 from escapement.cli._arguments import Arguments, Parser
 from escapement.errors import InvalidValue
 from escapement.text import print_columns, words
@@ -33,6 +33,7 @@ def configure(parser: Parser) -> None:
 def execute(args: Arguments) -> int:
     """Compute the budget and print it; write and draw it where that was asked for."""
     from escapement.study.parse import load_tables
+    from escapement.study.plan import unit_kind
     from escapement.tolerance.budget import budget_of
 
     _output.check_wanted(args, file="OUT.h5")
@@ -48,10 +49,13 @@ def execute(args: Arguments) -> int:
     report = _output.reported(args, plan.built(plan.fixed_si), found)
     picture()
     report()
-    shown = args.units or system
+    shown = args.units = args.units or system
     record = {name: _record(scatter, name, shown) for name, scatter in found.figures.items()}
+    ends = [(f"{name}_limits", x, unit_kind(name)) for name, x in limits.items()]
+    known = [*_inputs.of_plan(plan), *ends, ("indices", args.indices or 0, "ratio")]
     extra = {"size": found.size, "seed": found.seed, "failed": list(found.failed)}
-    _output.tell(args, {**record, **extra, "message": found.message}, lambda: _print(found, shown))
+    told = {**record, **extra, "message": found.message}
+    _output.tell(args, told, lambda: _print(found, shown), "", known)
     return SOME_FAILED if found.failed.value else 0
 
 

@@ -4,7 +4,7 @@ from pathlib import Path
 from typing import Any
 
 import escapement as esc
-from escapement.cli import SOME_FAILED, _arguments, _output
+from escapement.cli import SOME_FAILED, _arguments, _inputs, _output
 from escapement.cli._arguments import Arguments, Parser
 from escapement.files import write_file
 from escapement.text import as_csv, print_columns, words
@@ -37,7 +37,8 @@ def execute(args: Arguments) -> int:
     _output.check_wanted(args, file="FILE.csv")
     wish, system = load_wish(args.wish)
     found = esc.design(wish, count=args.count or 40)
-    shown = args.units or system
+    shown = args.units = args.units or system
+    known = [*_inputs.of_wish(wish), ("count", args.count or 40, "ratio")]
     kinds = {**_CHOSEN, **{name: entry.unit for name, entry in BOUNDS.items()}}
     lines = [_line(one) for one in found.designs]
     record = [
@@ -45,7 +46,9 @@ def execute(args: Arguments) -> int:
         for line in lines
     ]
     if not lines:
-        _output.tell(args, {"designs": [], "message": found.message}, lambda: None, found.message)
+        _output.tell(
+            args, {"designs": [], "message": found.message}, lambda: None, found.message, known
+        )
         return SOME_FAILED
     picture = _output.drawn(args.plot, lambda plots: plots.plot_designs(found))
     report = _output.reported(args, found.designs[0].timer)
@@ -66,7 +69,7 @@ def execute(args: Arguments) -> int:
     message = f"{len(lines)} designs, from {found.tried} points tried"
     if foil := sum(not one.can_be_cut for one in found.designs):
         message += f"; {foil} of them cannot be cut: a disc or a wall is thinner than 0.1 mm"
-    _output.tell(args, {"designs": record, "message": message}, table_of_designs, message)
+    _output.tell(args, {"designs": record, "message": message}, table_of_designs, message, known)
     return 0
 
 

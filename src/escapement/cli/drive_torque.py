@@ -5,14 +5,22 @@ from typing import TYPE_CHECKING, Any
 
 import escapement as esc
 from escapement.cli import _arguments, _output
-from escapement.cli._arguments import Arguments, Parser
+from escapement.cli._arguments import Arguments, Parser, UsageError, option
 from escapement.constant_speed import Case
 from escapement.errors import InvalidValue
+from escapement.inputs import inputs_of_mechanism, inputs_of_settings
 from escapement.quantity import declared
 from escapement.units import printed
 
 if TYPE_CHECKING:
     from escapement.constant_speed import DriveTorque
+
+
+_KINDS = {
+    "torque_max": "torque", "torque_mean": "torque", "power_mean_to_dead_centre": "power",
+    "power_max": "power", "index_time": "time", "dwell_time": "time", "contact_force_max": "force",
+}  # fmt: skip
+_THICK = ("pin_radius", "roller_radius")
 
 
 def configure(parser: Parser) -> None:
@@ -28,12 +36,18 @@ def execute(args: Arguments) -> int:
     from escapement.constant_speed.extrema import LIMITS
 
     _arguments.require(args, declared(Case))
+    for name in _THICK:
+        if getattr(args, name):
+            remedy = (
+                "without friction it changes nothing, and with friction only thin pins are known"
+            )
+            raise UsageError(f"{option(name)} must be left out at constant speed: {remedy}")
     mechanism = _arguments.read_mechanism(args)
     result = esc.drive_torque(mechanism, **_arguments.typed(args, declared(Case)))
     _output.draw(args.plot, lambda plots: plots.plot_drive_torque(result, units=args.units))
-    kinds = dict.fromkeys(("torque_max", "torque_mean"), "torque") | LIMITS
-    kinds |= dict.fromkeys(("power_mean_to_dead_centre", "power_max"), "power")
-    _output.report(args, summarise(result), kinds, _doubt(result, args.units))
+    kinds = _KINDS | LIMITS
+    known = [*inputs_of_mechanism(mechanism), *inputs_of_settings(result, mechanism.meshed)]
+    _output.report(args, summarise(result), kinds, _doubt(result, args.units), known)
     return 0
 
 
@@ -46,7 +60,15 @@ def summarise(result: "DriveTorque") -> dict[str, Any]:
     except InvalidValue:
         # without a load there is none
         ratio = math.nan
+    mechanism: Any = result.mechanism
+    cell = mechanism.cell_angle / result.speed
+    force = {}
+    if getattr(mechanism, "crank_radius", None) is not None:
+        force["contact_force_max"], angle = result.contact_force_max
+        force["contact_force_max_deg"] = math.degrees(angle)
     return {
+        "index_time": mechanism.motion_ratio * cell,
+        "dwell_time": (1.0 - mechanism.motion_ratio) * cell,
         "inertia_ratio": ratio,
         "reversal_limits": list(result.reversal_limits),
         "zone": result.zone,
@@ -57,6 +79,7 @@ def summarise(result: "DriveTorque") -> dict[str, Any]:
         "torque_max_over_mean": result.peak_to_mean,
         "power_mean_to_dead_centre": result.power_mean_to_dead_centre,
         "power_max": result.power_max,
+        **force,
         **limits_without_reversal(result),
     }
 

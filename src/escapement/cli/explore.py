@@ -8,6 +8,7 @@ from typing import Any
 from escapement.cli import _arguments, _log, _output, run
 from escapement.cli._arguments import Arguments, Parser, UsageError
 from escapement.files import PAGES, file_format, write_file
+from escapement.inputs import Input, inputs_of
 from escapement.model import Run
 from escapement.quantity import declared
 from escapement.solver import Solver
@@ -55,7 +56,8 @@ def execute(args: Arguments) -> int:
     write_file(args.output, [text.encode()], args.force)
     _log.record("saved", file=str(args.output))
     record = {"output": str(args.output), "bytes": len(text.encode())}
-    _output.tell(args, record, lambda: _output.note(f"open {args.output} in a browser"))
+    _output.tell(args, record, lambda: _output.note(f"open {args.output} in a browser"), "",
+        _known(escapement, settings, args))  # fmt: skip
     return 0
 
 
@@ -81,11 +83,22 @@ def _serve(args: Arguments) -> int:
         record = {"url": server.url}
         _log.record("serving", **record)
         _output.tell(
-            args, record, lambda: _output.note(f"open {server.url} in a browser; Ctrl-C ends it")
-        )
+            args, record, lambda: _output.note(f"open {server.url} in a browser; Ctrl-C ends it"),
+            "", _known(escapement, settings, args),
+        )  # fmt: skip
         sys.stdout.flush()
         threading.Event().wait()
     return 0
+
+
+def _known(escapement: Any, settings: dict[str, Any], args: Arguments) -> list[Input]:
+    """The numbers that went in, with their defaults."""
+    length = args.engagements or _LENGTH["engagements"].default
+    start = [
+        ("initial_speed", settings["initial_speed"], "speed"),
+        ("engagements", length, "ratio"),
+    ]
+    return [*inputs_of(escapement), *start]
 
 
 def _study(args: Arguments) -> dict[str, Any] | None:

@@ -8,6 +8,7 @@ from escapement.cli import _arguments, _output
 from escapement.cli._arguments import Arguments, Parser, UsageError
 from escapement.files import CUTS, file_format, write_file
 from escapement.fits import Fits
+from escapement.inputs import inputs_of_mechanism, inputs_of_settings
 from escapement.mechanisms import DEFAULT_KIND, kind_of
 from escapement.outlines.export import drawn
 from escapement.outlines.interference import Nearest
@@ -82,7 +83,8 @@ def execute(args: Arguments) -> int:
     # nothing is written before every number is known to be possible
     if data is not None:
         write_file(args.output, [data], args.force)
-    _output.report(args, record, _KINDS, warning)
+    known = [*inputs_of_mechanism(mechanism), *inputs_of_settings(fits, mechanism.meshed)]
+    _output.report(args, record, _KINDS, warning, known)
     return 0
 
 

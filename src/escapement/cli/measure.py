@@ -16,7 +16,10 @@ from escapement.cli._arguments import (
     option,
 )
 from escapement.errors import InvalidValue
+from escapement.fitting import LENGTHS
+from escapement.inputs import inputs_of, inputs_of_mechanism
 from escapement.lazy import Lazy
+from escapement.mechanisms import DEFAULT_KIND, kind_of
 from escapement.model import model_settings
 from escapement.quantity import Quantity
 from escapement.text import print_columns, print_values, words
@@ -166,7 +169,8 @@ def execute(args: Arguments) -> int:
         _log.record("saved", file=str(args.output))
     picture()
     record = _joined(result, fit, args.units)
-    _output.tell(args, record, lambda: _print(record), record["message"])
+    known = inputs_of(escapement) if escapement else inputs_of_mechanism(mechanism)
+    _output.tell(args, record, lambda: _print(record), record["message"], known)
     return 0
 
 
@@ -175,7 +179,12 @@ def _read_model(args: Arguments) -> "esc.Escapement | None":
     if args.fit is not None:
         escapement: esc.Escapement = _arguments.read_escapement(args)
         return escapement
-    given = {option(name): getattr(args, name) for name in model_settings()}
+    # the sizes of a wheel change no angles
+    sizes = (*LENGTHS, "fixed_radius")
+    others = kind_of(args.kind or DEFAULT_KIND).other_sizes()
+    also = (name for name, size in others.items() if size.of in sizes)
+    names = (*model_settings(), *sizes, *also)
+    given = {option(name): getattr(args, name) for name in names}
     given |= {"--time-column": args.time_column, "--time-unit": args.time_unit}
     for name, value in given.items():
         if value is not None:

@@ -2,14 +2,17 @@
 
 import math
 from dataclasses import replace
+from typing import Any
 
 import escapement as esc
 from escapement.cli import _arguments, _output
 from escapement.cli._arguments import Arguments, Parser, UsageError
 from escapement.errors import InvalidValue
 from escapement.fits import Fits
+from escapement.inputs import inputs_of_mechanism
 from escapement.model import Inertia
 from escapement.quantity import declared
+from escapement.units import degrees, printed
 
 _SHAFT = {
     name: replace(entry, note=": a warning tells where a slot reaches it")
@@ -35,15 +38,33 @@ def execute(args: Arguments) -> int:
     _output.check_wanted(args)
     if args.angle is not None and args.plot is None:
         raise UsageError("--angle must come with --plot FILE, got none; it turns the drawing")
-    mechanism = _arguments.read_mechanism(args)
-    record = mechanism.report()
+    mechanism: Any = _arguments.read_mechanism(args)
+    if args.angle is not None and isinstance(mechanism, esc.Tabulated):
+        raise UsageError(
+            "--angle must not come with a tabulated mechanism, which has no bodies to turn; "
+            "leave it out"
+        )
+    record, misfit = mechanism.report(), getattr(mechanism, "misfit", "")
     if given := _arguments.typed(args, declared(Inertia)):
         _arguments.require(args, declared(Inertia), ", both or none")
+        if mechanism.meshed:
+            raise UsageError(
+                f"--driver-inertia must not come with a {mechanism.kind} mechanism, which has no "
+                "slots and so no critical friction; leave it out"
+            )
+        if misfit:
+            raise UsageError(f"--driver-inertia must come with parts that fit, got: {misfit}")
         record["critical_friction"] = esc.critical_friction(mechanism, Inertia(**given))
     kinds, warnings = {**mechanism.report_units}, list[str]()
+    if not getattr(mechanism, "perfect", True) and not misfit:
+        record["engagements"] = _engagements(mechanism)
+    shaft = _arguments.typed(args, _SHAFT).get("follower_shaft_radius")
+    outside = isinstance(mechanism, esc.Geneva) and not mechanism.internal
+    if shaft is not None and not (outside and mechanism.crank_radius):
+        rule = "come with an external Geneva wheel and its --crank-radius"
+        raise UsageError(f"--follower-shaft-radius must {rule}, got none; leave it out")
     if isinstance(mechanism, esc.Geneva):
-        shaft = _arguments.typed(args, _SHAFT).get("follower_shaft_radius", 0.0)
-        found, warnings = _sizes(mechanism, shaft)
+        found, warnings = _sizes(mechanism, shaft, args.units)
         record |= found
         kinds |= {name: "length" for name in found if not name.endswith("_over_crank_radius")}
     if not getattr(mechanism, "perfect", True):
@@ -57,11 +78,30 @@ def execute(args: Arguments) -> int:
     except InvalidValue as error:
         # the geometry is reported even if no motion can be computed for it
         warnings.append(f"warning: {error}")
-    _output.report(args, record, kinds, "; ".join(warnings))
+    _output.report(args, record, kinds, "; ".join(warnings), inputs_of_mechanism(mechanism))
     return 0
 
 
-def _sizes(mechanism: esc.Geneva, shaft: float) -> tuple[dict[str, float], list[str]]:
+def _engagements(wheel: Any) -> list[dict[str, Any]]:
+    """The engagements of a wheel with errors, until pins and slots meet again.
+
+    Angles of the driver are counted from the first dead centre of perfect parts; `jump_deg` is by
+    how much the follower jumps ahead where a pin picks it up or strikes it.
+    """
+    rows = []
+    for k, meeting in enumerate(wheel.meetings):
+        centre = k * wheel.cell_angle + meeting.late
+        rows.append({
+            "pin": k % wheel.pins, "slot": k % wheel.slots, "begins_with": meeting.kind,
+            "begin_deg": degrees(centre + meeting.edges[0]),
+            "end_deg": degrees(centre + meeting.edges[-1]), "jump_deg": degrees(meeting.jump),
+        })  # fmt: skip
+    return rows
+
+
+def _sizes(
+    mechanism: esc.Geneva, shaft: float | None, system: str
+) -> tuple[dict[str, float], list[str]]:
     """Sizes of the follower by JSON key, and what is wrong with its shaft."""
     from escapement.outlines.geneva import sizes
 
@@ -69,10 +109,15 @@ def _sizes(mechanism: esc.Geneva, shaft: float) -> tuple[dict[str, float], list[
     if unit is None:
         return {f"{name}_over_crank_radius": size for name, size in found.items()}, []
     lengths = {name: unit * size for name, size in found.items()}
-    closest = lengths.get("closest_radius", math.inf)
+    if shaft is None:
+        return lengths, []
+    closest = lengths["closest_radius"]
+    lengths["slot_to_shaft"] = closest - shaft
     if shaft < closest:
         return lengths, []
-    text = (
-        f"a slot reaches the shaft of radius {shaft:.6g} m: it ends {closest:.6g} m from the axis"
+    radius, end = (
+        f"{_output.in_units(x, 'length', system):.6g} {printed('length', system)}"
+        for x in (shaft, closest)
     )
+    text = f"a slot reaches the shaft of radius {radius}: it ends {end} from the axis"
     return lengths, [f"warning: {text}; choose a thinner shaft or a larger wheel"]

@@ -42,7 +42,7 @@ def execute(args: Arguments) -> int:
     from escapement.motion_file import is_motion, read_motion
 
     # a file of a motion says so itself; every other one is taken for a study
-    holds, gaps, moving = "motion", "", is_motion(args.file)
+    holds, gaps, moving, units = "motion", "", is_motion(args.file), SYSTEMS[0]
     _output.check_output(path, args.file, pictures=FORMATS + FILMS if moving else FORMATS)
     if moving:
         given = {"--select": args.select, "--result": args.result, "--units": args.units}
@@ -56,8 +56,8 @@ def execute(args: Arguments) -> int:
     else:
         holds, study = "study", esc.read_study(args.file)
         try:
-            own = study.configuration.get("units", SYSTEMS[0])
-            study = study.at(**parse_selection(args.select or "", own))
+            units = study.configuration.get("units", SYSTEMS[0])
+            study = study.at(**parse_selection(args.select or "", units))
         except InvalidValue as error:
             raise UsageError(f"--select, of {args.file}: {error}") from None
         study = in_units(study, args.units)
@@ -65,6 +65,7 @@ def execute(args: Arguments) -> int:
         _output.draw(path, lambda plots: plots.plot_study(study, wanted))
         gaps = _gaps(study, wanted or study.results)
     record = {"input": str(args.file), "holds": holds, "output": str(path)}
+    args.units = args.units or units
     _output.tell(args, record, lambda: _output.note(f"{holds} drawn in {path}"), gaps)
     return 0
 

@@ -7,8 +7,10 @@ from typing import Any
 import escapement as esc
 from escapement.cli import _arguments, _log, _output, _waiting
 from escapement.cli._arguments import Arguments, Parser, UsageError, one_of
+from escapement.cli._inputs import as_record, inputs_of_command, print_inputs
 from escapement.files import FORMATS, replace_file
 from escapement.text import as_csv, as_json
+from escapement.units import SYSTEMS
 
 SOURCES = ("meyer", "filemon", "dijksman", "prikhodko")
 """Folders of `escapement.sources`; `reproduce(units)` of each gives a `Reproduction`."""
@@ -53,7 +55,8 @@ def execute(args: Arguments) -> int:
             folder = args.output / source if args.output and several else args.output
             records[source] = _reproduce(source, folder, args)
     if args.json:
-        _output.print_json(records if several else records[args.source])
+        inputs = as_record(inputs_of_command(args), args.units or SYSTEMS[1])
+        _output.print_json({"inputs": inputs} | (records if several else records[args.source]))
     return 0
 
 
@@ -70,5 +73,7 @@ def _reproduce(source: str, folder: Path | None, args: Arguments) -> dict[str, A
             _log.record("saved", file=str(folder))
     if not args.json:
         _waiting.clear()
+        if source in (args.source, SOURCES[0]):
+            print_inputs(inputs_of_command(args), args.units or SYSTEMS[1])
         made.show()
     return dict(made.record)

@@ -11,13 +11,12 @@ from escapement.cli._arguments import ArgumentGroup, Arguments, Parser, UsageErr
 from escapement.cli.sweep import load_case
 from escapement.errors import InvalidValue
 from escapement.files import FILMS, FORMATS, MOTIONS
-from escapement.inputs import Input, inputs_of
+from escapement.inputs import inputs_of
 from escapement.model import Escapement, Run, model_settings
 from escapement.quantity import Setting, declared, quantities
 from escapement.solver import Solver
 from escapement.status import MESSAGES, Status
-from escapement.text import print_values, show, words
-from escapement.units import SYSTEMS, printed
+from escapement.text import print_values
 
 if TYPE_CHECKING:
     from escapement.jamming import JamCycle
@@ -89,21 +88,16 @@ def execute(args: Arguments) -> int:
     taken = args.duration or args.engagements or quantities(Run)["engagements"].default
     inputs = [*inputs_of(escapement), ("initial_speed", settings["initial_speed"], "speed")]
     inputs += [(length, taken, quantities(Run)[length].unit), ("rtol", motion.rtol, "ratio")]
-    told: dict[str, Any] = {"units": args.units}
-    for name, value, unit in inputs:
-        both = {system: _output.in_units(value, unit, system) for system in SYSTEMS}
-        # a number without a unit, or with the same unit in both systems, is given once
-        alike = len({printed(unit, system) for system in SYSTEMS}) == 1
-        told[name] = value if alike else both
     record = _summarise(motion, figures, args.units)
     if jammed is not None:
         record |= _by_rule(jammed)
         record["message"] += f"; by the rule for jams: {jammed.message}"
     _output.tell(
         args,
-        {"inputs": told} | record,
-        lambda: _print_table(inputs, record, args.units),
+        record,
+        lambda: _print_table(record, args.units),
         record["message"] if record["message"] != MESSAGES[Status.OK] else "",
+        inputs,
     )
     failed = motion.status.failed or figures.status.failed
     return SOME_FAILED if failed and jammed is None else 0
@@ -215,19 +209,10 @@ def _balance(motion: "esc.Motion") -> None:
         motion.balance(progress)
 
 
-def _print_table(inputs: list[Input], record: dict[str, Any], units: str) -> None:
-    """The inputs, in both systems of units, and the results."""
+def _print_table(record: dict[str, Any], units: str) -> None:
+    """The results."""
     from escapement.merits import FIGURES
 
-    (other,) = (system for system in SYSTEMS if system != units)
-    rows = []
-    for name, value, unit in inputs:
-        # speeds are equal in both systems: only these rows show that numbers were typed in the
-        # wrong one
-        shown = printed(unit, units)
-        if shown != printed(unit, other):
-            shown += f" = {show(_output.in_units(value, unit, other))} {printed(unit, other)}"
-        rows.append((words(name), _output.in_units(value, unit, units), shown))
     times, speeds = record["handoff_times"], record["handoff_velocities"]
     found = record | {"handoffs": len(times)}
     if len(times):
@@ -240,4 +225,4 @@ def _print_table(inputs: list[Input], record: dict[str, Any], units: str) -> Non
     if found["uniqueness_friction"] == found["critical_friction"]:
         del found["uniqueness_friction"]
     order = [key for key in (*kinds, "status", "engine") if key in found]
-    print_values(rows + _output.rows({key: found[key] for key in order}, kinds, units))
+    print_values(_output.rows({key: found[key] for key in order}, kinds, units))

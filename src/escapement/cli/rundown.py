@@ -7,6 +7,7 @@ import escapement as esc
 from escapement.cli import SOME_FAILED, _arguments, _output
 from escapement.cli._arguments import Arguments, Parser
 from escapement.files import write_file
+from escapement.inputs import inputs_of
 from escapement.model import Run, model_settings
 from escapement.quantity import Quantity, declared
 from escapement.solver import Solver
@@ -55,7 +56,9 @@ def execute(args: Arguments) -> int:
         write_file(args.output, [table.encode()], args.force)
     picture()
     stopped = run.message if run.message != MESSAGES[Status.OK] else ""
-    _output.report(args, summarise(run), _KINDS, stopped)
+    start = {"initial_speed": 0.0} | _arguments.typed_by_name(args, _RUN)
+    known = [*inputs_of(timer), *((name, x, _RUN[name].unit) for name, x in start.items())]
+    _output.report(args, summarise(run), _KINDS, stopped, known)
     failed = (Status.PAINLEVE, Status.NOT_CONVERGED, Status.INVALID)
     return SOME_FAILED if run.status in failed else 0
 

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import escapement as esc
-from escapement.cli import SOME_FAILED, _arguments, _log, _output
+from escapement.cli import SOME_FAILED, _arguments, _inputs, _log, _output
 from escapement.cli._arguments import Arguments, Parser, UsageError
 from escapement.errors import InputFileError, InvalidValue
 from escapement.quantity import Quantity
@@ -73,7 +73,8 @@ def execute(args: Arguments) -> int:
 
     sizes = dict(zip(plan.dimensions, plan.shape, strict=True))
     record = {"output": str(path), "axes": sizes} | tally._asdict() | {"some_cases": cases}
-    _output.tell(args, record, table)
+    args.units = args.units or plan.configuration["units"]
+    _output.tell(args, record, table, known=_inputs.of_plan(plan))
     if tally.failed:
         _output.note(
             f"{tally.failed} of {tally.cases} cases failed: the status in the file says why; "

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from escapement import validate
-from escapement.chebyshev import extremes, fit, zeros
+from escapement.chebyshev import Extremum, extremes, fit, zeros
 from escapement.constant_speed import Case, extrema
 from escapement.constant_speed.contact import Load, TorqueState, engaged_state, within_cell
 from escapement.mechanism import FloatArray, Mechanism
@@ -93,6 +93,25 @@ class DriveTorque(Case):
             Where the load torque is zero or varies.
         """
         return inertia_ratio(self.follower_inertia, self.speed, self.load_torque)
+
+    @cached_property
+    def contact_force_max(self) -> Extremum:
+        """Greatest force between pin and slot, N = |N R|/R [N], and where it is [rad].
+
+        NaN for a mechanism without slots or without a length.
+        """
+        length = getattr(self.mechanism, "crank_radius", None)
+        if length is None:
+            return Extremum(math.nan, math.nan)
+        wheel: Any = self.mechanism
+
+        def force(theta: FloatArray) -> FloatArray:
+            moment = engaged_state(self, theta).contact_moment
+            return np.asarray(np.abs(moment) / (length * wheel.radius(theta)))
+
+        # the force has a kink where the pin changes sides
+        kinks = _places(self, [*extrema.edges(wheel), *self.reversals])
+        return extremes(force, fit(force, kinks))[0]
 
     @cached_property
     def moment_deviation(self) -> float:

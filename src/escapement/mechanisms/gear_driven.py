@@ -314,10 +314,11 @@ class GearDriven(ImperfectWheel):
         """
         if self.through_centre:
             raise InvalidValue(
-                f"stations {self.stations}, lobes {self.lobes}, curve {self.curve!r}: the pin "
-                "passes through the wheel's centre, where sliding under friction is singular; "
-                f"the wheel turns uniformly, g = {self._uniform:.6g}, and has no dynamics here; "
-                "choose another number of lobes"
+                f"stations {self.stations}, lobes {self.lobes}, curve {self.curve!r}, solution "
+                f"{self.solution}: the pin passes through the wheel's centre, where sliding under "
+                f"friction is singular; the wheel turns uniformly, g = {self._uniform:.6g}, and "
+                "has no dynamics here; "
+                "choose another number of lobes, or another solution"
             )
         return super().path
 

@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 
+from escapement import validate
 from escapement.mechanism import FloatArray
 from escapement.tolerance.intervals import LEVEL, Estimate
 
@@ -35,6 +36,9 @@ def sobol_indices(
     """
     from scipy.stats import sobol_indices as compute
 
+    if size & (size - 1):
+        near = 1 << (size.bit_length() - 1)
+        raise validate.fail("indices", "0 or a power of 2", size, f"give {near} or {2 * near}")
     if count == 1:
         return [Estimate(1.0, 1.0, 1.0)], [Estimate(1.0, 1.0, 1.0)]
     random = np.random.default_rng(seed)

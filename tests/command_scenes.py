@@ -1,0 +1,330 @@
+"""Command lines on which every option of a command can be tried, and what each option is given.
+
+A scene is the options of one command line by name. Every number needs a scene of its command and
+kind in which it can change a result: one with its partner, as a bearing's radius has friction.
+"""
+
+import io
+import math
+from contextlib import redirect_stderr, redirect_stdout
+from pathlib import Path
+
+import numpy as np
+
+import escapement as esc
+from escapement.cli import COMMANDS, main
+from escapement.cli._arguments import parser_of
+from escapement.mechanisms import KINDS
+from escapement.quantity import declared
+from escapement.solver import Solver
+
+WHEELS = {
+    "geneva": {"slots": 6, "pins": 2, "crank_radius": 0.02, "pin_radius": 0.001},
+    "gear-driven": {
+        **{"stations": 6, "lobes": 0, "curve": "epicycloid", "pins": 1, "unused_lobes": 0},
+        "fixed_radius": 0.05,
+    },
+    "elliptical-planetary": {"sun_radius": 0.016, "planet_radius": 0.009},
+    "tabulated": {"table": "cells.csv", "measured": True, "cell_angle": 120, "follower_step": 60},
+}
+"""A mechanism of each kind."""
+EXACT = {"table": "cell.csv"}
+"""Another table, of one whole cell without scatter."""
+ROLLER = {"pin_radius": 0.0016, "roller_radius": 0.0018}
+BODIES = {"driver_inertia": 1e-6, "follower_inertia": 5e-6}
+DRIVE = {"torque": 0.0113, "load_torque": 2e-4, "initial_speed": 1.0, **BODIES}
+LOSSES = {"driver_drag": 1e-8, "follower_drag": 1e-8, "driver_bearing_torque": 1e-5}
+TRAINS = {
+    **{"barrel_ratio": 2, "barrel_efficiency": 0.9, "barrel_inertia": 1e-5},
+    **{"load_train_ratio": 2, "load_train_efficiency": 0.9, "load_train_inertia": 1e-7},
+}
+OIL = {"driver_viscous": 1e-6, "follower_viscous": 1e-6, "spring_rate": 1e-4}
+_FOLLOWER = {"follower_bearing_friction": 0.1, "follower_bearing_radius": 0.001}
+_DRIVER = {"driver_bearing_friction": 0.1, "driver_bearing_radius": 0.001}
+FRICTION = {
+    "geneva": {"friction": 0.2, **_DRIVER, **_FOLLOWER},
+    "gear-driven": {"friction": 0.1, **_FOLLOWER},
+    "elliptical-planetary": {"efficiency": 0.9},
+    "tabulated": {"efficiency": 0.9},
+}
+"""What each kind may lose where driver and follower meet."""
+PLAY = {"clearance": 1e-4, "restitution": 0.3}
+WALLS = {"stiffness": 1e5, "damping": 1.0, "contact_law": "linear", "slip_speed": 0.01}
+ERRORS = {
+    "geneva": {
+        **{"pin_angle_errors": "0,0.001", "crank_radius_errors": "0,1e-5"},
+        **{"slot_angle_errors": "0,0,0,0,0,0.001", "slot_offsets": "0,0,0,0,0,1e-5"},
+    },
+    "gear-driven": {"slot_offsets": "0,0,1e-5"},
+}
+TOO_FAR = {"centre_distance_error": 1e-4, "tried": ["centre_distance_error"]}
+"""Such a wheel is picked up late, which hides small errors of its slots."""
+IVP = {"engine": "ivp", "rtol": 1e-6, "atol": 1e-9, "method": "DOP853", "max_step": 0.01}
+SOLVER = [name for name in declared(Solver) if name != "engine"]
+BY_DEFAULT = ("engine", "method")
+"""Words that are tried only where a scene says so, because a scene may have them by itself."""
+SHAFTS = {"driver_shaft_radius": 0.002, "follower_shaft_radius": 0.002}
+FITS = {"pin_fit": 1e-5, "shaft_fit": 1e-5, "kerf": 1e-4}
+DISCS = {"thickness": 0.002, "density": 7800}
+
+
+def motions(kind, length, **solver):
+    """Scenes in which every number of a motion acts."""
+    wheel, lost = WHEELS[kind], FRICTION[kind]
+    base = {**wheel, **DRIVE, **lost, **length}
+    scenes = [{**base, **LOSSES, **TRAINS, **solver}, {**base, **OIL}]
+    if kind in ERRORS:
+        scenes += [{**base, **ERRORS[kind]}, {**base, **TOO_FAR}]
+    if kind == "geneva":
+        scenes += [{**base, **ROLLER}, {**base, **PLAY}]
+        scenes += [{**base, "clearance": 1e-4, **WALLS, "tried": [*WALLS, "clearance"]}]
+    if kind == "gear-driven":
+        scenes += [{**base, **ROLLER}]
+    if kind == "tabulated":
+        scenes.append({**DRIVE, **lost, **length, **EXACT})
+    return scenes
+
+
+def _run(kind):
+    lasting = {**WHEELS[kind], **DRIVE, **FRICTION[kind], "duration": 0.1, "tried": ["duration"]}
+    ivp = [{**lasting, **IVP, "tried": SOLVER}] if kind == "geneva" else []
+    return [*motions(kind, {"engagements": 2}, rtol=1e-8), lasting, *ivp]
+
+
+def _rundown(kind):
+    lasting = {**WHEELS[kind], **DRIVE, **FRICTION[kind], "duration": 0.1, "tried": ["duration"]}
+    # compliant walls take seconds, and `run` has them
+    rigid = [one for one in motions(kind, {"turns": 2}, rtol=1e-8) if "stiffness" not in one]
+    return [*rigid, lasting]
+
+
+def _explore(kind):
+    if kind != "geneva":  # the page computes only these
+        return []
+    length = {"spring_rate": 1e-4, "engagements": 2}
+    return [{**WHEELS[kind], **DRIVE, **FRICTION[kind], **LOSSES, **length}]
+
+
+def _wheels(kind):
+    """The mechanism, also with a roller and with errors where it can have them."""
+    wheel = WHEELS[kind]
+    found = [wheel]
+    if kind in ERRORS:
+        found += [{**wheel, **ROLLER}, {**wheel, **ERRORS[kind]}, {**wheel, **TOO_FAR}]
+    return [*found, EXACT] if kind == "tabulated" else found
+
+
+def _mechanism(kind):
+    shaft = {"follower_shaft_radius": 0.03} if kind == "geneva" else {}
+    bodies = BODIES if kind in ERRORS else {}
+    found = [{**one, **bodies, **shaft} for one in _wheels(kind)]
+    if kind == "gear-driven":
+        second = {"stations": 12, "lobes": 4, "curve": "epicycloid", "solution": 1}
+        found.append({**second, "tried": ["solution"]})
+    if kind != "tabulated":  # a table has no bodies to turn
+        found.append({**WHEELS[kind], "angle": 10, "plot": "out.svg", "tried": ["angle"]})
+    return found
+
+
+def _export(kind):
+    if kind == "tabulated":  # it has no parts
+        return []
+    thick = {"pin_radius": 0.001, "clearance": 1e-4} if kind in ERRORS else {}
+    wheel = {name: x for name, x in WHEELS[kind].items() if name != "unused_lobes"}
+    fits = {"shaft_fit": 1e-5, "kerf": 1e-4} if kind == "elliptical-planetary" else FITS
+    return [{**wheel, **thick, **SHAFTS, **fits, **DISCS}]
+
+
+def _drive_torque(kind):
+    case = {"speed": 10, "load_torque": 0.01, "follower_inertia": 1e-4, "efficiency": 0.9}
+    case |= {"friction": 0.2} if kind in ERRORS else {}
+    thin = [{n: x for n, x in one.items() if n != "pin_radius"} for one in _wheels(kind)[:1]]
+    return [{**one, **case} for one in (*thin, *([EXACT] if kind == "tabulated" else []))]
+
+
+def _measure(kind):
+    words = {"input_column": "input_deg", "output_column": "output_deg", "angle_unit": "deg"}
+    read = {"data": "readings.csv", "bins": 8, "confidence": 0.95, **words}
+    zeros = {"phase": 0.1, "offset": 0.1, "resolution": 4096, "linearity": 0.001}
+    fitted = {**read, **zeros, "data": "motion.csv", "fit": "torque", "time_column": "time_s"}
+    # without a motion sizes and errors are refused; with one only a few numbers are tried, as fits
+    # take long, and the model is read as for `run`
+    sizes = {"crank_radius", "fixed_radius", "pin_radius", *ROLLER, *ERRORS["geneva"]}
+    wheels = [{n: x for n, x in one.items() if n not in sizes} for one in _wheels(kind)]
+    still = [{**one, **read, **zeros} for one in wheels if one is wheels[0] or one == EXACT]
+    moving = motions(kind, fitted)[0]
+    del moving["initial_speed"]
+    tried = ["fit", "torque", "time_column", "crank_radius"]
+    tried = [name for name in tried if name in moving]
+    return [*still, {**moving, "tried": tried}]
+
+
+OF_KINDS = {
+    "run": _run, "rundown": _rundown, "explore": _explore, "mechanism": _mechanism,
+    "export": _export, "drive-torque": _drive_torque, "measure": _measure,
+}  # fmt: skip
+OTHERS = {
+    "sweep": [],
+    "budget": [{"config": "sample.toml", "indices": 4}],
+    "design": [{"wish": "wish.toml", "count": 3}],
+    "plot": [
+        {"file": "study.h5", "output": "out.svg", "select": "friction=0.1", "result": "period"}
+    ],
+    "reproduce": [],
+    "bench": [],
+}
+"""Scenes of the commands without a mechanism; `tried` are the only options to change."""
+
+
+def scenes_of(command, kind):
+    """The scenes of a command, with a mechanism of a kind where it has one."""
+    return OF_KINDS[command](kind) if command in OF_KINDS else OTHERS[command]
+
+
+CHANGED = {
+    **{"curve": "hypocycloid", "table": "other.csv", "engine": "energy", "method": "RK45"},
+    **{"contact_law": "hunt-crossley", "atol": 1e-6, "rtol": 1e-11, "max_step": 1e-3},
+    "duration": 0.2,
+    "confidence": 0.9,
+    **{"select": "friction=0.2", "result": "rise_time", "angle_unit": "rad", "bins": 9},
+    **{"fit": "driver_inertia", "input_column": "again_deg", "output_column": "again_deg"},
+    **{"indices": 8, "lobes": "1/2", "time_column": "later_s"},
+}
+"""What an option is given instead, where a number a little greater will not do."""
+ADDED = {
+    **{"table": "cell.csv", "curve": "epicycloid", "contact_law": "hunt-crossley", "speed": 10},
+    **{
+        "lobes": 1,
+        "solution": 2,
+        "stations": 8,
+        "slots": 6,
+        "angle": 5,
+        "fit": "friction",
+        "bins": 8,
+    },
+    **{"input_column": "input_deg", "output_column": "output_deg", "time_column": "time_s"},
+    **{"angle_unit": "deg", "confidence": 0.9, "resolution": 4096, "efficiency": 0.8},
+    **{"pin_angle_errors": "0,0.001", "crank_radius_errors": "0,1e-5", "friction": 0.25},
+    **{"slot_angle_errors": "0,0,0,0,0,0.001", "slot_offsets": "0,0,0,0,0,1e-5"},
+    **{"barrel_ratio": 3, "load_train_ratio": 3, "engine": "ivp", "method": "RK45"},
+}
+"""What an option is given that a scene does not have; another number is small."""
+NOT_TRIED = {
+    *("help", "json", "log", "units", "output", "force", "plot", "report", "resume", "quiet"),
+    *(
+        "scheduler",
+        "workers",
+        "quick",
+        "skip_rows",
+        "serve",
+        "study",
+        "config",
+        "wish",
+        "file",
+        "data",
+        "source",
+    ),
+    *("kind", "segments", "r12", "format", "jam_rule"),
+}
+"""Options that say how or where something is written or computed, and whole inputs."""
+
+
+def options_of(command):
+    """The options of a command that must act: argparse's own list, by name."""
+    _, parser = parser_of(command)
+    return {action.dest: action for action in parser._actions if action.dest not in NOT_TRIED}
+
+
+def changed(action, scene):
+    """The scene with another value of an option, or with it where it was not."""
+    name, entry = action.dest, getattr(action.type, "entry", None)
+    if action.nargs == 0:
+        return {**scene, name: not scene.get(name, False)}
+    if name not in scene:
+        small = 1 if getattr(entry, "whole", False) else 1e-4
+        return {**scene, name: ADDED.get(name, small)}
+    if name in CHANGED:
+        return {**scene, name: CHANGED[name]}
+    value = scene[name]
+    if isinstance(value, str):  # of a list of numbers the last
+        *first, last = value.split(",")
+        return {**scene, name: ",".join([*first, str(1.3 * float(last))])}
+    return {**scene, name: value + 1 if isinstance(value, int) else 1.1 * value}
+
+
+def argv_of(command, kind, scene):
+    """The command line of a scene."""
+    options, files = [], []
+    for name, value in scene.items():
+        if name in POSITIONAL:
+            files.append(value)
+        elif value is True:
+            options.append("--" + name.replace("_", "-"))
+        elif value is not False and name != "tried":
+            options += ["--" + name.replace("_", "-"), str(value)]
+    return [command, *files, *([kind] if command in OF_KINDS else []), *options]
+
+
+POSITIONAL = ("config", "wish", "file", "data", "source")
+COMMAND_KINDS = [
+    (name, kind) for name in COMMANDS for kind in (KINDS if name in OF_KINDS else ("geneva",))
+]
+"""Every command with every kind of mechanism, if it has one."""
+STUDY = """
+torque = 0.0113
+friction = 0.2
+results = ["period", "rise_time"]
+inertia = { driver = 3e-6, follower = 5e-6 }
+mechanism = { slots = 4, crank_radius = 0.02, pin_radius = 0.001 }
+"""
+FILES = {
+    "study.toml": STUDY.replace("friction = 0.2\n", "")
+    + "sweep = { friction = [0.1, 0.2], load_torque = [0.0, 1e-4, 2e-4] }\n",
+    "sample.toml": STUDY + "[sample]\nmethod = 'random'\nsize = 100\n"
+    "friction = { tolerance = 0.05 }\ntorque = { tolerance = 0.001 }\n"
+    "[limits]\nperiod = [0.01, 0.2]\n",
+    "wish.toml": "period = 0.05\ntorque = 0.01\nslots = 4\nfriction = [0.2, 0.3]\n"
+    "bounds = { size = 0.1 }\n",
+}
+
+
+def write_inputs(command, kind):
+    """Write the files that the scenes of a command and a kind name into this folder."""
+    for name, text in FILES.items():
+        Path(name).write_text(text)
+    for name, rows, wave in (("cells", 60, 0.1), ("other", 60, 0.12), ("cell", 40, 0.1)):
+        cells = 1.0 if name == "cell" else 2.0
+        angles = np.linspace(0.0, cells * 2.0 * math.pi / 3.0, rows)
+        turned = 0.5 * angles + wave * np.sin(3.0 * angles)
+        text = "".join(f"{x!r},{y!r}\n" for x, y in np.degrees([angles, turned]).T.tolist())
+        Path(f"{name}.csv").write_text(text)
+    if command == "plot":
+        with redirect_stdout(io.StringIO()), redirect_stderr(io.StringIO()):
+            main(["sweep", "study.toml", "--quiet"])
+    if command != "measure":
+        return
+    machine = MACHINES[kind]()
+    readings = esc.synthetic_readings(machine, seed=3, samples=120, turns=4, noise=1e-3)
+    _write("readings.csv", np.arange(readings.input.size), readings.input, readings.output)
+    timer = esc.Escapement(machine, esc.Inertia(1e-6, 5e-6), 0.01)
+    motion = esc.simulate(timer, 3)
+    times = np.linspace(0.0, motion.end_time, 120)
+    state = motion.at(times)
+    noise = 1e-3 * np.random.default_rng(5).standard_normal((2, times.size))
+    _write("motion.csv", times + 0.5, state.theta + noise[0], state.phi + noise[1])
+
+
+def _write(name, *columns):
+    time, driver, follower = columns
+    again = 0.9 * follower
+    turned = np.column_stack([time, 1.1 * time, *np.degrees([driver, follower, again])])
+    lines = [",".join(map(repr, row)) for row in turned.tolist()]
+    Path(name).write_text("\n".join(["time_s,later_s,input_deg,output_deg,again_deg", *lines]))
+
+
+MACHINES = {
+    "geneva": lambda: esc.Geneva(6, pins=2),
+    "gear-driven": lambda: esc.GearDriven(6, 0, curve="epicycloid"),
+    "elliptical-planetary": lambda: esc.EllipticalPlanetary(0.016, 0.009),
+    "tabulated": lambda: esc.Tabulated.from_csv("cell.csv"),
+}
