@@ -2,6 +2,7 @@
 
 import json
 import math
+import re
 from decimal import Decimal
 
 import pytest
@@ -18,6 +19,7 @@ from escapement.units import (
     factor,
     measured,
     printed,
+    told,
     unit_name,
 )
 
@@ -191,3 +193,12 @@ def test_the_command_line_refuses_a_wrong_unit(refusal):
     assert "--torque must be greater than 0, got '-5 mN m'" in refusal(
         2, "run", "--torque", "-5 mN m"
     )
+
+
+def test_messages_speak_the_users_system(command):
+    sizes = ["--slots", "4", "--pins", "1", "--crank-radius", "1", "--pin-radius", "0.9"]
+    for system, unit in (("SI", "m"), ("in-lbf-s", "in")):
+        code, _, err = command("mechanism", *sizes, "--units", system)
+        assert code == 2
+        assert re.search(rf"less than [\d.]+ {unit}, where .* got 0.9 {unit};", err), err
+    assert told(0.0254, "length") == "0.0254 m"

@@ -259,9 +259,9 @@ def test_every_kind_is_exported_or_refused_in_one_line(kind, tmp_path, capsys):
 @pytest.mark.parametrize(
     ("mechanism", "refused"),
     [
-        (esc.Geneva(4, 1, crank_radius=0.012, pin_radius=1.5e-3), {"clearance", "teeth"}),
-        (esc.GearDriven(12, 3, fixed_radius=0.03, pin_radius=5e-4), {"locking_radius", "teeth"}),
-        (esc.EllipticalPlanetary(0.016, 0.009), {"pin_fit", "locking_radius"}),
+        (esc.Geneva(4, 1, crank_radius=0.012, pin_radius=1.5e-3), ("clearance", "teeth")),
+        (esc.GearDriven(12, 3, fixed_radius=0.03, pin_radius=5e-4), ("locking_radius", "teeth")),
+        (esc.EllipticalPlanetary(0.016, 0.009), ("pin_fit", "locking_radius")),
     ],
     ids=repr,
 )

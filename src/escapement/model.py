@@ -26,6 +26,7 @@ from escapement.quantity import Choice, Declared, Setting, declared, quantity, s
 from escapement.scene import Joint, Meeting, Path, Scene
 from escapement.torque_curve import MOST_KNOTS, Torque, TorqueCurve
 from escapement.train import PLACES, Train, numbers_of_trains, seen, train_numbers, trains_of
+from escapement.units import told
 
 CONTACT_LAWS = ("linear", "hunt-crossley")
 np: Any = Lazy("numpy")  # importing it takes longer than the rest of help
@@ -314,7 +315,8 @@ class Escapement(Declared):
         """What is taken for a number of the contact that is not given; "" if all are given."""
         if self.contact != "compliant" or not self._damps_critically:
             return ""
-        return f"no damping is given: critical damping, {self.critical_damping:.6g} N s/m, is taken"
+        damping = told(self.critical_damping, "damping")
+        return f"no damping is given: critical damping, {damping}, is taken"
 
     @property
     def _damps_critically(self) -> bool:

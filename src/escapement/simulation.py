@@ -19,6 +19,7 @@ from escapement.painleve import friction_limits, painleve_message, uniqueness_no
 from escapement.quantity import check_number, quantities
 from escapement.solver import DEFAULT_ENGINE, Solver, choose_solver, solver_for
 from escapement.status import MESSAGES, Status
+from escapement.units import told
 
 LONGEST = {"energy": 10_000_000, "ivp": 10_000, "contact": 1_000_000}
 """Greatest number of engagements in a motion. They take up to a gigabyte, and seconds, or with
@@ -236,8 +237,8 @@ def _undriven(escapement: Escapement) -> str:
         return ""
     reaches = scene.barrel_efficiency * escapement.torque_unit
     return (
-        f"nothing drives the mechanism: the torque that reaches the driver, {reaches:g} N m, does "
-        f"not exceed that of its bearing, {held:g} N m"
+        "nothing drives the mechanism: the torque that reaches the driver, "
+        f"{told(reaches, 'torque')}, does not exceed that of its bearing, {told(held, 'torque')}"
     )
 
 

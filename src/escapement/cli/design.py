@@ -8,7 +8,7 @@ from escapement.cli import SOME_FAILED, _arguments, _inputs, _output
 from escapement.cli._arguments import Arguments, Parser
 from escapement.files import write_file
 from escapement.text import as_csv, print_columns, words
-from escapement.units import printed
+from escapement.units import printed, speak
 
 UNITS = "units of the printed figures (default: those of the wish)"
 _CHOSEN = {
@@ -36,8 +36,9 @@ def execute(args: Arguments) -> int:
 
     _output.check_wanted(args, file="FILE.csv")
     wish, system = load_wish(args.wish)
-    found = esc.design(wish, count=args.count or 40)
     shown = args.units = args.units or system
+    speak(shown)
+    found = esc.design(wish, count=args.count or 40)
     known = [*_inputs.of_wish(wish), ("count", args.count or 40, "ratio")]
     kinds = {**_CHOSEN, **{name: entry.unit for name, entry in BOUNDS.items()}}
     lines = [_line(one) for one in found.designs]

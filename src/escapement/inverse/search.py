@@ -19,6 +19,7 @@ from escapement.model import Escapement, Inertia
 from escapement.progress import set_stage
 from escapement.run_down import rundown
 from escapement.text import Shown
+from escapement.units import told
 
 SAMPLE = 11
 """Two to this power is the number of points that are tried for each wheel."""
@@ -162,14 +163,14 @@ def _reason(values: Values, wish: Wish) -> str:
     """The bound that prevents a wish, and by how much."""
     missed = misses(values, wish)
     names = list(wish.bounds)
-    told = []
+    alone = []
     for i, name in enumerate(names):
         others = np.delete(missed, i, axis=0).sum(axis=0) == 0.0
         if others.any():
             k = int(np.where(others, missed[i], math.inf).argmin())
-            told.append((missed[i, k], _told(name, wish.bounds[name], float(values[name][k]))))
-    if told:
-        return f"{min(told)[1]}, if all other bounds are satisfied"
+            alone.append((missed[i, k], _told(name, wish.bounds[name], float(values[name][k]))))
+    if alone:
+        return f"{min(alone)[1]}, if all other bounds are satisfied"
     k = int(missed.sum(axis=0).argmin())
     several = [
         _told(name, wish.bounds[name], float(values[name][k]))
@@ -181,12 +182,10 @@ def _reason(values: Values, wish: Wish) -> str:
 
 def _told(name: str, bound: tuple[float, float], reached: float) -> str:
     """A bound that is missed, and the value that the nearest design reaches."""
-    unit = BOUNDS[name].printed_unit
-    unit = f" {unit}" if unit else ""
-    low, high = bound
+    kind, (low, high) = BOUNDS[name].unit, bound
     rule, limit = ("at most", high) if reached > high else ("at least", low)
     best = "least" if reached > high else "greatest"
-    return f"{name} must be {rule} {limit:.4g}{unit}, and the {best} is {reached:.4g}{unit}"
+    return f"{name} must be {rule} {told(limit, kind)}, and the {best} is {told(reached, kind)}"
 
 
 def _polished(wheel: Wheel, place: FloatArray, wish: Wish) -> tuple[Wheel, FloatArray]:

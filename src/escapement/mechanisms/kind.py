@@ -15,7 +15,7 @@ from escapement.mechanism import FloatArray
 from escapement.mechanisms.other_sizes import OtherSize, diameters, own_numbers
 from escapement.quantity import Declared, Setting, declared, quantity
 from escapement.scene import Path
-from escapement.units import degrees
+from escapement.units import degrees, told
 
 if TYPE_CHECKING:
     import numpy as np
@@ -190,8 +190,8 @@ class Wheel(Kind):
         """Raise InvalidValue for a pin or a roller that is too thick for the wheel."""
         pin, roller = self.pin_radius, self.roller_radius
         if roller and not 0.0 < pin < roller:
-            rule = f"greater than pin_radius, {pin:g} m, and that greater than 0"
-            raise validate.fail("roller_radius", rule, roller, "give both radii")
+            rule = f"greater than pin_radius, {told(pin, 'length')}, and that greater than 0"
+            raise validate.fail("roller_radius", rule, told(roller, "length"), "give both radii")
         name = "roller_radius" if roller else "pin_radius"
         outer = roller or pin
         play = getattr(self, "clearance", 0.0)
@@ -200,12 +200,18 @@ class Wheel(Kind):
         check_lengths({name: outer, "clearance": play}, self.crank_radius, self.plain_crank)
         widest = self.crank_radius * self.widest_pin
         if outer < widest <= outer + 0.5 * play:
-            rule = f"less than {2.0 * (widest - outer):.6g} m, where neighbouring slots meet"
-            raise validate.fail("clearance", rule, play, "choose less play or a larger wheel")
+            rule = (
+                f"less than {told(2.0 * (widest - outer), 'length')}, where neighbouring slots meet"
+            )
+            raise validate.fail(
+                "clearance", rule, told(play, "length"), "choose less play or a larger wheel"
+            )
         most = widest - 0.5 * play
         if not outer < most:
-            rule = f"less than {most:.6g} m, where neighbouring slots meet"
-            raise validate.fail(name, rule, outer, "choose a thinner pin or a larger wheel")
+            rule = f"less than {told(most, 'length')}, where neighbouring slots meet"
+            raise validate.fail(
+                name, rule, told(outer, "length"), "choose a thinner pin or a larger wheel"
+            )
 
     @cached_property
     def breaks(self) -> tuple[float, ...]:

@@ -13,6 +13,7 @@ from typing import Any, NamedTuple
 from escapement import validate
 from escapement.errors import InvalidValue
 from escapement.quantity import Quantity, Setting
+from escapement.units import told
 
 Numbers = Mapping[str, Any]
 
@@ -104,8 +105,8 @@ def crank_from_wheel_radius(radius: float, given: Numbers) -> float:
     outer = given.get("roller_radius") or given.get("pin_radius") or 0.0
     half = outer + 0.5 * (given.get("clearance") or 0.0)
     if not radius > half:
-        rule = f"greater than half the width of a slot, {half:.6g} m"
-        raise validate.fail("wheel_radius", rule, radius, "give a larger wheel")
+        rule = f"greater than half the width of a slot, {told(half, 'length')}"
+        raise validate.fail("wheel_radius", rule, told(radius, "length"), "give a larger wheel")
     return math.sqrt(radius**2 - half**2) * math.tan(math.pi / given["slots"])
 
 

@@ -10,6 +10,7 @@ from escapement.fits import Fits
 from escapement.outlines.curves import Curve, Moments, stadium
 from escapement.outlines.gaps import outside, ways_of
 from escapement.outlines.walls import Wall, thinnest_wall
+from escapement.units import told
 
 
 class Part(NamedTuple):
@@ -73,9 +74,9 @@ class Part(NamedTuple):
             if len(hole.corners) == 2 and not radius < room:
                 x, y = 1e3 * place[0].real, 1e3 * place[0].imag
                 raise InvalidValue(
-                    f"a hole of the {self.name} must have a radius of less than {room:.6g} m, got "
-                    f"{radius:.6g}: it reaches what is cut at ({x:.4f}, {y:.4f}) mm; choose a "
-                    "thinner shaft or pin, or a larger wheel"
+                    f"a hole of the {self.name} must have a radius of less than "
+                    f"{told(room, 'length')}, got {told(radius, 'length')}: it reaches what is cut "
+                    f"at ({x:.4f}, {y:.4f}) mm; choose a thinner shaft or pin, or a larger wheel"
                 )
 
 
@@ -83,7 +84,12 @@ def hole(radius: float, at: complex, fit: float, what: str) -> Curve:
     """A hole for a pin or shaft of this radius, clockwise."""
     wide = radius + 0.5 * fit
     if not wide > 0.0:
-        raise validate.fail(f"{what}_fit", f"greater than {-2.0 * radius:g} m", fit, "add to it")
+        raise validate.fail(
+            f"{what}_fit",
+            f"greater than {told(-2.0 * radius, 'length')}",
+            told(fit, "length"),
+            "add to it",
+        )
     return Curve.circle(wide, at).reversed()
 
 

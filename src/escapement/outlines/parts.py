@@ -20,6 +20,7 @@ from escapement.outlines.gears import EllipticalOutline, GearDrivenOutline, pitc
 from escapement.outlines.geneva import GenevaOutline
 from escapement.outlines.meshed import MeshedOutline, elliptical_teeth, toothed_gears
 from escapement.outlines.part import Part, hole, link
+from escapement.units import told
 
 _UNUSED = {
     Geneva: (
@@ -107,7 +108,10 @@ def _with_locking(outline: GenevaOutline, radius: float, size: float) -> GenevaO
     """The bodies with another radius of the locking arcs [m]; InvalidValue if it is impossible."""
     low = size * abs(outline.mechanism.centre_distance - outline.rim_radius)
     high = size * (1.0 - outline.half_slot)
-    rule, remedy = f"between {low:.6g} and {high:.6g} m here", "choose another, or leave it out"
+    rule, remedy = (
+        f"between {told(low, 'length')} and {told(high, 'length')} here",
+        "choose another, or leave it out",
+    )
     if outline.mechanism.continuous:
         rule, remedy = "0 for a wheel without a dwell", "leave it out, or choose fewer pins"
     elif low < radius < high:
@@ -115,7 +119,7 @@ def _with_locking(outline: GenevaOutline, radius: float, size: float) -> GenevaO
         if chosen.locking_edge:
             return chosen
         rule = "such that the hollows for the wheel leave some of the locking disc"
-    raise validate.fail("locking_radius", rule, radius, remedy)
+    raise validate.fail("locking_radius", rule, told(radius, "length"), remedy)
 
 
 @_parts.register
@@ -153,8 +157,10 @@ def _(mechanism: GearDriven, fits: Fits) -> list[Part]:
     outline = GearDrivenOutline(mechanism, fits.clearance)
     if not outline.half_slot < mechanism.widest_pin:
         most = 2.0 * size * (mechanism.widest_pin - mechanism.contact_radius)
-        rule = f"less than {most:.6g} m, where neighbouring slots meet"
-        raise validate.fail("clearance", rule, fits.clearance, "choose less, or thinner pins")
+        rule = f"less than {told(most, 'length')}, where neighbouring slots meet"
+        raise validate.fail(
+            "clearance", rule, told(fits.clearance, "length"), "choose less, or thinner pins"
+        )
     arm, inner = mechanism.arm_over_fixed, outline.slot_end - outline.half_slot
     axis = fits.driver_shaft_radius or size * min(_SHAFT, 0.5 * outline.planet_radius, 0.5 * arm)
     own = fits.follower_shaft_radius or size * min(_SHAFT, 0.5 * inner)

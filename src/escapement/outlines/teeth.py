@@ -24,6 +24,7 @@ from escapement.errors import InvalidValue
 from escapement.mechanism import FloatArray
 from escapement.mechanisms.elliptical_teeth import ADDENDUM, PRESSURE_ANGLE, PitchEllipse
 from escapement.outlines.curves import ComplexArray, Curve, biarcs
+from escapement.units import told
 
 _DEDENDUM = 1.25  # depth of the root below the pitch curve [modules]
 _SINE, _COSINE = math.sin(PRESSURE_ANGLE), math.cos(PRESSURE_ANGLE)
@@ -75,7 +76,7 @@ def rack_cut(pitch: PitchEllipse, teeth: int, centred: bool, backlash: float = 0
     if backlash < 0.0 or not np.all(ends[:, 0] < ends[:, 1]):
         raise InvalidValue(
             "clearance of toothed gears must be at least 0 and leave tips, got "
-            f"{backlash:.6g} m at a module of {module:.6g} m; give less"
+            f"{told(backlash, 'length')} at a module of {told(module, 'length')}; give less"
         )
     anomalies = np.column_stack([ends[:, 0], ends.mean(axis=1), ends[:, 1]])
     place, along = rolled.at(anomalies)

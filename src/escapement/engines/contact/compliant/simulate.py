@@ -17,6 +17,7 @@ from escapement.model import Escapement
 from escapement.motion import Motion, stall_message
 from escapement.scene import Joint
 from escapement.status import MESSAGES, Status
+from escapement.units import told
 
 LONGEST = 2000
 """Greatest number of engagements in one motion: each takes up to a megabyte."""
@@ -37,7 +38,8 @@ def joint_of(escapement: Escapement) -> Joint:
     if joint.stiffness < SOFTEST:
         least = SOFTEST * escapement.stiffness / joint.stiffness
         raise InvalidValue(
-            f"stiffness must be at least {least:.6g} N/m here, got {escapement.stiffness!r}; a pin "
+            f"stiffness must be at least {told(least, 'stiffness')} here, got "
+            f"{told(escapement.stiffness, 'stiffness')}; a pin "
             "would sink into a softer wall by more than a thousandth of the crank radius"
         )
     if escapement.restitution > 0.0 and not joint.hertz:
@@ -117,9 +119,9 @@ class March:
         place += f"{int(passed) + 1}, after {time * own.time_unit:.6g} s"
         least = own.critical_damping
         weak = own.damping is not None and own.damping < least and not self.joint.hertz
-        remedy = f"; leave out damping, and critical damping, {least:.6g} N s/m, is taken"
-        told = f"the motion was followed {place}, where {clock['tries']} steps were used up"
-        return told + (remedy if weak else "")
+        remedy = f"; leave out damping, and critical damping, {told(least, 'damping')}, is taken"
+        followed = f"the motion was followed {place}, where {clock['tries']} steps were used up"
+        return followed + (remedy if weak else "")
 
 
 def simulate(
