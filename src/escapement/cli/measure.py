@@ -34,8 +34,8 @@ _KEYS = (
 
 _MOTION_KEYS = {
     "samples": "ratio", "release_time": "time", "noise_deg": "degrees",
-    "autocorrelation": "ratio", "speed_max": "speed", "speed_max_computed": "speed",
-    "speed_deviation": "speed",
+    "autocorrelation": "ratio", "p_value": "ratio", "speed_max": "speed",
+    "speed_max_computed": "speed", "speed_deviation": "speed",
 }  # fmt: skip
 
 
@@ -194,7 +194,8 @@ def _joined(result: Any, fit: Any, units: str) -> dict[str, Any]:
         texts.append(fit.verdict.text)
         messages.append(fit.message)
         record["motion"] = _summarise_motion(fit, units)
-    good = all(one.verdict.good for one in (result, fit) if one is not None)
+    verdicts = [one.verdict.good for one in (result, fit) if one is not None]
+    good = False if False in verdicts else None if None in verdicts else True
     message = "; ".join(dict.fromkeys(filter(None, messages)))
     return {"verdict": " ".join(texts), "good": good} | record | {"message": message}
 
@@ -204,11 +205,9 @@ def _summarise_motion(fit: Any, units: str) -> dict[str, Any]:
     from escapement.study.plan import unit_kind
 
     fitted = {}
-    for name, value, half in zip(fit.parameters, fit.values, fit.half_widths, strict=True):
+    for name, value, ends in zip(fit.parameters, fit.values, fit.intervals, strict=True):
         kind = unit_kind(name)
-        ends = [
-            _output.in_units(float(x), kind, units) for x in (value, value - half, value + half)
-        ]
+        ends = [_output.in_units(float(x), kind, units) for x in (value, *ends)]
         fitted[name] = {"value": ends[0], "interval": ends[1:], "unit": printed(kind, units)}
     apart = fit.speeds - fit.computed_speeds
     return {
@@ -218,6 +217,7 @@ def _summarise_motion(fit: Any, units: str) -> dict[str, Any]:
         "confidence": fit.confidence,
         "noise_deg": math.degrees(fit.noise),
         "autocorrelation": fit.autocorrelation,
+        "p_value": None if math.isnan(fit.p_value) else fit.p_value,
         "speed_max": float(fit.speeds.max()),
         "speed_max_computed": float(fit.computed_speeds.max()),
         "speed_deviation": float(np.sqrt(np.mean(apart**2))),

@@ -20,12 +20,12 @@ _NOISE, _ROUNDING = "noise with correlated neighbours", "the rounding of the enc
 class Verdict(NamedTuple):
     """Whether a mechanism is good, as far as its readings show.
 
-    good : True if the errors are small for this mechanism, and neither backlash nor an error that
-        repeats with a shaft is certain. Half a step of the encoders or less is never certain.
-    text : one or two sentences that say what is wrong, and with which shaft.
+    good : True if the tests that would contradict it were possible and passed, False if the
+        readings contradict it, None if they cannot say.
+    text : one or two sentences that say what is wrong, and where, or why they cannot say.
     """
 
-    good: bool
+    good: bool | None
     text: str
 
 
