@@ -171,7 +171,7 @@ class MotionTask:
             )
         *found, rate = min(tries)[1:]
         self.check_times(rate)
-        return np.clip(found, *self.bounds())
+        return np.asarray(np.clip(found, *self.bounds()))
 
     def check_times(self, rate: float) -> None:
         """Raise an error if measured times are not of the order of the design's.
