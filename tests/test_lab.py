@@ -292,7 +292,7 @@ def test_what_the_readings_do_not_show_is_not_explained():
     for angle in (40.0 * time, 60.0 * time**2):
         fit = esc.fit_motion(esc.Readings(angle + noise, nothing, time=time), TRUTH, ())
         assert fit.verdict.good is False
-    assert esc.fit_motion(run_up(1, motion=other), GUESS).verdict.good is False
+    assert esc.fit_motion(run_up(1, motion=other), TRUTH, ()).verdict.good is False
 
 
 def test_a_smooth_curve_that_fits_as_well_leaves_no_verdict():
