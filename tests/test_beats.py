@@ -9,6 +9,7 @@ from numpy.testing import assert_allclose
 
 import escapement as esc
 from escapement.engines.energy.beats import pattern_beats
+from escapement.measurement.rounds import rounds_of
 from escapement.plots import plot_beat_spectrum, plot_beats
 
 INERTIA = esc.Inertia(3.39e-7, 5.65e-6)
@@ -129,7 +130,101 @@ def test_other_faults_of_the_parts_are_noticed():
     assert "something besides these angles differs from the design" in fit.message
     ticks = 2e-6 * np.random.default_rng(1).normal(size=601)
     jitter = esc.fit_beats(beats_of(design(), PINS, SLOTS, rounds=40) + np.diff(ticks), design())
-    assert "neighbouring residuals are alike (correlation -0." in jitter.message
+    # the fit finds that the noise is that of stamps, without being told
+    assert jitter.rounds.jitter > 0.9
+    assert "neighbouring residuals" not in jitter.message
+    drift = 1.0 + 1e-4 * np.cos(np.arange(600) / 20.0)
+    slow = esc.fit_beats(beats_of(design(), PINS, SLOTS, rounds=40, noise=1e-5) * drift, design())
+    assert "neighbouring residuals are alike (correlation 0." in slow.message
+
+
+def heard(ticks, case):
+    """Ticks of which one is missed, doubled, and so on, near the seventieth."""
+    late = 0.3 * (ticks[71] - ticks[70])
+    return {
+        "missed": lambda: np.delete(ticks, 71),
+        "two missed": lambda: np.delete(ticks, [71, 72]),
+        "two apart": lambda: np.delete(ticks, [20, 71]),
+        "second": lambda: np.delete(ticks, 1),
+        "last but one": lambda: np.delete(ticks, -2),
+        "echo": lambda: np.insert(ticks, 71, ticks[70] + late),
+        "close echo": lambda: np.insert(ticks, 71, ticks[70] + 0.1 * late),
+        "two echoes": lambda: np.insert(ticks, [71, 71], ticks[70] + late * np.array([1.0, 1.5])),
+        "late": lambda: ticks + late * (np.arange(ticks.size) == 70),
+        "a little late": lambda: ticks + 0.1 * late * (np.arange(ticks.size) == 70),
+        "after the last": lambda: np.append(ticks, ticks[-1] + late),
+    }[case]()
+
+
+CASES = {
+    "missed": "beat 70 is 2.0", "two missed": "beat 70 is 3.0", "two apart": "beat 19 is 2.0",
+    "second": "beat 0 is 2.0", "last but one": "beat 148 is 1.99",
+    "echo": "beats 70 to 71 are 0.30", "close echo": "beats 70 to 71 are 0.03",
+    "two echoes": "beats 70 to 72 are 0.30",
+    "late": "engagement 69 takes 1.30", "a little late": "engagement 69 takes 1.03",
+    "after the last": "beat 150 is 0.30",
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("times", [False, True])
+@pytest.mark.parametrize("case", CASES)
+def test_beats_are_right_but_for_those_near_a_fault_which_is_named(case, times):
+    clean = beats_of(design(), PINS, SLOTS, rounds=10, noise=1e-4)
+    ticks = heard(np.concatenate([[0.0], np.cumsum(clean)]), case)
+    rounds = rounds_of(ticks if times else np.diff(ticks), design().mechanism, times)
+    assert CASES[case] in "; ".join(rounds.faults)
+    found = rounds.table.ravel()[: clean.size]
+    known = np.isfinite(found)
+    assert_allclose(found[known], clean[known], rtol=1e-9)
+    assert 1 <= clean.size + (case in ("echo", "after the last", "two echoes")) - known.sum() <= 4
+
+
+def test_a_fault_leaves_the_estimates_as_they_are():
+    clean = beats_of(design(), PINS, SLOTS, rounds=10, noise=1e-4)
+    whole = esc.fit_beats(clean, design())
+    ticks = np.concatenate([[0.0], np.cumsum(clean)])
+    for case in ("missed", "echo"):
+        fit = esc.fit_beats(np.diff(heard(ticks, case)), design())
+        assert_allclose(fit.pin_angle_errors, whole.pin_angle_errors, atol=2e-5)
+        assert_allclose(fit.pin_half_widths, whole.pin_half_widths, rtol=0.05)
+        assert CASES[case] in fit.message
+
+
+def test_beats_that_differ_by_design_are_no_faults():
+    # one slot out of five is far out, and the clock counts whole milliseconds
+    beats = beats_of(design(), PINS, 10.0 * SLOTS, rounds=8)
+    assert np.ptp(beats) > 0.02 * beats.mean()
+    assert rounds_of(beats, design().mechanism).faults == ()
+    stamps = np.round(np.cumsum(np.tile(beats, 4)), 3)
+    assert rounds_of(stamps, design().mechanism, True).faults == ()
+
+
+def test_best_means_of_jittery_stamps_are_those_of_least_squares():
+    random = np.random.default_rng(0)
+    stamps = np.cumsum(np.full(46, 1.0)) + 0.01 * random.standard_normal(46)
+    stamps[20] = np.nan
+    rounds = rounds_of(stamps, design().mechanism, True)
+    known, places = rounds.known, np.eye(15)[rounds.known % 15]
+    apart = np.abs(np.subtract.outer(known, known))
+    covariance = np.where(apart == 0, 1.0, np.where(apart == 1, -0.5 * rounds.jitter, 0.0))
+    inverse = np.linalg.inv(covariance)
+    information = places.T @ inverse @ places
+    values = rounds.table.ravel()[known]
+    means = np.linalg.solve(information, places.T @ inverse @ values)
+    assert_allclose(rounds.means, means, rtol=1e-9)
+    assert_allclose(rounds.root.T @ rounds.root, information, rtol=1e-8)
+    rest = values - places @ means
+    assert rounds.scatter == pytest.approx(rest @ inverse @ rest, rel=1e-8)
+
+
+def test_a_rate_that_beats_do_not_determine_is_no_number():
+    late, ahead = 1e-3 * np.array([0.5, -0.3, -0.2, 0.0]), 1e-3 * np.array([-1.0, 0.2, 0.3, 0.5])
+    fit = esc.fit_beats(beats_of(design(4, 4), late, ahead, 2, 1e-6), design(4, 4))
+    assert np.isnan([fit.rate, fit.rate_half_width]).all()
+    # noise of six times what the pins change
+    lost = esc.fit_beats(beats_of(design(6, 3), PINS, (), 10, 2.4e-4), design(6, 3), parts="pins")
+    assert np.isnan([*lost.pin_angle_errors, lost.rate]).all()
+    assert "the beats determine none" in lost.message
 
 
 def test_lines_have_their_culprits():
@@ -180,6 +275,10 @@ GOOD = np.full(15, 0.03)
         (lambda: esc.fit_beats(GOOD, design(), confidence=1.0), "between 0 and 1"),
         (lambda: esc.fit_beats(GOOD[:4], design(4, 4)), "more than the 7 unknowns, got 4"),
         (lambda: esc.fit_beats(GOOD, replace(design(), friction=2.0)), "a terminal cycle"),
+        (lambda: esc.fit_beats(0.03 * np.arange(1, 40), design()), "give times=True"),
+        (lambda: esc.fit_beats([0.0, 1.0, 1.0], design(), times=True), "time 2 must be later"),
+        (lambda: esc.fit_beats([*GOOD, 0.045, *GOOD], design()), "beat 15 must be a whole number"),
+        (lambda: esc.fit_beats(np.tile([0.01, 0.02], 20), design()), "how ticks are detected"),
         (lambda: esc.beat_spectrum(GOOD, 3), "mechanism must be a Geneva wheel"),
     ],
 )

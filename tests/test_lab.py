@@ -8,6 +8,7 @@ import pytest
 import escapement as esc
 from escapement import plots
 from escapement.errors import InputFileError, InvalidValue
+from escapement.measurement.motion_task import task_of
 from measurement_tools import DEG, read
 
 WHEEL = esc.Geneva(4)
@@ -222,3 +223,106 @@ def test_speeds_are_drawn():
     np.testing.assert_allclose(ax.lines[1].get_ydata(), fit.computed_speeds)
     with pytest.raises(InvalidValue, match="a MotionFit"):
         plots.plot_speeds(None)
+
+
+ORIGINS = (0.0, 60.0, 1000.0, 1.7641e9)
+
+
+def test_a_fit_does_not_depend_on_when_the_clock_was_started():
+    given = run_up(2)
+    since = given.time - given.time[0]
+    fits = [
+        esc.fit_motion(esc.Readings(given.input, given.output, time=since + origin), GUESS)
+        for origin in ORIGINS
+    ]
+    for fit, origin in zip(fits, ORIGINS, strict=True):
+        # a double holds Unix time to 0.2 microseconds
+        np.testing.assert_allclose(fit.values, fits[0].values, rtol=1e-5)
+        np.testing.assert_allclose(fit.half_widths, fits[0].half_widths, rtol=1e-3)
+        assert fit.start - origin == pytest.approx(fits[0].start, abs=1e-6)
+        assert fit.verdict.good is True
+    # the scale of time is that of torque over inertia, and friction has none
+    slow = esc.Escapement(WHEEL, esc.Inertia(3.39e-5, 5.65e-4), 0.02, 0.15)
+    other = esc.fit_motion(esc.Readings(given.input, given.output, time=10.0 * since), slow)
+    np.testing.assert_allclose(other.values, fits[0].values, rtol=1e-7)
+    np.testing.assert_allclose(other.half_widths, fits[0].half_widths, rtol=1e-5)
+
+
+def test_derivatives_are_those_of_the_motion():
+    task = task_of(run_up(3), GUESS, ("friction", "torque"))
+    at = task.begin()
+    slopes, step = task.slopes(at), 1e-6
+    for place in range(3):
+        more, less = (task.residuals(at + sign * step * np.eye(3)[place]) for sign in (1, -1))
+        expected = (more - less) / (2.0 * step)
+        assert np.linalg.norm(slopes[:, place] - expected) < 1e-3 * np.linalg.norm(expected)
+
+
+@pytest.mark.parametrize(
+    ("scale", "unit"), [(1e3, "ms"), (1e6, "us"), (1e9, "ns"), (1 / 60, "minutes")]
+)
+@pytest.mark.parametrize("names", [("friction", "torque"), ("friction",), ()])
+def test_a_wrong_unit_of_the_times_is_doubted(scale, unit, names):
+    given = run_up(1)
+    wrong = esc.Readings(given.input, given.output, time=scale * (given.time - 3.0))
+    with pytest.raises(InvalidValue, match=f"which may be {unit} taken as s") as caught:
+        esc.fit_motion(wrong, TRUTH, names)
+    assert "\n" not in str(caught.value)
+    assert "give the escapement a torque of about" in str(caught.value)
+
+
+def test_a_torque_far_from_the_guess_is_found_with_the_one_that_is_advised():
+    far = esc.Escapement(WHEEL, INERTIA, 11.3, 0.15)
+    with pytest.raises(InvalidValue, match="a torque of about") as caught:
+        esc.fit_motion(run_up(1), far)
+    advised = float(str(caught.value).rsplit("about ", 1)[1].split()[0])
+    fit = esc.fit_motion(run_up(1), esc.Escapement(WHEEL, INERTIA, advised, 0.15))
+    assert (np.abs(fit.values - [0.30, 0.0113]) < 2.0 * fit.half_widths).all()
+
+
+def test_what_the_readings_do_not_show_is_not_explained():
+    random, time = np.random.default_rng(1), np.linspace(0.0, 0.6, 300)
+    nothing = np.full(300, np.nan)
+    still = esc.Readings(0.01 * random.standard_normal(300), nothing, time=time)
+    with pytest.raises(InvalidValue, match="readings must show a driver that turns"):
+        esc.fit_motion(still, GUESS)
+    # the motion of another wheel, at an even speed, or evenly accelerated
+    other = esc.simulate(esc.Escapement(esc.Geneva(6), INERTIA, 0.0113, 0.3), 12)
+    noise = 0.005 * random.standard_normal(300)
+    for angle in (40.0 * time, 60.0 * time**2):
+        fit = esc.fit_motion(esc.Readings(angle + noise, nothing, time=time), TRUTH, ())
+        assert fit.verdict.good is False
+    assert esc.fit_motion(run_up(1, motion=other), TRUTH, ()).verdict.good is False
+
+
+def test_a_smooth_curve_that_fits_as_well_leaves_no_verdict():
+    motion = esc.simulate(TRUTH, 12)
+    random = np.random.default_rng(4)
+    time = np.linspace(0.0, 1.0, 60) * motion.end_time
+    noisy = motion.at(time).theta + 1.0 * random.standard_normal(60)
+    fit = esc.fit_motion(esc.Readings(noisy, np.full(60, np.nan), time=time), TRUTH, ())
+    assert fit.verdict.good is None
+    assert fit.verdict.text.startswith("Cannot say whether the model explains the motion: a smooth")
+
+
+def test_intervals_end_where_the_physical_range_does():
+    smooth = esc.simulate(esc.Escapement(WHEEL, INERTIA, 0.0113, 0.0), 12)
+    fit = esc.fit_motion(run_up(2, motion=smooth), GUESS)
+    low, high = fit.intervals[0]
+    assert low == 0.0 < high < 1e-3
+    train = esc.Train(2.0, 1.0, 1e-6)
+    geared = esc.Escapement(WHEEL, INERTIA, 0.0113, 0.3, barrel=train)
+    guess = esc.Escapement(WHEEL, INERTIA, 0.0113, 0.2, barrel=esc.Train(2.0, 0.8, 1e-6))
+    made = run_up(3, motion=esc.simulate(geared, 12))
+    fit = esc.fit_motion(made, guess, ("friction", "barrel_efficiency"))
+    low, high = fit.intervals[1]
+    assert 0.9 < low < high <= 1.0
+
+
+def test_readings_without_noise_are_explained():
+    motion = esc.simulate(TRUTH, 12)
+    time = np.linspace(0.0, 1.0, 200) * motion.end_time
+    exact = esc.Readings(motion.at(time).theta, np.full(200, np.nan), time=time)
+    fit = esc.fit_motion(exact, GUESS)
+    np.testing.assert_allclose(fit.values, [0.30, 0.0113], rtol=1e-6)
+    assert fit.verdict.good is True

@@ -39,8 +39,8 @@ _KEYS = (
 
 _MOTION_KEYS = {
     "samples": "ratio", "release_time": "time", "noise_deg": "degrees",
-    "autocorrelation": "ratio", "speed_max": "speed", "speed_max_computed": "speed",
-    "speed_deviation": "speed",
+    "autocorrelation": "ratio", "p_value": "ratio", "speed_max": "speed",
+    "speed_max_computed": "speed", "speed_deviation": "speed",
 }  # fmt: skip
 
 
@@ -235,11 +235,9 @@ def _summarise_motion(fit: Any, units: str) -> dict[str, Any]:
     from escapement.study.plan import unit_kind
 
     fitted = {}
-    for name, value, half in zip(fit.parameters, fit.values, fit.half_widths, strict=True):
+    for name, value, ends in zip(fit.parameters, fit.values, fit.intervals, strict=True):
         kind = unit_kind(name)
-        ends = [
-            _output.in_units(float(x), kind, units) for x in (value, value - half, value + half)
-        ]
+        ends = [_output.in_units(float(x), kind, units) for x in (value, *ends)]
         fitted[name] = {"value": ends[0], "interval": ends[1:], "unit": printed(kind, units)}
     apart = fit.speeds - fit.computed_speeds
     return {
@@ -249,6 +247,7 @@ def _summarise_motion(fit: Any, units: str) -> dict[str, Any]:
         "confidence": fit.confidence,
         "noise_deg": math.degrees(fit.noise),
         "autocorrelation": fit.autocorrelation,
+        "p_value": None if math.isnan(fit.p_value) else fit.p_value,
         "speed_max": float(fit.speeds.max()),
         "speed_max_computed": float(fit.computed_speeds.max()),
         "speed_deviation": float(np.sqrt(np.mean(apart**2))),

@@ -40,7 +40,7 @@ class BeatSpectrum:
 
     lines : all lines that the pattern can have, except the mean, by their frequency.
     mean : mean beat [s].
-    rounds : the measured beats.
+    rounds : the measured beats; its `faults` name ticks that were missed, doubled or out of place.
     """
 
     lines: tuple[BeatLine, ...]
@@ -48,7 +48,7 @@ class BeatSpectrum:
     rounds: Rounds
 
 
-def beat_spectrum(beats: ArrayLike, mechanism: Mechanism) -> BeatSpectrum:
+def beat_spectrum(beats: ArrayLike, mechanism: Mechanism, *, times: bool = False) -> BeatSpectrum:
     """Lines in the spectrum of measured beats, each with the parts that cause it.
 
     Errors of pins repeat with every turn of the driver, those of slots with every turn of the
@@ -58,10 +58,12 @@ def beat_spectrum(beats: ArrayLike, mechanism: Mechanism) -> BeatSpectrum:
     Parameters
     ----------
     beats : array_like, shape (N,)
-        Times of the engagements in turn [s], NaN or masked where one is missing, as for
-        `fit_beats`.
+        Times of the engagements in turn [s], NaN or masked where one is missing, or time stamps,
+        as for `fit_beats`, which also says what is mended.
     mechanism : Geneva
         The wheel.
+    times : bool
+        Whether they are time stamps.
 
     Raises
     ------
@@ -69,10 +71,11 @@ def beat_spectrum(beats: ArrayLike, mechanism: Mechanism) -> BeatSpectrum:
         When an argument breaks its rule.
     """
     wheel = checked_wheel(mechanism)
-    rounds, pins = rounds_of(beats, wheel), wheel.pins or 1
+    rounds, pins = rounds_of(beats, wheel, times), wheel.pins or 1
     size, mean = rounds.pattern, float(rounds.means.mean())
     within = rounds.samples - size
-    # standard deviation of a beat's noise, which is taken to be independent
+    inverse = np.linalg.inv(rounds.root)
+    # standard deviation of a beat's noise
     noise = math.sqrt(rounds.scatter / within) if within > 0 else math.nan
     lines = []
     for k in range(1, size // 2 + 1):
@@ -80,8 +83,8 @@ def beat_spectrum(beats: ArrayLike, mechanism: Mechanism) -> BeatSpectrum:
         weights = np.exp(-2j * np.pi * k / size * np.arange(size)) * (1 if alternates else 2) / size
         value = complex(weights @ rounds.means)
         amplitude, freedom = abs(value), 1 if alternates else 2
-        along = (weights * np.exp(-1j * np.angle(value))).real / np.sqrt(rounds.counts)
-        error = noise * float(np.linalg.norm(along))
+        along = (weights * np.exp(-1j * np.angle(value))).real
+        error = noise * float(np.linalg.norm(along @ inverse))
         share = (amplitude / error) ** 2 / freedom if error > 0.0 else math.nan
         culprits = [
             name for name, n in (("pins", pins), ("slots", wheel.slots)) if k * n % size == 0

@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import dataclass, field
+from itertools import combinations
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -10,15 +11,20 @@ from numpy.typing import ArrayLike
 from escapement import validate
 from escapement.errors import InvalidValue
 from escapement.lazy import Lazy
+from escapement.measurement.curvature import curved
 from escapement.measurement.parts import Parts, starts
 from escapement.measurement.rounds import Rounds, checked_wheel, rounds_of
 from escapement.measurement.told import (
     Combination,
+    Doubt,
+    Told,
     doubt_of,
     remarks,
     spanned,
     told,
     told_together,
+    within_range,
+    without,
 )
 from escapement.mechanism import FloatArray
 from escapement.model import Escapement
@@ -44,14 +50,15 @@ class BeatFit:
         The given design with errors that explain the beats; they are the estimates if these are
         determined.
     pin_angle_errors, slot_angle_errors : ndarray, shapes (m,) and (n,)
-        Estimates [rad]; NaN if pins and slots cannot be distinguished. For a slot with only
-        bounds, the middle of its interval.
+        Estimates [rad]; NaN if the beats do not determine them. For a slot with only bounds, the
+        middle of its interval.
     pin_half_widths, slot_half_widths : ndarray, shapes (m,) and (n,)
         Half the widths of the intervals [rad].
     combinations : tuple of Combination
         Other angles that are determined; empty if all single errors are.
     rate, rate_half_width : float
-        Measured time divided by computed time, which corrects an inexact torque [-].
+        Measured time divided by computed time, which corrects an inexact torque [-]; NaN if the
+        beats do not determine it.
     computed : ndarray, shape (pattern,)
         Beats of one pattern with these errors, times `rate` [s].
     rounds : Rounds
@@ -100,6 +107,7 @@ def fit_beats(
     noise: float | None = None,
     parts: str = "both",
     confidence: float = 0.95,
+    times: bool = False,
 ) -> BeatFit:
     """Find the angle errors of pins and slots from measured beats.
 
@@ -118,12 +126,15 @@ def fit_beats(
         Which of them may have errors: "both", "pins" or "slots".
     confidence : float
         Confidence level of the intervals, in (0, 1) [-].
+    times : bool
+        Whether `beats` are time stamps instead: the N + 1 instants of the changes of pin [s], by
+        any clock. Their jitter makes neighbouring beats alternate, and the fit allows for it.
 
     Returns
     -------
     BeatFit
-        Its `message` says what cannot be determined, and where the model does not explain the
-        beats.
+        Its `message` says what cannot be determined, where the model does not explain the beats,
+        and which ticks were missed, doubled or out of place.
 
     Raises
     ------
@@ -132,7 +143,14 @@ def fit_beats(
 
     Notes
     -----
-    The noise of a beat is assumed to be normal and independent of the others. A step from slot to
+    The noise is assumed to be normal and independent from beat to beat, or from time stamp to time
+    stamp; the shares of both come from restricted maximum likelihood, where durations show with
+    certainty that they are differences of stamps, or where stamps are given.
+
+    Intervals that are much too short or too long, and that alone or with their neighbours make a
+    whole number of beats, are mended: the parts of an echo are joined, and a beat whose own
+    duration is not known is left out. A tick that is missed at the very beginning cannot be
+    noticed; pins and slots then count from the first beat that there is. A step from slot to
     slot is measured where the pin strikes; where the pin picks the follower up, it is only known
     to be less than the free step. If the axes are too far apart, all steps up to 2 tan(pi/n)
     times the relative error of their distance cause no strike: give the real distance.
@@ -140,7 +158,7 @@ def fit_beats(
     if not isinstance(escapement, Escapement):
         raise validate.fail("escapement", "an Escapement", escapement, "see escapement.Escapement")
     wheel: Any = checked_wheel(escapement.mechanism)
-    rounds = rounds_of(beats, wheel)
+    rounds = rounds_of(beats, wheel, times)
     if noise is not None:
         noise = validate.positive("noise", noise, "give the standard deviation of a beat in s")
     validate.choice("parts", parts, PARTS)
@@ -161,17 +179,15 @@ def fit_beats(
     else:
         # a fit that is worse by no more than the edge of an interval may be true as well
         edge = best.cost + 0.5 * (doubt.reach * doubt.noise / rounds.means.mean()) ** 2
-        solutions = [told(best.parts, best.unknowns, doubt.root)]
-        for trial in others:
-            if trial.cost <= edge and not _alike(trial, best):
-                root = doubt_of(trial.parts, trial.unknowns, rounds, noise, share).root
-                solutions.append(told(trial.parts, trial.unknowns, root))
-        known = spanned(solutions)
+        sets = [best] + [it for it in others if it.cost <= edge and not _alike(it, best)]
+        doubts = [doubt_of(*it[:2], rounds, noise, share) for it in sets]
+        solutions = [_told(it, rounds, own) for it, own in zip(sets, doubts, strict=True)]
+        known = spanned(solutions, _joined(sets, rounds, edge))
+    known = within_range(known, best.parts)
     return BeatFit(
         best.parts.built(best.unknowns), known.pins, known.slots, known.pin_widths,
-        known.slot_widths, known.combinations, float(best.unknowns[0]),
-        float(np.linalg.norm(doubt.root[0])), doubt.computed, rounds, doubt.noise, doubt.p_value,
-        share, "; ".join(remarks(known, doubt, rounds.samples)),
+        known.slot_widths, known.combinations, known.rate, known.rate_width, doubt.computed,
+        rounds, doubt.noise, doubt.p_value, share, "; ".join(remarks(known, doubt, rounds)),
     )  # fmt: skip
 
 
@@ -197,6 +213,26 @@ def _fitted(escapement: Escapement, rounds: Rounds, pins: bool, slots: bool) -> 
     return sorted((_improved(*one[:2], rounds, _EXACT) for one in near), key=_Trial.left)
 
 
+def _told(trial: _Trial, rounds: Rounds, doubt: Doubt) -> Told:
+    """What one fit says, NaN where its intervals do not hold."""
+    found = told(trial.parts, trial.unknowns, doubt.root)
+    return without(found, trial.parts, curved(trial.parts, trial.unknowns, rounds, doubt))
+
+
+def _joined(sets: list[_Trial], rounds: Rounds, edge: float) -> bool:
+    """Whether sets of errors between those that were found explain the beats as well.
+
+    The regions about each of them are then one, and greater than their intervals.
+    """
+    for one, other in combinations(sets, 2):
+        if one.parts.last == other.parts.last:
+            middle = 0.5 * (one.unknowns + other.unknowns)
+            rest = _rest(one.parts, middle, rounds)
+            if 0.5 * float(rest @ rest) <= edge:
+                return True
+    return False
+
+
 def _alike(one: _Trial, other: _Trial) -> bool:
     """Whether two fits have found the same errors."""
     a, b = (trial.parts.errors(trial.unknowns) for trial in (one, other))
@@ -211,14 +247,16 @@ def _improved(
     parts: Parts, start: FloatArray, rounds: Rounds, tolerances: dict[str, float]
 ) -> _Trial:
     """The unknowns with the least sum of squares."""
-    unit, weights = rounds.means.mean(), np.sqrt(rounds.counts)
-
-    def rest(unknowns: FloatArray) -> FloatArray:
-        computed = parts.beats(unknowns)
-        if computed is None:
-            # a wheel that cannot run explains no beats
-            return np.full(rounds.pattern, 1e3)
-        return np.asarray(weights * (computed - rounds.means) / unit)
-
-    found = optimize.least_squares(rest, start, bounds=parts.bounds(start[0]), **tolerances)
+    found = optimize.least_squares(
+        lambda at: _rest(parts, at, rounds), start, bounds=parts.bounds(start[0]), **tolerances
+    )
     return _Trial(parts, found.x, float(found.cost))
+
+
+def _rest(parts: Parts, unknowns: FloatArray, rounds: Rounds) -> FloatArray:
+    """Computed less mean beats, made independent, as shares of the mean of all."""
+    computed = parts.beats(unknowns)
+    if computed is None:
+        # a wheel that cannot run explains no beats
+        return np.full(rounds.pattern, 1e3)
+    return np.asarray(rounds.root @ (computed - rounds.means) / rounds.means.mean())

@@ -89,12 +89,17 @@ class Parts:
 
     def bounds(self, rate: float) -> tuple[FloatArray, FloatArray]:
         """Least and greatest values of the unknowns about a rate."""
-        most = np.full(self.size, 0.25 * self.wheel.cell_angle)
+        most = np.full(self.size, self.range[1])
         least = -most
         least[0], most[0], least[self.blows] = 0.5 * rate, 2.0 * rate, 0.0
         largest = _LARGEST * self.wheel.follower_step
         most[self.blows] = np.maximum(self.struck(largest), 2.0 * _BLOW)
         return least, most
+
+    @property
+    def range(self) -> tuple[float, float]:
+        """Greatest angle errors of slots and of pins with which the wheel may run [rad]."""
+        return self.wheel.slots * _LARGEST * self.wheel.follower_step, 0.25 * self.wheel.cell_angle
 
     def struck(self, step: float) -> FloatArray:
         """x of slots with a step, all but the last; 0 where there is no blow [rad]."""

@@ -1,7 +1,7 @@
 """Measured beats, sorted by their pin and slot."""
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
@@ -10,6 +10,8 @@ from numpy.typing import ArrayLike
 
 from escapement import validate
 from escapement.errors import InvalidValue
+from escapement.measurement.jitter import share_of, whitening
+from escapement.measurement.ticks import ticks_of
 from escapement.mechanism import FloatArray
 from escapement.mechanisms import Geneva
 
@@ -20,9 +22,16 @@ class Rounds:
 
     table : ndarray, shape (rounds, pattern)
         Beats [s], NaN where one is missing.
+    jitter : float
+        Share of the variance of a beat's noise that comes from the jitter of time stamps, so that
+        the correlation of neighbouring beats is -jitter/2 [-].
+    faults : tuple of str
+        Ticks that were missed, doubled or out of place, in words.
     """
 
     table: FloatArray
+    jitter: float = 0.0
+    faults: tuple[str, ...] = ()
 
     @property
     def pattern(self) -> int:
@@ -40,41 +49,63 @@ class Rounds:
         return np.asarray(np.isfinite(self.table).sum(axis=0))
 
     @cached_property
-    def means(self) -> FloatArray:
-        """Mean beat of each engagement of the pattern, shape (pattern,) [s]."""
-        return np.asarray(np.nansum(self.table, axis=0) / self.counts)
+    def known(self) -> np.ndarray:
+        """Places of the measured beats in turn, shape (samples,)."""
+        return np.flatnonzero(np.isfinite(self.table.ravel()))
 
     @cached_property
+    def _solved(self) -> tuple[FloatArray, FloatArray, float]:
+        """Means, the root of their information, and what is left."""
+        white, _ = whitening(self.known, self.jitter)
+        values = white(self.table.ravel()[self.known])
+        basis, root = np.linalg.qr(white(_places(self.known, self.pattern)))
+        means = np.linalg.solve(root, basis.T @ values)
+        rest = values - basis @ (basis.T @ values)
+        return np.asarray(means), np.asarray(root), float(rest @ rest)
+
+    @property
+    def means(self) -> FloatArray:
+        """Best estimate of the beat of each engagement of the pattern, shape (pattern,) [s]."""
+        return self._solved[0]
+
+    @property
+    def root(self) -> FloatArray:
+        """R such that R (means - true means) is independent noise of one beat's size."""
+        return self._solved[1]
+
+    @property
     def scatter(self) -> float:
-        """Sum of the squared deviations from the means [s^2]."""
-        return float(np.nansum((self.table - self.means) ** 2))
+        """Sum of the squared deviations from the means, made independent [s^2]."""
+        return self._solved[2]
+
+    def white(self, computed: FloatArray) -> FloatArray:
+        """Measured beats less computed ones of one pattern, made independent, shape (samples,)."""
+        white, _ = whitening(self.known, self.jitter)
+        return np.asarray(white((self.table - computed).ravel()[self.known]))
 
 
-def rounds_of(beats: ArrayLike, wheel: Geneva) -> Rounds:
-    """Beats in turn as rounds, the last of which may end early; see `fit_beats`."""
-    remedy = "give the times of the engagements in s, NaN for a missing one"
-    try:
-        given = np.ma.asanyarray(beats).astype(float, copy=False)
-    except (TypeError, ValueError):
-        given = np.empty((0, 0))
-    if given.ndim != 1:
-        raise validate.fail("beats", "a row of real numbers", beats, remedy)
-    values = np.asarray(np.ma.filled(given, np.nan))
-    wrong = np.flatnonzero(~np.isnan(values) & ~((values > 0.0) & np.isfinite(values)))
-    if wrong.size:
-        place = int(wrong[0])
-        raise validate.fail(f"beat {place}", "finite and greater than 0", values[place], remedy)
+def _places(known: np.ndarray, pattern: int) -> FloatArray:
+    """One in the column of the engagement that each beat belongs to, shape (samples, pattern)."""
+    return np.asarray(np.eye(pattern)[known % pattern])
+
+
+def rounds_of(given: ArrayLike, wheel: Geneva, times: bool = False) -> Rounds:
+    """Beats or time stamps as rounds, the last of which may end early; see `fit_beats`."""
     size = math.lcm(wheel.pins or 1, wheel.slots)
+    values, faults = ticks_of(given, times, size)
     padded = np.full(-(-max(values.size, 1) // size) * size, np.nan)
     padded[: values.size] = values
-    found = Rounds(padded.reshape(-1, size))
+    found = Rounds(padded.reshape(-1, size), 0.0, faults)
     if found.counts.min() == 0:
         k = int(found.counts.argmin())
+        amiss = f" ({'; '.join(faults)})" if faults else ""
         raise InvalidValue(
             f"beats must tell of all {size} engagements of the pattern, got none of pin "
-            f"{k % (wheel.pins or 1)} in slot {k % wheel.slots}; measure longer"
+            f"{k % (wheel.pins or 1)} in slot {k % wheel.slots}{amiss}; measure longer"
         )
-    return found
+    known = found.known
+    jitter = share_of(padded[known], _places(known, size), known, times)
+    return replace(found, jitter=jitter)
 
 
 def checked_wheel(mechanism: Any) -> Geneva:

@@ -38,7 +38,7 @@ class Doubt(NamedTuple):
     reach : half the width of an interval, in standard deviations [-].
     noise : standard deviation of the noise of a single beat [s].
     p_value : probability that noise alone causes residuals of the mean beats this large [-].
-    alike : correlation of neighbouring residuals of the beats [-].
+    alike : correlation of neighbouring residuals of the beats, made independent [-].
     """
 
     computed: FloatArray
@@ -54,6 +54,8 @@ class Told(NamedTuple):
 
     pins, slots : estimated angle errors [rad], NaN where they are not determined.
     pin_widths, slot_widths : half the widths of their confidence intervals [rad].
+    rate, rate_width : measured over computed time, and half the width of its interval [-], NaN
+        where the beats do not determine it.
     combinations : what is determined where single errors are not.
     reason : why single errors are not determined, "" if they are.
     """
@@ -62,6 +64,8 @@ class Told(NamedTuple):
     slots: FloatArray
     pin_widths: FloatArray
     slot_widths: FloatArray
+    rate: float
+    rate_width: float
     combinations: tuple[Combination, ...] = ()
     reason: str = ""
 
@@ -74,7 +78,7 @@ def doubt_of(
     Intervals follow Student's distribution, or the normal one where the noise is given.
     """
     computed = _computed(parts, unknowns)
-    left = float(rounds.counts @ (rounds.means - computed) ** 2)
+    left = float(np.sum((rounds.root @ (rounds.means - computed)) ** 2))
     # with as many unknowns as mean beats there are no residuals
     freedom, judged = rounds.samples - unknowns.size, max(rounds.pattern - unknowns.size, 1)
     within, p_value = rounds.samples - rounds.pattern, math.nan
@@ -89,11 +93,11 @@ def doubt_of(
         p_value = float(special.chdtrc(judged, left / noise**2))
     beside = unknowns + _STEP * np.eye(unknowns.size)
     slopes = np.column_stack([(_computed(parts, one) - computed) / _STEP for one in beside])
-    root = reach * sigma * np.linalg.pinv(slopes * np.sqrt(rounds.counts)[:, None])
-    rest = (rounds.table - computed).ravel()
-    pairs = rest[1:] * rest[:-1]
-    known = np.isfinite(pairs).any() and np.nanmax(np.abs(rest)) > 0.0
-    alike = float(np.nanmean(pairs) / np.nanmean(rest**2)) if known else 0.0
+    root = np.asarray(reach * sigma * np.linalg.pinv(rounds.root @ slopes))
+    rest, near = rounds.white(computed), np.diff(rounds.known) == 1
+    alike = 0.0
+    if near.any() and rest.any():
+        alike = float(np.mean((rest[1:] * rest[:-1])[near]) / np.mean(rest**2))
     return Doubt(computed, root, reach, sigma, p_value, alike)
 
 
@@ -112,8 +116,9 @@ def told(parts: Parts, unknowns: FloatArray, root: FloatArray) -> Told:
     """
     slots, (pins, steps) = parts.wheel.slots, parts.errors(unknowns)
     pin_widths = np.linalg.norm(parts.late_pins @ root[1 : parts.blows.start], axis=1)
+    rate = float(unknowns[0]), float(np.linalg.norm(root[0]))
     if not parts.others.size:
-        return Told(pins, np.zeros(slots), pin_widths, np.zeros(slots))
+        return Told(pins, np.zeros(slots), pin_widths, np.zeros(slots), *rate)
     limit, late, own = np.zeros(slots), np.zeros(slots), np.zeros((slots, root.shape[1]))
     late[parts.others], limit[parts.others] = unknowns[parts.blows], _lengths(root[parts.blows])
     own[parts.others] = parts.slope * late[parts.others, None] * root[parts.blows]
@@ -129,7 +134,7 @@ def told(parts: Parts, unknowns: FloatArray, root: FloatArray) -> Told:
         width = _lengths(weights[:, seen] @ own[seen])
         low = np.minimum(low, weights @ most - width)
         high = np.maximum(high, weights @ most + width)
-    errors = pins, 0.5 * (low + high), pin_widths, 0.5 * (high - low)
+    errors = pins, 0.5 * (low + high), pin_widths, 0.5 * (high - low), *rate
     if unseen.size == 1:
         return Told(*errors)
     names = (f"slot {i} less slot {(i - 1) % slots}" for i in seen)
@@ -145,19 +150,33 @@ def _lengths(rows: FloatArray) -> FloatArray:
     return np.asarray(np.linalg.norm(rows, axis=1))
 
 
-def spanned(solutions: list[Told]) -> Told:
-    """One result whose intervals cover those of all solutions, which fit equally well."""
+def spanned(solutions: list[Told], joined: bool) -> Told:
+    """One result whose intervals cover those of all solutions, which fit equally well.
+
+    If they are joined, sets of errors between them fit as well and no interval holds.
+    """
     if len(solutions) == 1:
         return solutions[0]
-    pins, slots = (
-        _span([(getattr(one, f"{name}s"), getattr(one, f"{name}_widths")) for one in solutions])
-        for name in ("pin", "slot")
-    )
+    pins, slots, rate = (
+        _span([(getattr(one, value), getattr(one, width)) for one in solutions])
+        for value, width in (
+            ("pins", "pin_widths"), ("slots", "slot_widths"), ("rate", "rate_width"),
+        )
+    )  # fmt: skip
+    if joined:
+        none = np.full_like(solutions[0].pins, math.nan), np.full_like(solutions[0].slots, math.nan)
+        reason = (
+            "very different sets of errors, and those between them, explain the beats equally "
+            "well, so that the beats determine none; measure longer"
+        )
+        return Told(*none, *none, math.nan, math.nan, reason=reason)
+    reasons = dict.fromkeys(one.reason for one in solutions if one.reason)
     reason = (
         f"{len(solutions)} sets of errors explain the beats equally well: each interval covers "
         "all of them, and each estimate is the middle of its interval"
     )
-    return Told(pins[0], slots[0], pins[1], slots[1], reason=reason)
+    return Told(pins[0], slots[0], pins[1], slots[1], float(rate[0]), float(rate[1]), (),
+                "; ".join((reason, *reasons)))  # fmt: skip
 
 
 def _span(intervals: list[tuple[FloatArray, FloatArray]]) -> tuple[FloatArray, FloatArray]:
@@ -178,7 +197,7 @@ def told_together(parts: Parts, rounds: Rounds, doubt: Doubt) -> Told:
     speed = parts.wheel.cell_angle / mean
     # rows of weights that turn the mean beats into deviations from the mean of all
     weights = np.eye(rounds.pattern) - 1.0 / rounds.pattern
-    widths = doubt.reach * doubt.noise * _lengths(weights / np.sqrt(rounds.counts))
+    widths = doubt.reach * doubt.noise * _lengths(weights @ np.linalg.inv(rounds.root))
     found = (
         Combination(f"pin {k % pins} in slot {k % slots}", float(value), float(width))
         for k, (value, width) in enumerate(
@@ -192,11 +211,55 @@ def told_together(parts: Parts, rounds: Rounds, doubt: Doubt) -> Told:
         "be good, use parts='slots', if the slots are, use parts='pins'"
     )
     nothing = np.full(pins, math.nan), np.full(slots, math.nan)
-    return Told(*nothing, *nothing, tuple(found), reason)
+    return Told(*nothing, *nothing, math.nan, math.nan, tuple(found), reason)
 
 
-def remarks(known: Told, doubt: Doubt, samples: int) -> Iterator[str]:
+def without(known: Told, parts: Parts, curved: np.ndarray) -> Told:
+    """The result without what belongs to unknowns whose intervals do not hold: bool, shape (m,)."""
+    pins, slots = curved[1 : parts.blows.start].any(), curved[parts.blows].any()
+    return _left_out(
+        known, np.full(known.pins.size, pins), np.full(known.slots.size, slots), bool(curved[0]),
+        "their intervals would not hold, because beats are no straight function of them within the "
+        "noise; measure longer",
+    )  # fmt: skip
+
+
+def within_range(known: Told, parts: Parts) -> Told:
+    """The result without errors whose intervals leave the range in which the wheel runs."""
+    of_slots, of_pins = parts.range
+    pins, slots = (
+        np.abs(value) + half > limit
+        for value, half, limit in (
+            (known.pins, known.pin_widths, of_pins), (known.slots, known.slot_widths, of_slots),
+        )
+    )  # fmt: skip
+    reason = "they may be so great that the wheel would not run; measure longer"
+    return _left_out(known, pins, slots, False, reason)
+
+
+def _left_out(known: Told, pins: np.ndarray, slots: np.ndarray, rate: bool, reason: str) -> Told:
+    names = [
+        f"{part}s {', '.join(map(str, np.flatnonzero(places)))}"
+        for part, places in (("pin", pins), ("slot", slots))
+        if places.any()
+    ] + ["the rate"] * rate
+    if not names:
+        return known
+    told_so = f"the beats do not determine {' and '.join(names)}: {reason}"
+    return known._replace(
+        pins=np.where(pins, math.nan, known.pins),
+        pin_widths=np.where(pins, math.nan, known.pin_widths),
+        slots=np.where(slots, math.nan, known.slots),
+        slot_widths=np.where(slots, math.nan, known.slot_widths),
+        rate=math.nan if rate else known.rate,
+        rate_width=math.nan if rate else known.rate_width,
+        reason="; ".join(filter(None, (known.reason, told_so))),
+    )
+
+
+def remarks(known: Told, doubt: Doubt, rounds: Rounds) -> Iterator[str]:
     """What a user of the fit must know, one sentence at a time."""
+    yield from rounds.faults
     if known.reason:
         yield known.reason
     if doubt.root.shape[1] <= doubt.root.shape[0] and np.isfinite(known.slots).all():
@@ -210,7 +273,7 @@ def remarks(known: Told, doubt: Doubt, samples: int) -> Iterator[str]:
             "besides these angles differs from the design, for example the friction, a length or "
             "the centre distance"
         )
-    if abs(doubt.alike) > max(_ALIKE, 4.0 / math.sqrt(samples)):
+    if abs(doubt.alike) > max(_ALIKE, 4.0 / math.sqrt(rounds.samples)):
         yield (
             f"neighbouring residuals are alike (correlation {doubt.alike:.2f}), but the intervals "
             "assume that the noise of each beat is independent: do not trust their widths"

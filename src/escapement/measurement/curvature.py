@@ -1,0 +1,50 @@
+"""Whether intervals of a fit of beats, which come from its tangent, hold where beats are curved."""
+
+import numpy as np
+
+from escapement.measurement.parts import Parts
+from escapement.measurement.rounds import Rounds
+from escapement.measurement.told import Doubt
+from escapement.mechanism import FloatArray
+
+_RISE = 0.5  # the sum of squares rises at the end of an interval by this share of what it should
+
+
+def curved(parts: Parts, unknowns: FloatArray, rounds: Rounds, doubt: Doubt) -> np.ndarray:
+    """Which unknowns may lie beyond the intervals of the tangent: bool, shape (m,).
+
+    Along the line on which an unknown is most uncertain, the sum of squares should rise by (reach
+    times noise)^2 up to the end of its interval. If it rises much less, for example because there
+    is a kink in between, values beyond that end are likely too.
+
+    Parameters
+    ----------
+    parts : Parts
+        Meaning of the unknowns.
+    unknowns : ndarray, shape (m,)
+        Those that were found.
+    rounds : Rounds
+        The measured beats.
+    doubt : Doubt
+        Uncertainty of the unknowns by the tangent.
+    """
+    low, high = parts.bounds(unknowns[0])
+
+    def squares(at: FloatArray) -> float:
+        computed = parts.beats(at)
+        if computed is None:
+            return np.inf
+        return float(np.sum((rounds.root @ (computed - rounds.means)) ** 2))
+
+    least, found = squares(unknowns), np.zeros(unknowns.size, dtype=bool)
+    unit = (doubt.reach * doubt.noise) ** 2
+    for place, row in enumerate(doubt.root):
+        width = float(np.linalg.norm(row))
+        if width == 0.0:
+            continue
+        ahead = doubt.root @ row / width
+        for at in (unknowns + ahead, unknowns - ahead):
+            # bounds are physical, and told allows for those of blows
+            inside = (at >= low).all() and (at <= high).all()
+            found[place] |= inside and squares(at) - least < _RISE * unit
+    return found

@@ -1,0 +1,251 @@
+"""The problem of least squares by which a simulated motion is fitted to a run-up.
+
+All unknowns are shares, of given numbers and of the length of the recording, and times count from
+the first sample: no result depends on a unit or on when the logger's clock was started.
+"""
+
+import math
+from dataclasses import dataclass
+from itertools import product
+
+import numpy as np
+
+from escapement import simulation, validate
+from escapement.errors import InvalidValue
+from escapement.measurement import residual_tests
+from escapement.measurement.readings import Readings
+from escapement.measurement.time_unit import check_unit
+from escapement.mechanism import FloatArray
+from escapement.model import Escapement
+from escapement.motion import State
+from escapement.status import Status
+from escapement.tolerance.differences import with_number
+from escapement.tolerance.law import numbers_of
+from escapement.torque_curve import TorqueCurve
+
+_SHARES = (1.0, 0.5, 2.0, 0.7, 1.4)  # the search tries to begin at these multiples of each number
+_CELLS = 10_000  # where the search begins is computed from at most this many cells
+_MOVING = 0.02  # below this share of the travel, noise hides the time at which an angle is reached
+_STEP = 1e-4  # share of a number by which it is changed for a derivative
+_SMALL = 0.01  # below this share of its given value, a number is changed by a share of this one
+_LEAST = 1e-6  # least share of its given value that a number may have
+_SHOWN = 10.0  # the driver turns by at least so many standard deviations of the readings
+# a combination of unknowns with a smaller effect, relative to the strongest, is not determined
+_SINGULAR = 1e-4
+_INVOLVED = 0.1  # numbers with a smaller share in such a combination are not named in the message
+
+
+@dataclass(frozen=True)
+class MotionTask:
+    """The problem of least squares.
+
+    Its unknowns are the fitted numbers, divided by their given values, and the time of the release
+    from the first sample that is used, divided by `span`.
+
+    clock : time of that sample by the logger's clock [s].
+    time, angle : of the samples that are used, from the first on, shape (n,) [s, rad].
+    """
+
+    escapement: Escapement
+    parameters: tuple[str, ...]
+    numbers: dict[str, float]
+    clock: float
+    time: FloatArray
+    angle: FloatArray
+
+    @property
+    def span(self) -> float:
+        """Time from the first to the last sample [s]."""
+        return float(self.time[-1])
+
+    def changed(self, unknowns: FloatArray) -> Escapement:
+        """The escapement that belongs to the unknowns."""
+        found = self.escapement
+        for name, share in zip(self.parameters, unknowns, strict=False):
+            found = with_number(found, name, float(share) * self.numbers[name])
+        return found
+
+    def state(self, unknowns: FloatArray) -> State:
+        """The motion from the release to the last sample, at each sample.
+
+        Before the release it is the state at rest.
+        """
+        since = self.time - unknowns[-1] * self.span
+        duration = max(float(since[-1]), 1e-3 * self.span)
+        motion = simulation.simulate(self.changed(unknowns), duration=duration)
+        return motion.at(np.clip(since, 0.0, motion.end_time))
+
+    def angles(self, unknowns: FloatArray) -> FloatArray:
+        """Driver angle at each sample, counted from pin entry; before the release it is 0 [rad]."""
+        return np.asarray(self.state(unknowns).theta)
+
+    def residuals(self, unknowns: FloatArray) -> FloatArray:
+        """Measured less computed angle, with the encoder's zero that makes their mean 0 [rad]."""
+        try:
+            return self.centred(self.angle - self.angles(unknowns))
+        except InvalidValue:
+            # without a motion for these numbers, the computed angle counts as constant
+            return self.centred(self.angle)
+
+    def slopes(self, unknowns: FloatArray) -> FloatArray:
+        """Derivatives of the residuals: by the numbers from differences, by the release exactly."""
+        columns, low = [], np.maximum(unknowns - _STEP * np.maximum(unknowns, _SMALL), _LEAST)
+        high = np.minimum(unknowns + _STEP * np.maximum(unknowns, _SMALL), self.bounds()[1])
+        for place in range(len(self.parameters)):
+            less, more = unknowns.copy(), unknowns.copy()
+            less[place], more[place] = low[place], high[place]
+            change = self.residuals(more) - self.residuals(less)
+            columns.append(change / (high[place] - low[place]))
+        try:
+            speed = np.asarray(self.state(unknowns).theta_dot)
+        except InvalidValue:
+            speed = np.zeros_like(self.time)
+        return np.column_stack([*columns, self.centred(self.span * speed)])
+
+    def judged(
+        self, rest: FloatArray, slopes: FloatArray, angle: FloatArray, start: float
+    ) -> tuple[float, float, str]:
+        """Correlation of residuals, their p-value, and why they cannot say whether a model holds.
+
+        rest, slopes, angle, start : residuals, their derivatives, computed angles, and release.
+        """
+        if residual_tests.is_exact(rest, float(np.ptp(self.angle))):
+            return 0.0, math.nan, ""
+        alike = residual_tests.correlation(rest)
+        chance = residual_tests.chance(rest, slopes, angle / self.escapement.mechanism.cell_angle)
+        moving = self.time > start
+        if math.isnan(chance):
+            doubt = f"{rest.size} samples are too few to test it; take more samples"
+        elif residual_tests.smooth_as_well(self.time[moving], self.angle[moving], rest[moving]):
+            doubt = (
+                "a smooth curve explains the readings about as well, so that they do not show the "
+                "engagements; take more samples, over more engagements, with less noise"
+            )
+        else:
+            doubt = ""
+        return alike, chance, doubt
+
+    @staticmethod
+    def centred(values: FloatArray) -> FloatArray:
+        return np.asarray(values - values.mean())
+
+    def begin(self) -> FloatArray:
+        """Unknowns at which the search begins: the best of several near the given numbers.
+
+        The torque only changes the scale of time. A straight line through the measured times,
+        plotted over the computed times of the same angles, therefore gives torque and release.
+        """
+        cells = math.ceil(float(self.angle[-1]) / self.escapement.mechanism.cell_angle) + 1
+        moving = self.angle > _MOVING * self.angle[-1]
+        times, scales = self.time[moving], "torque" in self.parameters
+        free = len(self.parameters) - scales
+        tries, message = [], ""
+        for shares in product(_SHARES[: 5 if free < 3 else 3], repeat=free):
+            others = iter(shares)
+            trial = np.array([1.0 if it == "torque" else next(others) for it in self.parameters])
+            trial = np.minimum(trial, self.bounds()[1][:-1])
+            motion = simulation.simulate(self.changed(trial), min(cells, _CELLS))
+            if motion.status is not Status.OK:
+                message = message or motion.message
+                continue
+            grid = np.linspace(0.0, motion.end_time, 50 * cells)
+            turned = motion.at(grid).theta
+            own = np.interp(self.angle[moving], turned - turned[0], grid)
+            rate, start = np.polyfit(own, times, 1)
+            if not rate > 0.0:
+                continue
+            pace = rate if scales else 1.0
+            start = start if scales else float(np.mean(times - own))
+            trial = np.array(
+                [
+                    pace**-2.0 if it == "torque" else x
+                    for it, x in zip(self.parameters, trial, strict=True)
+                ]
+            )
+            miss = float(np.square(times - start - pace * own).sum())
+            tries.append((miss, *trial, start / self.span, rate))
+        if not tries:
+            raise InvalidValue(
+                f"escapement must run to be fitted, got one that does not: {message}; change the "
+                "values of parameters, at which the search begins"
+            )
+        *found, rate = min(tries)[1:]
+        self.check_times(rate)
+        return np.asarray(np.clip(found, *self.bounds()))
+
+    def check_times(self, rate: float) -> None:
+        """Raise an error if measured times are not of the order of the design's.
+
+        rate : measured over computed time of the same angles [-].
+        """
+        took, turns = self.span, float(self.angle[-1]) / (2.0 * math.pi)
+        told = f"{took:.3g} s for {turns:.3g} turns of the driver, which take {took / rate:.3g} s"
+        check_unit("time", rate, told, self.numbers.get("torque"))
+
+    def bounds(self) -> tuple[FloatArray, FloatArray]:
+        """Least and greatest unknowns: positive numbers, and a release during the recording.
+
+        The release may also come before it, by at most the length of the recording. An efficiency
+        is at most 1.
+        """
+        most = [1.0 / self.numbers[it] if is_share(it) else math.inf for it in self.parameters]
+        return np.array([*np.full(len(most), _LEAST), -1.0]), np.array([*most, 1.0])
+
+    def check_told(self, slopes: FloatArray) -> None:
+        """Raise an error if these readings do not determine each of the numbers."""
+        lengths = np.linalg.norm(slopes, axis=0)
+        for name, length in zip(self.parameters, lengths, strict=False):
+            if not length > _SINGULAR * _STEP:
+                raise InvalidValue(
+                    f"parameters must affect the motion, got {name!r}, which does not; leave it out"
+                )
+        _, sizes, directions = np.linalg.svd(slopes / lengths, full_matrices=False)
+        if sizes[-1] < _SINGULAR * sizes[0]:
+            shares = np.abs(directions[-1] / lengths)[: len(self.parameters)]
+            named = zip(self.parameters, shares / shares.max(), strict=True)
+            names = [name for name, part in named if part > _INVOLVED]
+            raise InvalidValue(
+                "parameters must each be determined by the motion, got "
+                f"{', '.join(names)}, of which it shows only a combination; leave one of them out "
+                "and give its value in escapement"
+            )
+
+
+def task_of(readings: Readings, escapement: Escapement, parameters: tuple[str, ...]) -> MotionTask:
+    if not isinstance(readings, Readings) or readings.time is None:
+        remedy = "give read_readings(path, time='time')"
+        raise validate.fail("readings", "Readings with times", readings, remedy)
+    if not isinstance(escapement, Escapement):
+        raise validate.fail("escapement", "an Escapement", escapement, "see escapement.Escapement")
+    numbers = numbers_of(escapement)
+    if isinstance(escapement.torque, TorqueCurve):
+        del numbers["torque"]
+    for name in parameters:
+        if name not in numbers:
+            remedy = validate.nearest(name, numbers, f"for example {', '.join([*numbers][:4])}")
+            raise validate.fail("parameters", "numbers of the escapement", name, remedy)
+        if not numbers[name] > 0.0:
+            remedy = "give an estimate, at which the search begins"
+            raise validate.fail(name, "above 0 to be fitted", numbers[name], remedy)
+    if len({*parameters}) < len(parameters):
+        raise validate.fail("parameters", "different numbers", parameters, "name each once")
+    known = np.isfinite(readings.input)
+    time, angle = readings.time[known], readings.counted_input[known]
+    # an encoder may count against the driver, which never turns back
+    angle = (angle - angle[0]) * (1.0 if angle[-1] > angle[0] else -1.0)
+    # the last of the samples at rest says as much as all of them
+    first = max(int(np.argmax(angle != 0.0)) - 1, 0)
+    # the scatter of steps is that of the readings where the driver stands or turns evenly
+    travel, scatter = float(np.ptp(angle)), float(np.diff(angle).std()) / math.sqrt(2.0)
+    if travel < _SHOWN * scatter:
+        raise InvalidValue(
+            "readings must show a driver that turns, got angles that scatter by about "
+            f"{math.degrees(scatter):.3g} degrees within {math.degrees(travel):.3g}; "
+            "check the columns and the unit of the angles"
+        )
+    clock = float(time[first])
+    return MotionTask(escapement, parameters, numbers, clock, time[first:] - clock, angle[first:])
+
+
+def is_share(name: str) -> bool:
+    return name.endswith("efficiency")
