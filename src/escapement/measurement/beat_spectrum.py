@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike
 from escapement.lazy import Lazy
 from escapement.measurement.rounds import Rounds, checked_wheel, rounds_of
 from escapement.mechanism import Mechanism
+from escapement.text import Shown
 
 special = Lazy("scipy.special")
 
@@ -34,8 +35,8 @@ class BeatLine(NamedTuple):
     p_value: float
 
 
-@dataclass(frozen=True, eq=False)
-class BeatSpectrum:
+@dataclass(frozen=True, eq=False, repr=False)
+class BeatSpectrum(Shown):
     """Spectrum of beats.
 
     lines : all lines that the pattern can have, except the mean, by their frequency.

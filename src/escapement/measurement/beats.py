@@ -28,6 +28,7 @@ from escapement.measurement.told import (
 )
 from escapement.mechanism import FloatArray
 from escapement.model import Escapement
+from escapement.text import Shown
 
 optimize = Lazy("scipy.optimize")
 PARTS = ("both", "pins", "slots")
@@ -37,8 +38,8 @@ _SAME = 1e-6  # errors that differ by less are the same [rad]
 _EXACT = {"xtol": 1e-9, "ftol": 1e-10, "gtol": 1e-12, "max_nfev": 30}
 
 
-@dataclass(frozen=True, eq=False)
-class BeatFit:
+@dataclass(frozen=True, eq=False, repr=False)
+class BeatFit(Shown):
     """Angle errors of pins and slots that explain measured beats.
 
     Only differences between pins, and between slots, change a beat, so errors are relative to the

@@ -30,13 +30,14 @@ from escapement.measurement.shaft_errors import ShaftError
 from escapement.measurement.slot_errors import SlotError
 from escapement.measurement.verdict import Verdict, remarks_on, verdict_on
 from escapement.mechanism import FloatArray, Mechanism
+from escapement.text import Shown
 
 special = Lazy("scipy.special")
 _EXPECTED = 5  # the chi-squared distribution holds for so many errors in a class on average
 
 
-@dataclass(frozen=True, eq=False)
-class Measurement:
+@dataclass(frozen=True, eq=False, repr=False)
+class Measurement(Shown):
     """Errors of measured positions, their statistics and their causes.
 
     Attributes

@@ -16,6 +16,7 @@ from escapement.lazy import Lazy
 from escapement.measurement.readings import TURN, blocks, wraps
 from escapement.mechanism import FloatArray, Mechanism
 from escapement.mechanisms.slotted import transmission
+from escapement.text import Shown
 
 optimize = Lazy("scipy.optimize")
 _START_SAMPLES = 1000
@@ -77,8 +78,8 @@ def _split(mechanism: Mechanism, theta: FloatArray) -> tuple[FloatArray, FloatAr
     return cell, theta - cell * mechanism.cell_angle
 
 
-@dataclass(frozen=True, eq=False)
-class Fit:
+@dataclass(frozen=True, eq=False, repr=False)
+class Fit(Shown):
     """Zeros of the encoders, and the errors of the readings.
 
     phase : driver angle from dead centre where the input reads zero [rad].

@@ -19,7 +19,7 @@ from escapement.measurement.verdict import Verdict
 from escapement.mechanism import FloatArray
 from escapement.model import Escapement
 from escapement.study.plan import unit_kind
-from escapement.text import words
+from escapement.text import Shown, words
 from escapement.units import SYSTEMS, printed
 
 optimize, special = Lazy("scipy.optimize"), Lazy("scipy.special")
@@ -27,8 +27,8 @@ _EXACT = {"xtol": 1e-9, "ftol": 1e-12, "gtol": 1e-12, "max_nfev": 60}
 _ALIKE = 0.05  # a smaller correlation of neighbouring residuals hardly changes an interval
 
 
-@dataclass(frozen=True, eq=False)
-class MotionFit:
+@dataclass(frozen=True, eq=False, repr=False)
+class MotionFit(Shown):
     """The simulated motion that is nearest to a measured one.
 
     Attributes

@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike
 from escapement.lazy import Lazy
 from escapement.measurement.readings import LEAST_SAMPLES, TURN
 from escapement.mechanism import FloatArray
+from escapement.text import Shown
 
 optimize, special = Lazy("scipy.optimize"), Lazy("scipy.special")
 MOST_TURNS = 1000.0
@@ -23,8 +24,8 @@ _OVERSAMPLING = 6
 _SINGULAR = 4e-3  # the determinant is at most 1, and its error far below this
 
 
-@dataclass(frozen=True, eq=False)
-class Periodogram:
+@dataclass(frozen=True, eq=False, repr=False)
+class Periodogram(Shown):
     """Share of the variance of errors that a sinusoid explains, at each frequency.
 
     frequency : cycles in one turn of the angle, ascending, shape (m,) [-].

@@ -16,6 +16,7 @@ from escapement.headings import COUNTS
 from escapement.measurement.rollover import unrolled
 from escapement.measurement.stamps import checked_times
 from escapement.mechanism import FloatArray
+from escapement.text import Shown
 
 TURN = 2.0 * np.pi
 FARTHEST = 1e10 * TURN
@@ -27,8 +28,8 @@ _SYNTHETIC = "# synthetic"
 _BLOCK = 1 << 17  # so many samples are worked on at once, which keeps temporary arrays small
 
 
-@dataclass(frozen=True, eq=False)
-class Readings:
+@dataclass(frozen=True, eq=False, repr=False)
+class Readings(Shown):
     """Readings of an encoder on the input and of one on the output.
 
     Parameters

@@ -14,10 +14,11 @@ from escapement.measurement.jitter import share_of, whitening
 from escapement.measurement.ticks import ticks_of
 from escapement.mechanism import FloatArray
 from escapement.mechanisms import Geneva
+from escapement.text import Shown
 
 
-@dataclass(frozen=True, eq=False)
-class Rounds:
+@dataclass(frozen=True, eq=False, repr=False)
+class Rounds(Shown):
     """Beats in rows; each row contains all pairs of pins and slots once.
 
     table : ndarray, shape (rounds, pattern)
