@@ -48,7 +48,9 @@ def test_sweep_writes_beside_and_shows_a_table(command, study, tmp_path):
     code, out, _err = command("sweep", study())
     assert code == 0
     found = read_study(tmp_path / "four.h5")
-    lines = out.splitlines()
+    inputs, _, table = out.partition("\n\n")
+    assert "friction" in inputs
+    lines = table.splitlines()
     assert len(lines) == 2 + 8
     assert lines[0].split()[:2] == ["friction", "torque"]
     first = lines[2].split()
@@ -111,6 +113,7 @@ def test_plot_of_a_study(command, study, tmp_path):
     assert command("plot", "four.h5")[0] == 0
     assert (tmp_path / "four.png").read_bytes().startswith(b"\x89PNG")
     record = json.loads(command("plot", "four.h5", "-o", "x.pdf", "--units", "SI", "--json")[1])
+    assert record.pop("inputs") == {"units": "SI", "file": "four.h5"}
     assert record == {"input": "four.h5", "holds": "study", "output": "x.pdf"}
     assert (tmp_path / "x.pdf").read_bytes().startswith(b"%PDF")
 

@@ -283,7 +283,7 @@ def test_every_key_of_json_is_on_the_page(line, workplace, capsys):
     assert main([*line.split(), "--json"]) == 0
     record = json.loads(capsys.readouterr().out)
     record["inputs"] = []  # its keys are the names of options
-    found = keys(record) - (set() if line.startswith("run") else {"inputs"})
+    found = keys(record) - {"inputs"}
     page = "measurement.md" if line.startswith("measure") else "command-line.md"
     assert found - set(_INLINE.findall(page_text(page))) == set()
 

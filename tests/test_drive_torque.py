@@ -212,3 +212,21 @@ GOOD = {"mechanism": esc.Geneva(6), "speed": 1.0, "load_torque": 1.0, "follower_
 def test_drive_torque_refuses(change, message):
     with pytest.raises(InvalidValue, match=message):
         esc.drive_torque(**(GOOD | change))
+
+
+@pytest.mark.parametrize(("load", "inertia"), [(0.7, 2e-3), (0.1, 2e-2)])
+def test_the_contact_force_is_the_moment_over_the_distance_of_the_pin(load, inertia):
+    for wheel in (
+        esc.Geneva(6, crank_radius=0.02),
+        esc.Geneva(5, internal=True, crank_radius=0.03),
+    ):
+        result = esc.drive_torque(wheel, 12.0, load, inertia)
+        theta = np.linspace(wheel.breaks[0], wheel.breaks[-1], 20001)
+        force = np.abs(result.at(theta).contact_moment) / (wheel.crank_radius * wheel.radius(theta))
+        found = result.contact_force_max
+        assert found.value == pytest.approx(force.max(), rel=1e-6)
+        assert found.value >= force.max() * (1.0 - 1e-12)
+    # a load alone presses most at dead centre, where the pin is closest to the wheel's axis
+    alone = esc.drive_torque(esc.Geneva(6, crank_radius=0.02), 1e-6, 0.7, 1e-9).contact_force_max
+    assert alone == pytest.approx((0.7 / 0.02, 0.0), abs=1e-6)
+    assert math.isnan(esc.drive_torque(esc.Geneva(6), 1.0, 0.7, 1e-9).contact_force_max.value)

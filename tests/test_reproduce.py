@@ -32,8 +32,9 @@ def reproduced(tmp_path_factory):
 
 def test_all_is_each_source_in_a_folder_of_its_own(reproduced):
     folder, record = reproduced
-    assert list(record) == ["meyer", "filemon", "dijksman", "prikhodko"]
-    assert {path.name for path in folder.iterdir()} == set(record)
+    assert record["inputs"] == {"units": "in-lbf-s", "source": "all"}
+    assert list(record) == ["inputs", "meyer", "filemon", "dijksman", "prikhodko"]
+    assert {path.name for path in folder.iterdir()} == set(record) - {"inputs"}
     assert (record["dijksman"]["cells"], record["dijksman"]["agreeing"]) == (16, 12)
 
 
@@ -134,7 +135,7 @@ def test_meyer_prints_rows_reasons_and_counts(command):
     code, out, err = command("reproduce", "meyer")
     lines = out.splitlines()
     assert (code, err) == (0, "")
-    meanings = [re.sub(" +", " ", line.strip()) for line in lines[2:6]]
+    meanings = [re.sub(" +", " ", line.strip()) for line in lines[4:8]]
     assert meanings == [f"{title} {meaning}" for title, meaning in COLUMNS.values()]
     first = ["1", "3", "0.20", "0.03", "printed", "83", "10", "0.101", "0.046"]
     assert first in [line.split() for line in lines]

@@ -68,7 +68,8 @@ def print_inputs(inputs: Iterable[Input], system: str) -> None:
                 shown += (
                     f" = {show(_said(_scaled(value, factor(kind, other))))} {printed(kind, other)}"
                 )
-        rows.append((words(name), _said(_scaled(value, factor(kind, system))), shown))
+        unit = 1.0 if kind == "degrees" else factor(kind, system)
+        rows.append((words(name), _said(_scaled(value, unit)), shown))
     if rows:
         print_values(rows)
         print()
