@@ -178,16 +178,16 @@ def speak(system: str) -> None:
     _spoken = system
 
 
-class Told(str):
+class Spoken(str):
     """A number with its unit, as messages give it."""
 
     __repr__ = str.__str__
 
 
-def told(value: float, quantity: str) -> Told:
+def told(value: float, quantity: str) -> Spoken:
     """An SI value with its unit in the system that messages speak: "0.002 m", "0.0787402 in"."""
     unit = printed(quantity, _spoken)
-    return Told(f"{value / factor(quantity, _spoken):.6g} {unit}".rstrip())
+    return Spoken(f"{value / factor(quantity, _spoken):.6g} {unit}".rstrip())
 
 
 INCH = factor("length", SYSTEMS[1])
