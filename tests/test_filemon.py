@@ -48,7 +48,7 @@ LIMIT_ANGLES = [3.620, 8.484, 12.649, 16.065, 18.874, 21.209, 23.174, 24.848]
 KEYS = {
     *("inertia_ratio", "reversal_limits", "reversals_deg", "zone", "torque_max", "torque_max_deg"),
     *("torque_mean", "torque_max_over_mean", "power_mean_to_dead_centre", "power_max"),
-    "greatest_speed",
+    *("greatest_speed", "inputs", "index_time", "dwell_time"),
     *("greatest_follower_inertia", "least_load_torque"),
 }
 
@@ -240,7 +240,7 @@ def test_drive_torque_table_and_picture(command, tmp_path):
     options = ["--internal", "--speed", 10, "--load-torque", 1, "--follower-inertia", 0.001]
     code, out, err = command("drive-torque", *options, "--plot", "torque.png")
     assert (code, err) == (0, "")
-    rows = dict(line.split("  ", 1) for line in out.splitlines())
+    rows = dict(line.split("  ", 1) for line in out.partition("\n\n")[2].splitlines())
     assert rows["reversals"].strip() == "none"
     assert rows["greatest speed without reversal"].split()[1] == "rad/s"
     assert (tmp_path / "torque.png").read_bytes().startswith(b"\x89PNG")

@@ -99,7 +99,7 @@ def test_help_and_reports_know_every_kind(second_kind, command):
         assert "geneva, gear-driven, cam-drive: pins of the driver" in text
         assert "cam-drive: height of the cam" in text
     out = command("mechanism", "cam-drive", "--lift", "1", "--units", "in-lbf-s")[1]
-    assert out.split() == ["stations", "4", "lift", "1", "in"]
+    assert out.partition("\n\n")[2].split() == ["stations", "4", "lift", "1", "in"]
 
 
 def test_a_study_says_to_which_kind_a_key_belongs(second_kind):
@@ -132,6 +132,7 @@ def test_gear_driven_report(report):
     """Figure 7 of Dijksman, and the same geometry in every solution."""
     record = report("mechanism", *TWELVE, "--lobes", "5")
     (solution,) = record.pop("solutions")
+    del record["inputs"]
     assert record == solution
     assert record["stations"] == record["slots"] == 12
     assert record["gear_ratio"] == -2.0

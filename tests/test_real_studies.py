@@ -203,13 +203,13 @@ MESH = ["elliptical-planetary", "--sun-radius", "2", "--planet-radius", "1"]
 GEARED = 'kind = "gear-driven"\nstations = 6\nlobes = "1/2"\ncurve = "hypocycloid"'
 REFUSED = {
     "--pin-radius .02": "pin_radius must be left out for a mechanism without a length",
-    "--follower-bearing-radius .02": "follower_bearing_radius must be left out for a mechanism",
-    "--crank-radius .4 --pin-radius .2": "pin_radius must be less than 0.0029758 m, where",
+    "--follower-bearing-radius .02": "must come with --follower-bearing-friction",
+    "--crank-radius .4 --pin-radius .2": "pin_radius must be less than 0.117157 in, where",
     "--crank-radius .4 --pin-radius .03 --roller-radius .02": "roller_radius must be greater than",
     "--crank-radius .4 --pin-radius -1": "--pin-radius must be at least 0, got -1",
-    " ".join([*GEARS, "--driver-bearing-friction .1"]): "must be 0 for a gear-driven wheel",
+    " ".join([*GEARS, "--driver-bearing-friction .1"]): "must come with --driver-bearing-radius",
     " ".join([*MESH, "--pin-radius .1"]): "--pin-radius must not come with",
-    " ".join([*MESH, "--follower-bearing-radius .1"]): "0 for a mechanism without a slot",
+    " ".join([*MESH, "--follower-bearing-radius .1"]): "must come with --follower-bearing-friction",
 }
 
 

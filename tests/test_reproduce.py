@@ -133,9 +133,11 @@ def test_what_is_null_has_its_reason_in_the_message(reproduced, source, list_key
 
 def test_meyer_prints_rows_reasons_and_counts(command):
     code, out, err = command("reproduce", "meyer")
-    lines = out.splitlines()
+    inputs, _, told = out.partition("\n\n")
+    assert inputs.split() == ["source", "meyer"]
+    lines = told.splitlines()
     assert (code, err) == (0, "")
-    meanings = [re.sub(" +", " ", line.strip()) for line in lines[4:8]]
+    meanings = [re.sub(" +", " ", line.strip()) for line in lines[2:6]]
     assert meanings == [f"{title} {meaning}" for title, meaning in COLUMNS.values()]
     first = ["1", "3", "0.20", "0.03", "printed", "83", "10", "0.101", "0.046"]
     assert first in [line.split() for line in lines]

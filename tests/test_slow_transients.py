@@ -38,7 +38,7 @@ def test_times_are_those_of_the_motion(escapement, start):
     count = int(decay / (1.0 - figures.contraction))
     motion = esc.simulate(escapement, count, initial_speed=start)
     rise, settled = read_transient(motion, figures)
-    told = (rise, *fall_times(motion, start, figures.handoff_velocity), settled)
+    told = (rise, *fall_times(motion, start, figures.motion), settled)
     for name, time in zip(TRANSIENT, told, strict=True):
         assert getattr(figures, name) == pytest.approx(time, rel=1e-8)
 

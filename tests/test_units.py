@@ -10,6 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from escapement.errors import InvalidValue
+from escapement.spoken import told
 from escapement.study.parse import load_plan, parse_plan
 from escapement.units import (
     INCH,
@@ -19,7 +20,6 @@ from escapement.units import (
     factor,
     measured,
     printed,
-    told,
     unit_name,
 )
 

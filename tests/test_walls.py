@@ -216,9 +216,9 @@ def test_bodies_with_a_chosen_locking_radius_clear_each_other(given, radius):
 @pytest.mark.parametrize(
     ("said", "given", "radius"),
     [
-        ("between 0.00486437 and 0.0104 m here, got 0.0105", {}, 0.0105),
-        ("between 0.00486437 and 0.0104 m here, got 0.004", {}, 0.004),
-        ("0 for a wheel without a dwell, got 0.0075", {"pins": 4}, 0.0075),
+        ("between 0.00486437 m and 0.0104 m here, got 0.0105 m", {}, 0.0105),
+        ("between 0.00486437 m and 0.0104 m here, got 0.004 m", {}, 0.004),
+        ("0 for a wheel without a dwell, got 0.0075 m", {"pins": 4}, 0.0075),
     ],
 )
 def test_locking_radii_that_do_not_lock_are_refused(said, given, radius):

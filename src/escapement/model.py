@@ -24,9 +24,9 @@ from escapement.mechanism import FloatArray, Mechanism, checked, meetings_of
 from escapement.natural import natural
 from escapement.quantity import Choice, Declared, Setting, declared, quantity, setting
 from escapement.scene import Joint, Meeting, Path, Scene
+from escapement.spoken import told
 from escapement.torque_curve import MOST_KNOTS, Torque, TorqueCurve
 from escapement.train import PLACES, Train, numbers_of_trains, seen, train_numbers, trains_of
-from escapement.units import told
 
 CONTACT_LAWS = ("linear", "hunt-crossley")
 np: Any = Lazy("numpy")  # importing it takes longer than the rest of help

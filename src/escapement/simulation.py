@@ -18,8 +18,8 @@ from escapement.motion import Motion, no_motion
 from escapement.painleve import friction_limits, painleve_message, uniqueness_note
 from escapement.quantity import check_number, quantities
 from escapement.solver import DEFAULT_ENGINE, Solver, choose_solver, solver_for
+from escapement.spoken import told
 from escapement.status import MESSAGES, Status
-from escapement.units import told
 
 LONGEST = {"energy": 10_000_000, "ivp": 10_000, "contact": 1_000_000}
 """Greatest number of engagements in a motion. They take up to a gigabyte, and seconds, or with

@@ -79,7 +79,12 @@ def parse_toml(text: str) -> dict[str, Any]:
 def _text(data: bytes) -> str:
     """A file's text; ValueError with the line that is not UTF-8."""
     if data.startswith((b"\xff\xfe", b"\xfe\xff")):
-        return data.decode("utf-16")
+        try:
+            return data.decode("utf-16")
+        except UnicodeDecodeError:
+            raise ValueError(
+                "which is UTF-8, got another encoding; save the file as UTF-8"
+            ) from None
     try:
         text = data.decode()
     except UnicodeDecodeError as error:

@@ -169,27 +169,6 @@ def printed(quantity: str, system: str) -> str:
     return spelt(unit_name(quantity, system))
 
 
-_spoken = SYSTEMS[0]
-
-
-def speak(system: str) -> None:
-    """Choose the system in which messages give numbers; the command line takes the user's."""
-    global _spoken
-    _spoken = system
-
-
-class Spoken(str):
-    """A number with its unit, as messages give it."""
-
-    __repr__ = str.__str__
-
-
-def told(value: float, quantity: str) -> Spoken:
-    """An SI value with its unit in the system that messages speak: "0.002 m", "0.0787402 in"."""
-    unit = printed(quantity, _spoken)
-    return Spoken(f"{value / factor(quantity, _spoken):.6g} {unit}".rstrip())
-
-
 INCH = factor("length", SYSTEMS[1])
 """One inch [m]."""
 POUND_FORCE = factor("force", SYSTEMS[1])

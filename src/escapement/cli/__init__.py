@@ -131,7 +131,7 @@ def program() -> NoReturn:
 
 def _dispatch(argv: Sequence[str]) -> int:
     """Understand the command and its arguments, then run the module that has it."""
-    from escapement import units
+    from escapement import spoken, units
     from escapement.cli import _log, _waiting
     from escapement.cli._arguments import parser_of, understand_command
 
@@ -142,12 +142,12 @@ def _dispatch(argv: Sequence[str]) -> int:
         return 0
     if args.log is not None:
         _log.start(args.log, argv)
-    units.speak(args.units or units.SYSTEMS[0])
+    spoken.speak(args.units or units.SYSTEMS[0])
     try:
         with _waiting.shown(argv[0], quiet=getattr(args, "quiet", False)):
             code: int = command.execute(args)
     finally:
-        units.speak(units.SYSTEMS[0])
+        spoken.speak(units.SYSTEMS[0])
     return code
 
 

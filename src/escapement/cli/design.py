@@ -7,8 +7,9 @@ import escapement as esc
 from escapement.cli import SOME_FAILED, _arguments, _inputs, _output
 from escapement.cli._arguments import Arguments, Parser
 from escapement.files import write_file
+from escapement.spoken import speak
 from escapement.text import as_csv, print_columns, words
-from escapement.units import printed, speak
+from escapement.units import printed
 
 UNITS = "units of the printed figures (default: those of the wish)"
 _CHOSEN = {

@@ -1,7 +1,7 @@
 """Parts of a mechanism as a DXF or SVG file for cutting, after a check of the motion."""
 
 import math
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import escapement as esc
 from escapement.cli import _arguments, _output
@@ -10,12 +10,14 @@ from escapement.files import CUTS, file_format, write_file
 from escapement.fits import Fits
 from escapement.inputs import inputs_of_mechanism, inputs_of_settings
 from escapement.mechanisms import DEFAULT_KIND, kind_of
-from escapement.outlines.export import drawn
-from escapement.outlines.interference import Nearest
-from escapement.outlines.part import Part
 from escapement.quantity import Quantity, declared
 from escapement.units import factor, printed
 
+if TYPE_CHECKING:
+    from escapement.outlines.interference import Nearest
+    from escapement.outlines.part import Part
+
+_NO_TEETH = ("teeth", 0, "ratio")
 _FITS = {name: entry for name, entry in declared(Fits).items() if name != "clearance"}
 _DISCS = {
     "thickness": Quantity(
@@ -76,6 +78,8 @@ def execute(args: Arguments) -> int:
     else:
         how = {name: getattr(args, name) for name in ("segments", "r12")}
         suffix, inches = file_format(args.output, CUTS), args.units != "SI"
+        from escapement.outlines.export import drawn
+
         data, gaps = drawn(mechanism, suffix, fits, inches=inches, **how)
     parts = esc.parts_of(mechanism, fits)
     record = _summary(args, mechanism, fits, parts, gaps)
@@ -83,13 +87,15 @@ def execute(args: Arguments) -> int:
     # nothing is written before every number is known to be possible
     if data is not None:
         write_file(args.output, [data], args.force)
-    known = [*inputs_of_mechanism(mechanism), *inputs_of_settings(fits, mechanism.meshed)]
+    # no number of teeth leaves it to the gears, or there are none
+    chosen = [row for row in inputs_of_settings(fits, mechanism.meshed) if row != _NO_TEETH]
+    known = [*inputs_of_mechanism(mechanism), *chosen]
     _output.report(args, record, _KINDS, warning, known)
     return 0
 
 
 def _summary(
-    args: Arguments, mechanism: Any, fits: Fits, parts: tuple[Part, ...], gaps: list[Nearest]
+    args: Arguments, mechanism: Any, fits: Fits, parts: "tuple[Part, ...]", gaps: "list[Nearest]"
 ) -> dict[str, Any]:
     """What `export` reports, by JSON key, in SI."""
     record: dict[str, Any] = {"kind": mechanism.kind, "least_gap": gaps[0].gap}

@@ -18,8 +18,8 @@ from escapement.mechanisms import Geneva
 from escapement.model import Escapement, Inertia
 from escapement.progress import set_stage
 from escapement.run_down import rundown
+from escapement.spoken import told
 from escapement.text import Shown
-from escapement.units import told
 
 SAMPLE = 11
 """Two to this power is the number of points that are tried for each wheel."""

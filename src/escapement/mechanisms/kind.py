@@ -15,7 +15,8 @@ from escapement.mechanism import FloatArray
 from escapement.mechanisms.other_sizes import OtherSize, diameters, own_numbers
 from escapement.quantity import Declared, Setting, declared, quantity
 from escapement.scene import Path
-from escapement.units import degrees, told
+from escapement.spoken import told
+from escapement.units import degrees
 
 if TYPE_CHECKING:
     import numpy as np

@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 from escapement import validate
 from escapement.errors import InvalidValue
 from escapement.quantity import Quantity, Setting
-from escapement.units import told
+from escapement.spoken import told
 
 Numbers = Mapping[str, Any]
 

@@ -10,7 +10,7 @@ from escapement.fits import Fits
 from escapement.outlines.curves import Curve, Moments, stadium
 from escapement.outlines.gaps import outside, ways_of
 from escapement.outlines.walls import Wall, thinnest_wall
-from escapement.units import told
+from escapement.spoken import told
 
 
 class Part(NamedTuple):

@@ -20,7 +20,7 @@ from escapement.outlines.gears import EllipticalOutline, GearDrivenOutline, pitc
 from escapement.outlines.geneva import GenevaOutline
 from escapement.outlines.meshed import MeshedOutline, elliptical_teeth, toothed_gears
 from escapement.outlines.part import Part, hole, link
-from escapement.units import told
+from escapement.spoken import told
 
 _UNUSED = {
     Geneva: (

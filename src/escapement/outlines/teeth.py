@@ -24,7 +24,7 @@ from escapement.errors import InvalidValue
 from escapement.mechanism import FloatArray
 from escapement.mechanisms.elliptical_teeth import ADDENDUM, PRESSURE_ANGLE, PitchEllipse
 from escapement.outlines.curves import ComplexArray, Curve, biarcs
-from escapement.units import told
+from escapement.spoken import told
 
 _DEDENDUM = 1.25  # depth of the root below the pitch curve [modules]
 _SINE, _COSINE = math.sin(PRESSURE_ANGLE), math.cos(PRESSURE_ANGLE)

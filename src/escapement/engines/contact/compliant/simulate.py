@@ -16,8 +16,8 @@ from escapement.mechanism import FloatArray
 from escapement.model import Escapement
 from escapement.motion import Motion, stall_message
 from escapement.scene import Joint
+from escapement.spoken import told
 from escapement.status import MESSAGES, Status
-from escapement.units import told
 
 LONGEST = 2000
 """Greatest number of engagements in one motion: each takes up to a megabyte."""
