@@ -148,13 +148,13 @@ def _measure(kind):
     zeros = {"phase": 0.1, "offset": 0.1, "resolution": 4096, "linearity": 0.001}
     fitted = {**read, **zeros, "data": "motion.csv", "fit": "torque", "time_column": "time_s"}
     # without a motion sizes and errors are refused; with one only a few numbers are tried, as fits
-    # take long, and the model is read as for `run`
+    # take long, and the model is read as for `run`; a fitted number is only a first guess
     sizes = {"crank_radius", "fixed_radius", "pin_radius", *ROLLER, *ERRORS["geneva"]}
     wheels = [{n: x for n, x in one.items() if n not in sizes} for one in _wheels(kind)]
     still = [{**one, **read, **zeros} for one in wheels if one is wheels[0] or one == EXACT]
     moving = motions(kind, fitted)[0]
     del moving["initial_speed"]
-    tried = ["fit", "torque", "time_column", "crank_radius"]
+    tried = ["fit", "follower_inertia", "time_column", "crank_radius"]
     tried = [name for name in tried if name in moving]
     return [*still, {**moving, "tried": tried}]
 
