@@ -56,6 +56,7 @@ def outcome(case):
     if case["call"] == "terminal":
         cycle = esc.terminal(timer, **arguments)
         found = {name: _plain(getattr(cycle, name)) for name in _FIGURES}
+        found["reversal_angles"] = _plain(_away_from_stops(timer.mechanism, cycle.reversal_angles))
         return found | {"status": cycle.status.label}
     study = esc.sweep(timer, **case["axes"], **arguments)
     return {name: _plain(values) for name, values in study.results.items()}
@@ -71,7 +72,7 @@ def _of_motion(motion):
     if motion.end_time > 0.0:
         for name in ("reversals", "extrema"):
             events = getattr(motion, name)
-            kept = ~_next_to_a_stop(motion.escapement.mechanism, events)
+            kept = ~_next_to_a_stop(motion.escapement.mechanism, events.theta)
             for column in ("engagement", "time", "theta", "theta_dot"):
                 found[f"{name}.{column}"] = _plain(getattr(events, column)[kept])
         state = motion.at(motion.end_time * np.linspace(0.0, 1.0, 9))
@@ -80,11 +81,19 @@ def _of_motion(motion):
     return found
 
 
-def _next_to_a_stop(mechanism, events):
-    """Events whose place the last digit of a table's rows decides, and so the processor."""
+def _away_from_stops(mechanism, angles):
+    """The driver angles of events, without those next to a stop of a table."""
+    if angles is None:
+        return None
+    theta = np.asarray(angles, dtype=float)
+    return theta[~_next_to_a_stop(mechanism, theta)]
+
+
+def _next_to_a_stop(mechanism, theta):
+    """Which events have a place that the last digit of a table's rows decides: the processor's."""
     if type(mechanism).__name__ != "Tabulated":
-        return np.zeros(events.theta.size, dtype=bool)
-    way = (events.theta - mechanism.breaks[0]) % mechanism.cell_angle
+        return np.zeros(theta.size, dtype=bool)
+    way = (theta - mechanism.breaks[0]) % mechanism.cell_angle
     return np.minimum(way, mechanism.cell_angle - way) < 1e-5
 
 

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 import escapement as esc
+from escapement.mechanisms.slotted import transmission
 from escapement.sources import meyer
 
 TORQUE, DRIVER, FOLLOWER = 0.01, 1e-6, 1e-6
@@ -38,7 +39,7 @@ def test_published_cells_settle_without_friction_for_energy_jumps_at_their_hando
     for name in ("handoff_velocity", "contraction", "rise_time", "velocity_max"):
         assert getattr(found, name) == pytest.approx(getattr(judge, name), rel=1e-8)
     # the speed is continuous where the ratio leaps from its end to 0
-    g = cell.mechanism.geneva.transmission(cell.mechanism.breaks[-1]).g
+    g = transmission(cell.mechanism.path, cell.mechanism.breaks[-1]).g
     assert found.contraction == pytest.approx(DRIVER / (DRIVER + FOLLOWER * g**2), rel=1e-9)
     settled = esc.simulate(cell, 150).handoff_velocities[-1]
     assert found.handoff_velocity == pytest.approx(settled, rel=1e-6)

@@ -287,20 +287,20 @@ def ends_alike(g_in, g_out, rho):
 
 
 @inner_jit
-def side_at(theta, g, k, pull, slope, w, scene):
+def side_at(theta, g, k, pull, slope, w, before, scene):
     """Side that carries the force just behind a driver angle where a piece begins: +1 or -1.
 
     It is the sign of X, as a limit from behind: X vanishes at the pin entry if the driver is at
     rest without a load, and at dead centre if there is no torque. Where it is small it is also
     evaluated a little behind, to where the driver turns free. Where a mesh stops, g and g' are
-    both zero, or rounding errors of a table; the driver is then about to push the follower, and
-    the side is +1.
+    both zero, or rounding errors of a table, and the side stays what it was `before`.
 
     Parameters
     ----------
     theta : driver angle [rad].
     g, k, pull, w : there.
     slope : of the pull behind it.
+    before : side before it; +1 at an entry, where the driver is about to push the follower.
     """
     value = contact(g, k, pull, w, root_of(w, scene), scene)
     size = scene.rho * w + abs(pull)
@@ -312,7 +312,7 @@ def side_at(theta, g, k, pull, slope, w, scene):
         if value == 0.0:
             value = behind
         if scene.path.table and max(abs(value), abs(behind)) <= _TABLE_ROUNDING * size:
-            value = 1.0
+            value = before
     return 1.0 if value >= 0.0 else -1.0
 
 

@@ -144,7 +144,7 @@ def _found(status, state, angle, time, count):
 def _enter(scene, panel, w, rising, used):
     """MarchState at the entry, which is the left end of the first panel."""
     end = panel.entry
-    side = side_at(panel.left, end.g, end.dg, end.pull, panel.slope, w, scene)
+    side = side_at(panel.left, end.g, end.dg, end.pull, panel.slope, w, 1.0, scene)
     energy = w * (scene.rho + end.g**2)
     return MarchState(panels.FIRST_PANEL, w, energy, side, rising, 0.0, 0.0, 0.0, used, False)
 
@@ -157,7 +157,8 @@ def _face(scene, panel, state, events):
     panel next to one of its ends, where rounding would decide on its place.
     """
     end = panel.entry
-    side = side_at(panel.left, end.g, end.dg, end.pull, panel.slope, state.w, scene)
+    side = state.side
+    side = side_at(panel.left, end.g, end.dg, end.pull, panel.slope, state.w, side, scene)
     if side == state.side:
         return state
     kind = np.int64(EventKind.REVERSAL)

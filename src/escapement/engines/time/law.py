@@ -113,9 +113,12 @@ class Law:
         slide = as_python(dynamics.slide_at)(g, u, radius, side, self.scene)
         return float(np.sign(slide)), float(np.sign(g))
 
-    def side(self, theta: float, speed: float) -> float:
-        """Side of the slot, +1 or -1, that carries the force where a piece begins."""
-        return float(side_from(theta, speed**2, self.plain))
+    def side(self, theta: float, speed: float, before: float) -> float:
+        """Side of the slot, +1 or -1, that carries the force where a piece begins.
+
+        `before` is the side before it, and 0 where the follower was locked.
+        """
+        return float(side_from(theta, speed**2, before or 1.0, self.plain))
 
     def tabulate(
         self, theta: FloatArray, w: FloatArray, side: float
@@ -149,12 +152,12 @@ def contact_at(theta, w, side, plain):
 
 
 @jit(allocates=True)
-def side_from(theta, w, plain):
+def side_from(theta, w, before, plain):
     """Side of the slot that carries the force just behind a driver angle."""
     scene = flowing(theta, 1.0, w, scene_of(plain))
     g, _c, k = dynamics.bent_pose(theta, 1.0, scene)
     torque, slope = torque_at(theta, scene)
-    return dynamics.side_at(theta, g, k, torque - scene.bearing, slope, w, scene)
+    return dynamics.side_at(theta, g, k, torque - scene.bearing, slope, w, before, scene)
 
 
 @jit(allocates=True)

@@ -139,7 +139,7 @@ class _Simulation:
             if not self.drive.is_steady:
                 self.drive = self.drive.after(self.escapement.turned_before(self.engagement))
             if self.speed**2 <= REST and is_undriven(self.theta, self.drive.scene):
-                self._stop(self.drive.side(self.theta, self.speed))
+                self._stop(self.drive.side(self.theta, self.speed, self.side))
                 return
             for span in self.spans if self.drive.is_steady else self._between_knots():
                 self._pass(span)
@@ -165,7 +165,7 @@ class _Simulation:
 
     def _pass(self, span: Span) -> None:
         """Advance to the end of a smooth interval, through any reversals."""
-        sign = 0.0 if span.locked else self.law.side(self.theta, self.speed)
+        sign = 0.0 if span.locked else self.law.side(self.theta, self.speed, self.side)
         if sign * self.side < 0.0:
             # the force vanishes on the break before, as behind a spent spring at dead centre
             self._note_reversal()
