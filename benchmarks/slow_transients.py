@@ -35,7 +35,8 @@ def difference(escapement, start, figures):
     count = 60 + int(decay / (1.0 - figures.contraction))
     motion = esc.simulate(escapement, count, initial_speed=start)
     rise, settled = read_transient(motion, figures)
-    told = (rise, *fall_times(motion, start, figures.motion), settled)
+    cycle = esc.simulate(escapement, 1, initial_speed=figures.handoff_velocity)
+    told = (rise, *fall_times(motion, start, cycle), settled)
     pairs = zip((getattr(figures, name) for name in TRANSIENT), told, strict=True)
     return max(abs(a - b) / max(abs(b), 1e-300) for a, b in pairs)
 

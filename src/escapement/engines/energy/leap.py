@@ -26,7 +26,7 @@ from escapement.gauss import POINTS, N, cumulate, dot, integral, tail_of
 from escapement.jit import inner_jit
 
 # Engagements that change w by more than this share, or contract it by more, are marched.
-GENTLE = 5e-3
+GENTLE = 3e-3
 # A leap over fewer engagements is not worth while.
 WORTH = 64
 # A leap goes this share of the way to its goal, and the rest is marched.
