@@ -65,11 +65,11 @@ class Progress:
         self._terminal = not closed and self._stream.isatty()
         self._quiet, self._log = quiet or closed, log
         self._begun, self._compiled_before = time.monotonic(), notice.spent
-        self._logged = -math.inf
+        self._logged, self._cases = -math.inf, what
         self.count(what)
 
     def count(self, what: str) -> None:
-        """Begin to count something else, the plural of which is `what`."""
+        """Begin to count something else, the plural of which is `what`; it is not logged."""
         self._what, self._counts = what, (0, 0, 0)
         self._start, self._compiled = time.monotonic(), notice.spent
         # the first line of a log comes early, as an estimate of the whole time
@@ -84,7 +84,7 @@ class Progress:
         if solved - self._shown >= (_REDRAW if self._terminal else _LINE):
             self._shown = solved
             self._show("")
-        if self._log is not None and now - self._logged >= _LOG:
+        if self._log is not None and now - self._logged >= _LOG and self._what == self._cases:
             self._logged = now
             self._log(*self._counts, self._rate)
 
@@ -104,7 +104,8 @@ class Progress:
     def _rate(self) -> float:
         """Cases done in a second, in which nothing was compiled."""
         solving = time.monotonic() - self._start - (notice.spent - self._compiled)
-        return (self._counts[0] - self.before) / solving if solving > 0.0 else 0.0
+        before = self.before if self._what == self._cases else 0
+        return (self._counts[0] - before) / solving if solving > 0.0 else 0.0
 
     def _show(self, end: str) -> None:
         done, total, _ = self._counts

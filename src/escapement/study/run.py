@@ -238,7 +238,7 @@ def _run(
 def _mixed(items: Sequence[Any]) -> list[Any]:
     """The items in an order of which every beginning is spread evenly over all of them.
 
-    The time that the first ones take then tells that of all, even if dear cases stand side by side.
+    The time that the first ones take then tells that of all, even if costly cases are neighbours.
     """
     return [items[i] for i in np.argsort(_GOLDEN * np.arange(len(items)) % 1.0).tolist()]
 
