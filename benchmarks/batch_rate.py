@@ -18,10 +18,10 @@ from typing import NamedTuple
 import numpy as np
 
 import escapement as esc
+from escapement.base.text import print_columns
 from escapement.benchmark import describe_machine, write_csv
+from escapement.dynamics.painleve import painleve_limit
 from escapement.engines.energy import batch
-from escapement.painleve import painleve_limit
-from escapement.text import print_columns
 
 ROOT = Path(__file__).resolve().parents[1]
 SLOTS = (3, 4, 6)

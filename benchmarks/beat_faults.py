@@ -16,9 +16,9 @@ from typing import NamedTuple
 import numpy as np
 
 import escapement as esc
+from escapement.base.text import print_columns
 from escapement.benchmark import write_csv
 from escapement.measurement import BeatFit
-from escapement.text import print_columns
 
 RESULT = Path(__file__).resolve().parent / "results" / "beat_faults.csv"
 INERTIA = esc.Inertia(3.39e-7, 5.65e-6)

@@ -19,7 +19,7 @@ from pathlib import Path
 import numpy as np
 
 import escapement as esc
-from escapement.painleve import friction_limits
+from escapement.dynamics.painleve import friction_limits
 
 RESULTS = Path(__file__).resolve().parent / "results"
 RADIUS, FOLLOWER, TORQUE = 0.01, 5e-6, 0.01

@@ -15,14 +15,14 @@ import numpy as np
 os.environ["NUMBA_CACHE_DIR"] = str(Path(__file__).resolve().parent / "__pycache__")
 
 import escapement as esc
-import escapement.metrics
-from escapement.status import Status
+import escapement.dynamics.figures_of_merit
+from escapement.base.status import Status
 
 FOLLOWED = 10_000
 """Most engagements that are followed until a motion settles, a hundredth of what users get; all of
 them would take hours, and rise and settling times are not compared. A motion that stops later
 counts as not converged."""
-escapement.metrics.MAX_ENGAGEMENTS = FOLLOWED
+escapement.dynamics.figures_of_merit.MAX_ENGAGEMENTS = FOLLOWED
 
 ENGAGEMENTS = {"bulk": 4, "ivp": 2}
 SLOW = 20.0  # greatest processor time of a case [s]

@@ -16,6 +16,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from matplotlib.figure import Figure
 
+from escapement.base.text import print_columns
 from escapement.benchmark import (
     describe_machine,
     machine_in_a_line,
@@ -25,13 +26,12 @@ from escapement.benchmark import (
     write_csv,
 )
 from escapement.benchmark.problems import PROBLEMS, Problem
-from escapement.model import Escapement, Inertia
+from escapement.engines.simulate import simulate, terminal
+from escapement.engines.solver import ENGINES
+from escapement.model.escapement import Escapement, Inertia
 from escapement.plots import save
 from escapement.plots.style import BLACK, GREY, SMALL_SIZE, TWO_COLUMN, dress, new_figure
-from escapement.simulation import simulate, terminal
-from escapement.solver import ENGINES
 from escapement.study.run import sweep
-from escapement.text import print_columns
 
 RESULTS = Path(__file__).resolve().parent / "results"
 

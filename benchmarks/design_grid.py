@@ -15,9 +15,9 @@ from pathlib import Path
 import numpy as np
 
 import escapement as esc
-from escapement.errors import InvalidValue
-from escapement.inverse import figures
-from escapement.inverse.search import misses
+from escapement.base.errors import InvalidValue
+from escapement.inverse_design import similarity as figures
+from escapement.inverse_design.search import misses
 
 ROOT = Path(__file__).resolve().parents[1]
 RESULTS = ROOT / "benchmarks" / "results" / "design_grid.csv"

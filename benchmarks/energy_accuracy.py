@@ -17,8 +17,8 @@ from typing import NamedTuple
 import numpy as np
 
 import escapement as esc
+from escapement.base.text import print_columns
 from escapement.benchmark import write_csv
-from escapement.text import print_columns
 
 ROOT = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(ROOT / "tests" / "reference"))

@@ -17,8 +17,8 @@ import time
 from pathlib import Path
 from typing import NamedTuple
 
+from escapement.base.text import print_columns
 from escapement.benchmark import write_csv
-from escapement.text import print_columns
 
 ROOT = Path(__file__).resolve().parents[1]
 

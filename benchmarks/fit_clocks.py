@@ -13,9 +13,9 @@ from typing import NamedTuple
 import numpy as np
 
 import escapement as esc
+from escapement.base.text import print_columns
 from escapement.benchmark import write_csv
 from escapement.measurement import MotionFit
-from escapement.text import print_columns
 
 RESULT = Path(__file__).resolve().parent / "results" / "fit_clocks.csv"
 ORIGINS = {"0 s": 0.0, "60 s": 60.0, "1000 s": 1000.0, "Unix time in ms": 1_764_100_000.0}

@@ -20,9 +20,9 @@ from typing import Any, NamedTuple
 import numpy as np
 
 import escapement as esc
+from escapement.base.text import print_columns
+from escapement.base.units import INCH_POUND
 from escapement.benchmark import write_csv
-from escapement.text import print_columns
-from escapement.units import INCH_POUND
 
 RESULTS = Path(__file__).resolve().parent / "results"
 STUDY = """friction = 0.3

@@ -22,12 +22,19 @@ import numpy as np
 from scipy.integrate import solve_ivp
 
 import escapement as esc
+from escapement.base.text import print_columns
 from escapement.benchmark import shortest, write_csv
-from escapement.dynamics import bent_pose, contact, net_torque, reduced_inertia, root_of, scene_of
-from escapement.engines.time.law import side_from, slope
-from escapement.jit import jit
-from escapement.scene import scene_tuple
-from escapement.text import print_columns
+from escapement.dynamics.law import (
+    bent_pose,
+    contact,
+    net_torque,
+    reduced_inertia,
+    root_of,
+    scene_of,
+)
+from escapement.engines.ivp.law import side_from, slope
+from escapement.model.scene import scene_tuple
+from escapement.numerics.jit import jit
 
 RESULTS = Path(__file__).resolve().parent / "results"
 TOLERANCES = (1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10, 1e-11)

@@ -14,10 +14,10 @@ from typing import NamedTuple
 import numpy as np
 
 import escapement as esc
+from escapement.base.text import print_columns
 from escapement.benchmark import write_csv
 from escapement.measurement import position
 from escapement.measurement.shaft_errors import SURE
-from escapement.text import print_columns
 
 ROOT = Path(__file__).resolve().parents[1]
 DEG = np.pi / 180.0

@@ -17,9 +17,9 @@ from pathlib import Path
 from typing import NamedTuple
 
 import escapement as esc
+from escapement.base.text import print_columns
 from escapement.benchmark import write_csv
 from escapement.measurement import measure, read_readings
-from escapement.text import print_columns
 
 ROOT = Path(__file__).resolve().parents[1]
 DRIVE = esc.EllipticalPlanetary(0.016, 0.009)

@@ -20,9 +20,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from escapement.base.text import print_columns
 from escapement.benchmark import describe_machine, write_csv
 from escapement.benchmark.problems import PROBLEMS
-from escapement.text import print_columns
 
 AXES = {"torque": "torque, friction", "friction": "friction, torque"}
 ROOT = Path(__file__).resolve().parents[1]

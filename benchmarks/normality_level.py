@@ -17,6 +17,7 @@ import numpy as np
 from scipy.special import ndtr, ndtri
 from scipy.stats import chi2
 
+from escapement.base.text import print_columns
 from escapement.benchmark import write_csv
 from escapement.measurement import (
     anderson_darling,
@@ -25,7 +26,6 @@ from escapement.measurement import (
     published_chi_squared,
 )
 from escapement.measurement.normality import counts
-from escapement.text import print_columns
 
 ROOT = Path(__file__).resolve().parents[1]
 BATCH = 1000

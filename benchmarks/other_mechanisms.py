@@ -20,10 +20,10 @@ from typing import NamedTuple
 import numpy as np
 
 import escapement as esc
+from escapement.base.errors import InvalidValue
+from escapement.base.text import print_columns
 from escapement.benchmark import write_csv
-from escapement.errors import InvalidValue
 from escapement.mechanisms.gear_equation import CURVES
-from escapement.text import print_columns
 
 ROOT = Path(__file__).resolve().parents[1]
 RTOL = 1e-10

@@ -18,8 +18,8 @@ from typing import NamedTuple
 import numpy as np
 
 import escapement as esc
+from escapement.base.text import print_columns
 from escapement.benchmark import write_csv
-from escapement.text import print_columns
 
 ROOT = Path(__file__).resolve().parents[1]
 DEG, TURN = np.pi / 180.0, 2.0 * np.pi

@@ -20,8 +20,8 @@ from pathlib import Path
 import numpy as np
 
 import escapement as esc
-from escapement.errors import InvalidValue
-from escapement.painleve import friction_limits
+from escapement.base.errors import InvalidValue
+from escapement.dynamics.painleve import friction_limits
 
 EFFECTS = (
     *("pin", "roller", "driver journal", "follower journal", "bearing torque", "driver drag"),

@@ -25,8 +25,8 @@ from pathlib import Path
 import numpy as np
 
 import escapement as esc
-from escapement.painleve import friction_limits
-from escapement.status import Status
+from escapement.base.status import Status
+from escapement.dynamics.painleve import friction_limits
 
 RESULTS = Path(__file__).resolve().parent / "results"
 RADIUS, FOLLOWER, TORQUE = 0.01, 5e-6, 0.01

@@ -16,8 +16,7 @@ from pathlib import Path
 from random import Random
 
 import escapement as esc
-from escapement.tolerance.differences import with_number
-from escapement.tolerance.law import numbers_of
+from escapement.model.numbers import numbers_of, with_number
 
 ROOT = Path(__file__).resolve().parents[1]
 RESULTS = ROOT / "benchmarks" / "results" / "sensitivity_accuracy.csv"

@@ -15,9 +15,9 @@ from time import process_time
 import numpy as np
 
 import escapement as esc
-from escapement.merits import TRANSIENT
-from escapement.metrics import fall_times, read_transient
-from escapement.status import Status
+from escapement.base.status import Status
+from escapement.dynamics.figures_of_merit import fall_times, read_transient
+from escapement.dynamics.merit_table import TRANSIENT
 
 HERE = Path(__file__).parent
 sys.path.append(str(HERE.parent / "tests"))

@@ -28,7 +28,7 @@ import judge
 from random_cases import Problem, draw
 
 import escapement as esc
-from escapement.painleve import critical_friction
+from escapement.dynamics.painleve import critical_friction
 
 RESULTS = Path(__file__).resolve().parent / "results"
 SEED = 1954

@@ -5,10 +5,10 @@ import math
 import numpy as np
 
 import escapement as esc
+from escapement.base.quantity import Choice, Quantity, Truth, declared
+from escapement.engines.solver import Solver
 from escapement.mechanisms import kind_of
-from escapement.model import Run
-from escapement.quantity import Choice, Quantity, Truth, declared
-from escapement.solver import Solver
+from escapement.model.escapement import Run
 from escapement.study.parse import parse_plan
 
 INERTIA = esc.Inertia(3.39e-7, 5.65e-6)

@@ -12,11 +12,11 @@ from pathlib import Path
 import numpy as np
 
 import escapement as esc
+from escapement.base.quantity import declared
 from escapement.cli import COMMANDS, main
 from escapement.cli._arguments import parser_of
+from escapement.engines.solver import Solver
 from escapement.mechanisms import KINDS
-from escapement.quantity import declared
-from escapement.solver import Solver
 
 WHEELS = {
     "geneva": {"slots": 6, "pins": 2, "crank_radius": 0.02, "pin_radius": 0.001},

@@ -13,8 +13,8 @@ from importlib.util import find_spec
 from pathlib import Path
 from unittest import mock
 
-from escapement import files
-from escapement.errors import CannotCreate, EscapementError
+from escapement.base import files
+from escapement.base.errors import CannotCreate, EscapementError
 from escapement.study.writer import partial_path, study_writer
 from study_tools import block, study
 

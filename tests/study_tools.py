@@ -5,9 +5,9 @@ import threading
 import numpy as np
 import pytest
 
-from escapement import simulation
+from escapement.engines import simulate as simulation
 from escapement.mechanisms import Geneva
-from escapement.model import Escapement, Inertia
+from escapement.model.escapement import Escapement, Inertia
 from escapement.study.block import blocks_of, encode_block
 from escapement.study.reader import read_study
 from escapement.study.result import RESULTS, Study

@@ -13,7 +13,7 @@ from PIL import Image
 import escapement as esc
 from browser import chromium, opened, until
 from escapement import plots
-from escapement.errors import CannotCreate, InvalidValue, StorageError
+from escapement.base.errors import CannotCreate, InvalidValue, StorageError
 from figure_tools import by_id
 from tabulated_drive import exact
 

@@ -11,12 +11,12 @@ import pytest
 
 import escapement as esc
 from bad_calls import BAD, INERTIA, MACHINES, TIMER, WHEEL, built, ivp, maker, study, wheel
+from escapement.base.errors import InvalidValue
+from escapement.base.quantity import Quantity, Truth
+from escapement.base.status import Status
 from escapement.cli import main
 from escapement.cli._arguments import option
-from escapement.errors import InvalidValue
-from escapement.model import Run
-from escapement.quantity import Quantity, Truth
-from escapement.status import Status
+from escapement.model.escapement import Run
 
 
 def check_message(message, name):

@@ -14,11 +14,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from escapement.base.errors import StorageError
 from escapement.benchmark import work_precision, write_csv
 from escapement.benchmark.problems import PROBLEMS, REFERENCE, MeasuredSolver, own_solvers
 from escapement.benchmark.work_precision import Point, standings, time_at
 from escapement.cli import main
-from escapement.errors import StorageError
 
 BENCHMARKS = Path(__file__).parents[1] / "benchmarks"
 sys.path.insert(0, str(BENCHMARKS))

@@ -11,11 +11,11 @@ from scipy.integrate import solve_ivp
 
 import escapement as esc
 from clearance_bodies import TwoBodies
+from escapement.base.errors import InvalidValue
+from escapement.base.status import Status
+from escapement.base.units import INCH_POUND
+from escapement.dynamics.painleve import friction_limits
 from escapement.engines.contact.rigid.blow import CHATTER
-from escapement.errors import InvalidValue
-from escapement.painleve import friction_limits
-from escapement.status import Status
-from escapement.units import INCH_POUND
 
 RADIUS = 0.01
 

@@ -10,10 +10,10 @@ import pytest
 import xarray
 
 import escapement as esc
+from escapement.base.units import INCH, INCH_POUND, POUND_FORCE
 from escapement.cli._output import plain
+from escapement.engines.solver import DEFAULT_RTOL, ENGINES, METHODS
 from escapement.motion_file import read_motion
-from escapement.solver import DEFAULT_RTOL, ENGINES, METHODS
-from escapement.units import INCH, INCH_POUND, POUND_FORCE
 
 MEYER = [
     *("--torque", ".10", "--driver-inertia", "3e-6", "--follower-inertia", "50e-6"),

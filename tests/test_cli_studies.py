@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 
 import escapement as esc
+from escapement.base.units import INCH_POUND
 from escapement.cli.sweep import load_case, spread
 from escapement.study.reader import read_study
 from escapement.study.stored import SCHEMA_VERSION
-from escapement.units import INCH_POUND
 
 STUDY = """
 units = "in-lbf-s"

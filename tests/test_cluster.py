@@ -9,8 +9,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from escapement.base.errors import InvalidValue, StorageError
 from escapement.cli import main
-from escapement.errors import InvalidValue, StorageError
 from escapement.study import pool, run
 from escapement.study.parse import plan_from
 from escapement.study.reader import read_study

@@ -11,8 +11,8 @@ import pytest
 
 import escapement as esc
 from coinciding import counts, curve_scene, differences, spring_scene
-from escapement.ledger import judged
-from escapement.status import Status
+from escapement.base.status import Status
+from escapement.dynamics.energy_balance import judged
 
 CELL, TORQUE = np.pi / 2.0, 0.0113
 GENEVA, INERTIA = esc.Geneva(4), esc.Inertia(3.39e-7, 5.65e-6)

@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 import escapement
-from escapement import jit
+from escapement.numerics import jit
 
 PACKAGE = Path(escapement.__file__).parent
 SOURCES = sorted(PACKAGE.rglob("*.py"))
@@ -34,11 +34,17 @@ def run(code, **environment):
     return done.stdout.strip()
 
 
+def copy_compiling(toy):
+    """The files that compile kernels, as those of package `toy`."""
+    for name in ("numerics/jit.py", "numerics/by_address.py", "base/notice.py"):
+        (toy / name).parent.mkdir(parents=True, exist_ok=True)
+        (toy / name).write_text((PACKAGE / name).read_text().replace("escapement.", "toy."))
+
+
 def write_toy(folder, decorator, factor):
     """Package `toy`: kernel f in one file calls g in another, which uses a number of a third."""
     toy = folder / "toy"
-    toy.mkdir(exist_ok=True)
-    shutil.copy(PACKAGE / "jit.py", toy)
+    copy_compiling(toy)
     (toy / "__init__.py").touch()
     (toy / "f.py").write_text(
         f"{decorator}\nfrom toy.g import g\n\n@jit\ndef f(x):\n    return g(x)\n"
@@ -55,14 +61,14 @@ def cached(tmp_path):
 @pytest.fixture
 def toy(tmp_path, cached):
     """The environment of `cached` with package `toy` in its folder."""
-    write_toy(tmp_path, "from toy.jit import jit", 2.0)
+    write_toy(tmp_path, "from toy.numerics.jit import jit", 2.0)
     return cached
 
 
 def test_a_stale_copy_is_what_the_bare_cache_would_serve(cached, tmp_path):
     """The reason for the decorator: if this ever fails, Numba has mended it itself."""
     bare = "import numba\n\njit = numba.njit(cache=True)"
-    ours = "from toy.jit import jit"
+    ours = "from toy.numerics.jit import jit"
     call = "from toy.f import f; print(f(1.0))"
     for decorator, after in ((bare, "2.0"), (ours, "3.0")):
         write_toy(tmp_path, decorator, 2.0)
@@ -92,7 +98,7 @@ def test_every_kernel_counts_for_the_digest(tmp_path):
     (copy / "plots" / "style.py").write_text("")
     assert jit.kernel_digest(copy) == whole
     # a kernel file that has another name counts too
-    (copy / "roots.py").rename(copy / "zeros.py")
+    (copy / "numerics" / "roots.py").rename(copy / "numerics" / "zeros.py")
     assert jit.kernel_digest(copy) != whole
 
 
@@ -117,7 +123,7 @@ def test_what_a_kernel_has_from_elsewhere_counts_for_the_digest(tmp_path, file, 
 def test_a_constant_that_changes_is_compiled_anew(toy, tmp_path):
     """It stands in a file without kernels, which computes it from that of a third."""
     for file, text in {
-        "f.py": "from toy import bands\nfrom toy.jit import jit\n\n"
+        "f.py": "from toy import bands\nfrom toy.numerics.jit import jit\n\n"
         "@jit\ndef f(x):\n    return bands.BAND * x\n",
         "bands.py": "from toy.shares import (\n    OTHER,\n    SHARE,\n)\n\nBAND = 2.0 * SHARE\n",
         "shares.py": "OTHER, SHARE = 1.0, 3.0\n",
@@ -169,7 +175,7 @@ caching.IndexDataCacheFile.{call} = fail
 def test_kernels_of_the_cache_do_without_what_compiling_takes(toy, tmp_path):
     """Arrays come and go, and whoever has to compile after that still can."""
     (tmp_path / "toy" / "h.py").write_text(
-        "import numpy as np\nfrom toy.jit import jit\nfrom toy.g import g\n\n"
+        "import numpy as np\nfrom toy.numerics.jit import jit\nfrom toy.g import g\n\n"
         "@jit(allocates=True)\ndef h(x):\n"
         "    y = np.empty(x.size)\n"
         "    for i in range(x.size):\n        y[i] = g(np.exp(x[i]))\n"
@@ -191,14 +197,11 @@ print(wrong, "scipy.linalg" in sys.modules)
 def test_a_kernel_called_by_its_address(cached, tmp_path):
     """As if it were called by name, from the cache too, and never with other types."""
     toy = tmp_path / "toy"
-    toy.mkdir()
-    for name in ("jit.py", "by_address.py"):
-        source = (PACKAGE / name).read_text().replace("escapement.jit", "toy.jit")
-        (toy / name).write_text(source)
+    copy_compiling(toy)
     (toy / "f.py").write_text("""
 from numba import float64, int64
-from toy.by_address import by_address
-from toy.jit import jit
+from toy.numerics.by_address import by_address
+from toy.numerics.jit import jit
 
 @jit
 def weighed(x, factor, count):

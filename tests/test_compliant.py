@@ -8,7 +8,7 @@ import pytest
 from scipy.integrate import quad, solve_ivp
 
 import escapement as esc
-from escapement.status import Status
+from escapement.base.status import Status
 
 RADIUS, TORQUE, DRIVER, FOLLOWER = 0.01, 0.1, 3e-6, 50e-6
 CLOCK, UNIT = math.sqrt(FOLLOWER / TORQUE), TORQUE / RADIUS**2

@@ -10,12 +10,12 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from escapement.errors import EscapementError, InputFileError, InvalidValue, MissingInput
+from escapement.base.errors import EscapementError, InputFileError, InvalidValue, MissingInput
+from escapement.base.units import INCH, INCH_POUND
+from escapement.engines.solver import DEFAULT_ENGINE
 from escapement.mechanisms import Geneva
-from escapement.model import Escapement, Inertia
-from escapement.solver import DEFAULT_ENGINE
+from escapement.model.escapement import Escapement, Inertia
 from escapement.study.parse import load_plan, parse_plan, plan_from
-from escapement.units import INCH, INCH_POUND
 
 GOOD = {
     "mechanism": {"kind": "geneva", "slots": 4},

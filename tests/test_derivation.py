@@ -9,8 +9,9 @@ import numpy as np
 import pytest
 import sympy as sp
 
-from escapement import dynamics
-from escapement.scene import Path, Scene
+from escapement.dynamics import law as dynamics
+from escapement.mechanisms.path import Path
+from escapement.model.scene import Scene
 from random_drives import from_python
 
 time, theta = sp.symbols("t theta", real=True)

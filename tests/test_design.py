@@ -10,8 +10,8 @@ import pytest
 
 import escapement as esc
 from escapement.cli import main
-from escapement.inverse.figures import body_of, exact, in_si, unit_wheel
-from escapement.inverse.front import spread_out, undominated
+from escapement.inverse_design.front import spread_out, undominated
+from escapement.inverse_design.similarity import body_of, exact, in_si, unit_wheel
 from escapement.outlines.parts import parts_of
 
 ANY_THICK = dict.fromkeys(("driver_thickness", "follower_thickness"), (0.0, 10.0))

@@ -22,12 +22,12 @@ from urllib.parse import unquote
 import pytest
 
 import escapement as esc
-from escapement import errors
+from escapement.base import errors
+from escapement.base.units import INCH_POUND
 from escapement.cli import COMMANDS, main
 from escapement.cli._arguments import parser_of
-from escapement.inverse.wish import wish_of
+from escapement.inverse_design.wish import wish_of
 from escapement.study.parse import parse_plan
-from escapement.units import INCH_POUND
 
 ROOT = Path(__file__).resolve().parents[1]
 DOCS = ROOT / "docs"

@@ -10,8 +10,8 @@ from scipy.optimize import brentq
 
 import escapement as esc
 from any_path import Plain, each_wheel
+from escapement.base.errors import InvalidValue
 from escapement.constant_speed import contact_moment, geneva
-from escapement.errors import InvalidValue
 from escapement.mechanisms.slotted import radius
 from tabulated_drive import DRIVE, measured
 

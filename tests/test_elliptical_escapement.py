@@ -6,7 +6,7 @@ from scipy.integrate import solve_ivp
 
 import escapement as esc
 from elliptical_tools import PAPER
-from escapement.units import INCH_POUND
+from escapement.base.units import INCH_POUND
 
 INERTIA = esc.Inertia(driver=3e-6 * INCH_POUND, follower=50e-6 * INCH_POUND)
 TORQUE = 0.1 * INCH_POUND

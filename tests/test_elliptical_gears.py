@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 import escapement as esc
 from elliptical_tools import PAPER, drives
-from escapement.errors import InvalidValue
+from escapement.base.errors import InvalidValue
 from escapement.mechanisms.elliptical_teeth import fewest_teeth, tooth_module
 
 

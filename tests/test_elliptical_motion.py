@@ -10,8 +10,8 @@ from hypothesis import strategies as st
 
 from any_path import series_of
 from elliptical_tools import PAPER, drives
-from escapement.mechanism import Mechanism
 from escapement.mechanisms import EllipticalPlanetary
+from escapement.mechanisms.protocol import Mechanism
 from escapement.mechanisms.slotted import transmission
 
 places = st.floats(-1.0, 1.0)

@@ -15,8 +15,8 @@ from command_scenes import (
     scenes_of,
     write_inputs,
 )
-from escapement.quantity import declared
-from escapement.solver import Solver
+from escapement.base.quantity import declared
+from escapement.engines.solver import Solver
 
 WRITTEN = {"export": "out.svg", "explore": "out.html"}
 """Files that hold the results of commands."""

@@ -9,7 +9,7 @@ import pytest
 
 import escapement as esc
 from escapement import explorer
-from escapement.errors import InvalidValue
+from escapement.base.errors import InvalidValue
 
 ROOT = Path(__file__).resolve().parents[1]
 INERTIA = esc.Inertia(3.39e-7, 5.65e-6)

@@ -10,8 +10,8 @@ import pytest
 import escapement as esc
 from browser import chromium, opened, until
 from escapement import explorer
+from escapement.dynamics.painleve import friction_limits
 from escapement.outlines.geneva import GenevaOutline
-from escapement.painleve import friction_limits
 from escapement.study.parse import parse_plan
 from thick_pins import random_timer
 

@@ -10,7 +10,7 @@ import pytest
 
 import escapement as esc
 from escapement import explorer
-from escapement.errors import InvalidValue, MissingPackage
+from escapement.base.errors import InvalidValue, MissingPackage
 from escapement.explorer import widget
 from escapement.explorer.bodies import bodies_of
 from escapement.explorer.played import COLUMNS, DEGREE, played

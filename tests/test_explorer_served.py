@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 import escapement as esc
-from escapement.errors import InvalidValue
+from escapement.base.errors import InvalidValue
 from escapement.explorer.answers import EXAMPLES, Answers
 from escapement.explorer.as_text import text_of
 from escapement.explorer.serve import MOST_BYTES, serving

@@ -11,8 +11,8 @@ import numpy as np
 import pytest
 
 import escapement as esc
+from escapement.base.errors import InvalidValue, MissingPackage
 from escapement.cli import main
-from escapement.errors import InvalidValue, MissingPackage
 from escapement.outlines.curves import Curve, chain
 from escapement.outlines.gaps import outside, ways_of
 from tabulated_drive import exact

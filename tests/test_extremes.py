@@ -9,8 +9,8 @@ from scipy.integrate import quad
 
 import escapement as esc
 from bad_calls import TIMER, WHEEL, built, ivp, wheel
-from escapement.engines.time import piece
-from escapement.status import Status
+from escapement.base.status import Status
+from escapement.engines.ivp import piece
 from random_drives import drive
 
 

@@ -19,7 +19,7 @@ def test_every_public_name_is_there():
     assert {"__version__", "simulate", "Study", "units"} < set(esc.__all__)
     for name in esc.__all__:
         assert getattr(esc, name) is not None
-    assert esc.units is import_module("escapement.units")
+    assert esc.units is import_module("escapement.base.units")
 
 
 def test_an_unknown_name_is_refused():
@@ -59,10 +59,10 @@ def test_a_type_checker_knows_every_public_name(checked):
     types = dict(zip(esc.__all__, revealed, strict=True))
     assert not [name for name, said in types.items() if said == "Any"]
     signature = types["simulate"]
-    assert "escapement: escapement.model.Escapement" in signature
+    assert "escapement: escapement.model.escapement.Escapement" in signature
     assert "solver: escapement.solver.Solver | None =" in signature
     assert signature.endswith("-> escapement.motion.Motion")
-    assert types["terminal"].endswith("-> escapement.metrics.Figures")
+    assert types["terminal"].endswith("-> escapement.dynamics.figures_of_merit.Figures")
     assert types["sweep"].endswith("-> escapement.study.result.Study")
     assert types["run_plan"].endswith("-> escapement.study.result.Study")
 

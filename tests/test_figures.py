@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 import escapement as esc
-from escapement import metrics
-from escapement.status import Status
+from escapement.base.status import Status
+from escapement.dynamics import figures_of_merit as metrics
 from random_drives import drive
 
 BOTH = ("energy", "ivp")

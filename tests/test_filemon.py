@@ -10,14 +10,14 @@ import numpy as np
 import pytest
 
 import escapement as esc
+from escapement.base.errors import InvalidValue
+from escapement.base.units import INCH_POUND
 from escapement.constant_speed import geneva
-from escapement.errors import InvalidValue
 from escapement.plots import plot_drive_torque
 from escapement.sources import filemon
 from escapement.sources.filemon import figures
 from escapement.sources.filemon.nomograms import NOMOGRAMS, plot_nomogram
 from escapement.sources.report import digits
-from escapement.units import INCH_POUND
 from figure_tools import by_id
 
 # every cell that is wrong, recomputed by hand in another program, and the rule behind it

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import escapement as esc
-from escapement.errors import InvalidValue
+from escapement.base.errors import InvalidValue
 from escapement.mechanisms import KINDS
 from escapement.sources.meyer.program import PublishedCell
 

@@ -10,7 +10,7 @@ import math
 import numpy as np
 import pytest
 
-from escapement.painleve import friction_limits
+from escapement.dynamics.painleve import friction_limits
 from thick_pins import CRANK, nearest_of, random_timer
 
 POINTS, LEAST, MOST = 401, 1e-9, 1e6

@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 
 from escapement import Escapement, GearDriven, Inertia
+from escapement.base.errors import InvalidValue
 from escapement.constant_speed import jerk_function
-from escapement.errors import InvalidValue
-from escapement.mechanism import Mechanism
 from escapement.mechanisms.gear_equation import COGNATES, CURVES, gear_ratio, lobe_ratios
+from escapement.mechanisms.protocol import Mechanism
 from gear_chart import LOBES, SOURCES, STATIONS, chart, position
 
 

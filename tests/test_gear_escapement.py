@@ -8,10 +8,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from escapement import Escapement, GearDriven, Inertia, critical_friction, simulate, sweep, terminal
+from escapement.base.errors import InvalidValue
+from escapement.base.status import Status
 from escapement.constant_speed import drive_torque
-from escapement.errors import InvalidValue
 from escapement.mechanisms.gear_equation import CURVES
-from escapement.status import Status
 
 
 def test_a_wheel_whose_g_is_rounded_below_zero_starts_from_rest():

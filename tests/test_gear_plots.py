@@ -9,7 +9,7 @@ import pytest
 from matplotlib.path import Path
 
 from escapement import GearDriven
-from escapement.errors import InvalidValue
+from escapement.base.errors import InvalidValue
 from escapement.mechanisms.gear_equation import CURVES
 from escapement.outlines.gears import GearDrivenOutline
 from escapement.plots import drawing, gear_driven

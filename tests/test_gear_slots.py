@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from escapement import GearDriven
-from escapement.errors import InvalidValue
+from escapement.base.errors import InvalidValue
 from escapement.mechanisms.gear_equation import CURVES
 from escapement.synthesis import find_mechanisms
 

@@ -9,12 +9,12 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from mpmath import mp, mpf
 
-from escapement.errors import InvalidValue
-from escapement.mechanism import Mechanism
+from escapement.base.errors import InvalidValue
+from escapement.dynamics.painleve import critical_friction
+from escapement.engines.simulate import simulate
 from escapement.mechanisms import Geneva
-from escapement.model import Escapement, Inertia
-from escapement.painleve import critical_friction
-from escapement.simulation import simulate
+from escapement.mechanisms.protocol import Mechanism
+from escapement.model.escapement import Escapement, Inertia
 
 wheels = st.builds(Geneva, slots=st.integers(3, 1000), pins=st.just(1), internal=st.booleans())
 places = st.floats(-1.0, 1.0)

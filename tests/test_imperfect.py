@@ -14,11 +14,11 @@ import pytest
 
 import escapement as esc
 import imperfect_bodies as bodies
+from escapement.base.status import Status
+from escapement.base.units import INCH_POUND
 from escapement.cli import main
-from escapement.painleve import friction_limits
-from escapement.status import Status
+from escapement.dynamics.painleve import friction_limits
 from escapement.study.parse import parse_plan
-from escapement.units import INCH_POUND
 from two_bodies import random_drive
 
 CRANK = 0.01

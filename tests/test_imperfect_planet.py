@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 
 import escapement as esc
-from escapement.dynamics import left_by_blow
+from escapement.base.status import Status
+from escapement.dynamics.law import left_by_blow
+from escapement.dynamics.painleve import friction_limits
 from escapement.mechanisms.slotted import pose_at
-from escapement.painleve import friction_limits
-from escapement.status import Status
 from imperfect_bodies import hand_over
 from planets import Planet, Touch, by_power
 from two_bodies import BOTH, close, law, random_drive

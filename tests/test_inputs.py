@@ -6,9 +6,9 @@ from types import SimpleNamespace
 import pytest
 
 from command_scenes import argv_of, scenes_of, write_inputs
+from escapement.base.units import INCH, INCH_POUND
 from escapement.benchmark import work_precision
 from escapement.cli import COMMANDS
-from escapement.units import INCH, INCH_POUND
 
 LENGTHS = ("crank_radius", "pin_radius", "kerf", "follower_shaft_radius")
 TORQUES = ("torque", "load_torque", "driver_inertia", "follower_inertia")

@@ -15,8 +15,8 @@ from escapement.study.pool import in_threads
 
 INTERRUPTED = """
 import sys, time
-from escapement import simulation
-from escapement.metrics import Figures
+from escapement.engines import simulate as simulation
+from escapement.dynamics.figures_of_merit import Figures
 sys.path.insert(0, {folder!r})
 from test_sweep import TIMER, sweep
 def slow(*_, **__):

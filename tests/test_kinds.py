@@ -10,12 +10,12 @@ from typing import Any, ClassVar
 import pytest
 
 from escapement import Escapement, GearDriven, Inertia, mechanisms, read_study
+from escapement.base.errors import InvalidValue
+from escapement.base.quantity import quantity
 from escapement.cli import _arguments
 from escapement.cli._arguments import Parser, UsageError
-from escapement.errors import InvalidValue
 from escapement.mechanisms import Geneva
 from escapement.mechanisms.kind import Kind
-from escapement.quantity import quantity
 from escapement.study.parse import parse_plan, plan_from
 
 

@@ -7,7 +7,7 @@ import pytest
 
 import escapement as esc
 from escapement import plots
-from escapement.errors import InputFileError, InvalidValue
+from escapement.base.errors import InputFileError, InvalidValue
 from escapement.measurement.motion_task import task_of
 from measurement_tools import DEG, read
 

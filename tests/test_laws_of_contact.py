@@ -8,8 +8,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import escapement as esc
-from escapement.painleve import critical_angle
-from escapement.status import Status
+from escapement.base.status import Status
+from escapement.dynamics.painleve import critical_angle
 from random_drives import close, contacts, dense, drives, few, speeds, wheels
 
 

@@ -5,7 +5,7 @@ from hypothesis import assume, example, given
 from hypothesis import strategies as st
 
 import escapement as esc
-from escapement.status import Status
+from escapement.base.status import Status
 from random_drives import close, dense, drives, few, speeds, very_few
 
 

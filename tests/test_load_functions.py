@@ -7,9 +7,9 @@ import pytest
 from scipy.optimize import brentq
 
 import escapement as esc
-from escapement import chebyshev
+from escapement.base.errors import InvalidValue
 from escapement.constant_speed import contact_moment
-from escapement.errors import InvalidValue
+from escapement.numerics import chebyshev
 
 WHEEL = esc.Geneva(8)
 

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 import escapement as esc
-from escapement.columns import NAMES
+from escapement.base.columns import NAMES
 from measurement_tools import DEG
 from measurement_tools import PRIKHODKO as DRIVE
 

@@ -8,7 +8,7 @@ import pytest
 import escapement as esc
 from any_path import Plain
 from escapement import measurement
-from escapement.errors import InvalidValue
+from escapement.base.errors import InvalidValue
 from escapement.measurement.encoder import sensor_share, sensor_uncertainty
 from measurement_tools import DEG, PRIKHODKO, read
 

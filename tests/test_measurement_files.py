@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 import escapement as esc
 from escapement import measurement
-from escapement.errors import CannotCreate, InputFileError, InvalidValue
+from escapement.base.errors import CannotCreate, InputFileError, InvalidValue
 from measurement_tools import PRIKHODKO as DRIVE
 
 ANGLES = np.linspace(0.0, 900.0, 61)

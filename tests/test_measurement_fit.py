@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 import escapement as esc
 from escapement import measurement
-from escapement.errors import InvalidValue
+from escapement.base.errors import InvalidValue
 from measurement_tools import DEG, DRIVES, PRIKHODKO, read
 
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import escapement as esc
-from escapement.errors import InputFileError, InvalidValue
+from escapement.base.errors import InputFileError, InvalidValue
 from escapement.measurement.stamps import spread
 from measurement_tools import DEG
 

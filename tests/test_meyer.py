@@ -7,11 +7,11 @@ from collections import defaultdict
 import numpy as np
 import pytest
 
-from escapement.errors import InvalidValue
-from escapement.mechanism import Mechanism
+from escapement.base.errors import InvalidValue
+from escapement.base.units import INCH_POUND
 from escapement.mechanisms import Geneva
+from escapement.mechanisms.protocol import Mechanism
 from escapement.sources import meyer
-from escapement.units import INCH_POUND
 
 COLUMNS = ("printed", "as_published", "program_1973", "true")
 FIGURES = {"velocity_max", "velocity_min", "rise_time", "period"}

@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 
 import escapement as esc
+from escapement.base.units import INCH_POUND
 from escapement.sources import meyer
 from escapement.sources.meyer.parts import RUNS, disc_inertia, own_parts
 from escapement.sources.meyer.slips import equations
-from escapement.units import INCH_POUND
 
 PARTS = own_parts()
 DISC = disc_inertia()

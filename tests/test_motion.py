@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 import escapement as esc
-from escapement.errors import InvalidValue
-from escapement.status import Status
-from escapement.units import INCH_POUND
+from escapement.base.errors import InvalidValue
+from escapement.base.status import Status
+from escapement.base.units import INCH_POUND
 
 ENGINES = {"energy": 1e-12, "ivp": 1e-9}
 

@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 import escapement as esc
-from escapement.errors import InputFileError
+from escapement.base.errors import InputFileError
 from escapement.motion_file import read_motion, write_motion
 
 LIGHT, MEYER = esc.Inertia(3e-8, 1e-5), esc.Inertia(3.39e-7, 5.65e-6)

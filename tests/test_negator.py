@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import escapement as esc
-from escapement.errors import InvalidValue
+from escapement.base.errors import InvalidValue
 
 STRIP = {"width": 0.006, "thickness": 8e-5, "natural_radius": 0.006}
 

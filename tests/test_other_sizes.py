@@ -6,10 +6,10 @@ import math
 import pytest
 
 import escapement as esc
+from escapement.base.errors import InvalidValue, UnknownArgument
+from escapement.base.quantity import declared
 from escapement.cli import main
-from escapement.errors import InvalidValue, UnknownArgument
 from escapement.mechanisms import KINDS, kind_of
-from escapement.quantity import declared
 from escapement.study.parse import parse_plan
 
 SINE, TANGENT = math.sin(math.pi / 6), math.tan(math.pi / 5)

@@ -9,7 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import escapement as esc
-from escapement.errors import InvalidValue
+from escapement.base.errors import InvalidValue
 from escapement.outlines import Disc
 from escapement.outlines.curves import Curve, chain, stadium
 from escapement.outlines.gaps import gap, outside, ways_of

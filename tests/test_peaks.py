@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import escapement as esc
-from escapement.metrics import RISE_BAND, SETTLING_BAND
+from escapement.dynamics.figures_of_merit import RISE_BAND, SETTLING_BAND
 
 SUN = 0.02
 # mechanism, driver over follower inertia, friction, efficiency: light drivers, whose

@@ -9,8 +9,8 @@ from hypothesis import strategies as st
 
 import escapement as esc
 from any_path import Plain
+from escapement.base.errors import InvalidValue
 from escapement.constant_speed import contact_moment, geneva, inertia_ratio
-from escapement.errors import InvalidValue
 from escapement.mechanisms.slotted import transmission, two_vector_path
 
 

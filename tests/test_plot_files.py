@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 
 from escapement import plots
-from escapement.errors import CannotCreate, InvalidValue, StorageError
+from escapement.base.errors import CannotCreate, InvalidValue, StorageError
+from escapement.base.units import spelt
 from escapement.plots import style
 from escapement.plots.style import label, number_text, scaled
-from escapement.units import spelt
 
 
 @pytest.mark.parametrize(

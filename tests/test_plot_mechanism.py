@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 
 import escapement as esc
 from escapement import plots
-from escapement.errors import InvalidValue
+from escapement.base.errors import InvalidValue
 from escapement.outlines import Body
 from escapement.outlines.gears import EllipticalOutline, GearDrivenOutline
 from escapement.outlines.geneva import GenevaOutline

@@ -6,7 +6,7 @@ from matplotlib.figure import Figure
 
 import escapement as esc
 from escapement import plots
-from escapement.errors import InvalidValue
+from escapement.base.errors import InvalidValue
 from figure_tools import legend_of
 
 FIGURES = (plots.plot_velocities, plots.plot_phase_portrait, plots.plot_contact_moment)

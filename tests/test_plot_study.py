@@ -7,9 +7,9 @@ import pytest
 from matplotlib.legend import Legend
 
 from escapement import plots
-from escapement.errors import InvalidValue
+from escapement.base.errors import InvalidValue
+from escapement.base.status import Status
 from escapement.plots import style
-from escapement.status import Status
 from escapement.study.plan import model_numbers
 from escapement.study.result import Study
 from figure_tools import legend_of

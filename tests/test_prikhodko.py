@@ -9,14 +9,14 @@ from matplotlib.figure import Figure
 from scipy.special import gammaincc
 
 import escapement as esc
-from escapement.errors import InvalidValue
+from escapement.base.errors import InvalidValue
+from escapement.base.units import INCH
 from escapement.measurement import sturges
 from escapement.outlines.gears import EllipticalOutline
 from escapement.plots import planetary
 from escapement.sources import prikhodko
 from escapement.sources.prikhodko import figures
 from escapement.study.parse import parse_plan
-from escapement.units import INCH
 from figure_tools import by_id
 
 PAPER = esc.EllipticalPlanetary(sun_radius=0.016, planet_radius=0.009)

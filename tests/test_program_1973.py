@@ -3,12 +3,12 @@
 import numpy as np
 import pytest
 
-from escapement.errors import InvalidValue
+from escapement.base.errors import InvalidValue
+from escapement.base.units import INCH_POUND
 from escapement.mechanisms import Geneva
 from escapement.mechanisms.slotted import transmission
 from escapement.sources.meyer import INERTIAS, printed_rows
 from escapement.sources.meyer.program import program_1973, read_printout
-from escapement.units import INCH_POUND
 
 HIGH_RATE = (4, 0.35, 0.20, *INERTIAS[4])  # the run of recommendation 2
 

@@ -8,16 +8,16 @@ from pathlib import Path
 import pytest
 
 import escapement as esc
+from escapement.base.errors import EscapementError, InvalidValue, UnknownArgument
+from escapement.base.quantity import declared, quantities
+from escapement.base.units import SYSTEMS, printed, unit_name
 from escapement.cli._arguments import Parser, option
 from escapement.cli.run import configure
-from escapement.errors import EscapementError, InvalidValue, UnknownArgument
 from escapement.mechanisms import KINDS, kind_of
-from escapement.model import Run
-from escapement.quantity import declared, quantities
+from escapement.model.escapement import Run
+from escapement.model.train import train_numbers
 from escapement.study.parse import parse_plan
 from escapement.study.plan import settings_of
-from escapement.train import train_numbers
-from escapement.units import SYSTEMS, printed, unit_name
 
 OWNERS = [esc.Escapement, esc.Inertia, *map(kind_of, KINDS)]
 NUMBERS = {name: entry for owner in OWNERS for name, entry in quantities(owner).items()}

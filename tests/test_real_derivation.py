@@ -12,7 +12,7 @@ import pytest
 import sympy as sp
 
 import escapement as esc
-from escapement import dynamics
+from escapement.dynamics import law as dynamics
 from two_bodies import BOTH, Bodies, close, cross, law, random_drive, random_state
 
 # The law in symbols.

@@ -10,9 +10,9 @@ import numpy as np
 import pytest
 
 import escapement as esc
-from escapement.painleve import friction_limits
-from escapement.status import Status
-from escapement.units import INCH_POUND
+from escapement.base.status import Status
+from escapement.base.units import INCH_POUND
+from escapement.dynamics.painleve import friction_limits
 
 CRANK = 0.01  # m; only ratios to it matter
 INERTIA = esc.Inertia(driver=3e-6 * INCH_POUND, follower=50e-6 * INCH_POUND)

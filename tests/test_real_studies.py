@@ -9,16 +9,16 @@ import numpy as np
 import pytest
 
 import escapement as esc
-from escapement import simulation
+from escapement.base.errors import InvalidValue
+from escapement.base.status import Status
+from escapement.base.units import INCH, INCH_POUND
 from escapement.cli.plot import in_units
-from escapement.dynamics import LOSSES
-from escapement.errors import InvalidValue
+from escapement.dynamics.law import LOSSES
+from escapement.engines import simulate as simulation
 from escapement.motion_file import read_motion, write_motion
-from escapement.status import Status
 from escapement.study.parse import parse_plan, plan_from
 from escapement.study.result import RESULTS
 from escapement.study.run import run_plan
-from escapement.units import INCH, INCH_POUND
 from test_real_mechanism import CRANK, DRAG, INERTIA, JOURNALS, OIL, TORQUE, VISCOUS, everything
 
 IDEAL = esc.Escapement(esc.Geneva(4, crank_radius=CRANK), INERTIA, TORQUE, 0.2)

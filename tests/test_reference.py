@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import escapement as esc
-from escapement.engines.time import terminal
+from escapement.engines.ivp import terminal
 
 CASES = json.loads(
     Path(__file__).with_name("reference").joinpath("motions.json").read_text(encoding="utf-8")

@@ -6,8 +6,8 @@ from html.parser import HTMLParser
 import pytest
 
 import escapement as esc
+from escapement.base.errors import CannotCreate, InvalidValue
 from escapement.cli import main
-from escapement.errors import CannotCreate, InvalidValue
 from escapement.reports.assumptions import left_out
 
 WHEEL = esc.Geneva(4, crank_radius=0.010, pin_radius=0.0005)

@@ -10,11 +10,11 @@ from xml.etree import ElementTree
 import pytest
 from matplotlib.figure import Figure
 
+from escapement.base.errors import StorageError
+from escapement.base.units import INCH_POUND
 from escapement.cli import main
-from escapement.errors import StorageError
 from escapement.sources.filemon.nomograms import NOMOGRAMS
 from escapement.sources.meyer import COLUMNS
-from escapement.units import INCH_POUND
 
 SVG = "{http://www.w3.org/2000/svg}"
 

@@ -9,8 +9,8 @@ from numpy.testing import assert_allclose
 
 import escapement as esc
 from clearance_bodies import TwoBodies
+from escapement.base.status import Status
 from escapement.engines.contact.rigid.blow import CHATTER
-from escapement.status import Status
 
 RADIUS, TORQUE = 0.01, 0.0113
 INERTIA = esc.Inertia(3.39e-7, 5.65e-6)
@@ -146,7 +146,7 @@ def test_a_bearing_holds_the_driver_while_the_follower_flies_on():
 
 
 def test_a_ledger_that_does_not_close_says_so():
-    from escapement import ledger
+    from escapement.dynamics import energy_balance as ledger
 
     motion = esc.simulate(timer(driver_bearing_torque=1.2 * TORQUE), 1, initial_speed=20.0)
     closed = ledger.ledger_of(motion)

@@ -7,11 +7,11 @@ import pytest
 
 import escapement as esc
 from escapement import plots
-from escapement.errors import CannotCreate, InvalidValue
-from escapement.merits import FIGURES
+from escapement.base.errors import CannotCreate, InvalidValue
+from escapement.base.units import INCH, INCH_POUND, POUND_FORCE
+from escapement.dynamics.merit_table import FIGURES
 from escapement.study.parse import parse_plan, plan_from
 from escapement.study.result import DEFAULT
-from escapement.units import INCH, INCH_POUND, POUND_FORCE
 from study_tools import assert_as_alone
 
 WHEEL = esc.Geneva(4, crank_radius=0.02)

@@ -11,10 +11,10 @@ import numpy as np
 import pytest
 
 import crash_tools as tools
-from escapement import simulation
+from escapement.base.errors import CannotCreate
 from escapement.cli import main
-from escapement.errors import CannotCreate
-from escapement.metrics import Figures
+from escapement.dynamics.figures_of_merit import Figures
+from escapement.engines import simulate as simulation
 from escapement.study import run
 from escapement.study.parse import plan_from
 from escapement.study.reader import read_study

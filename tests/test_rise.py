@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 import escapement as esc
-from escapement.status import Status
-from escapement.units import INCH_POUND
+from escapement.base.status import Status
+from escapement.base.units import INCH_POUND
 
 INERTIA = esc.Inertia(3e-6 * INCH_POUND, 50e-6 * INCH_POUND)
 MEYER = esc.Escapement(esc.Geneva(4), INERTIA, 0.1 * INCH_POUND, 0.35)

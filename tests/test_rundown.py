@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 import escapement as esc
+from escapement.base.errors import InvalidValue
 from escapement.cli import main
-from escapement.errors import InvalidValue
 
 INERTIA = esc.Inertia(3.389e-7, 5.649e-6)
 TIMER = esc.Escapement(esc.Geneva(4), INERTIA, 0.0113, 0.35, spring_rate=1.8e-6)

@@ -5,7 +5,7 @@ from dataclasses import replace
 import pytest
 
 import escapement as esc
-from escapement.errors import InvalidValue
+from escapement.base.errors import InvalidValue
 
 WHEEL = esc.Geneva(4, crank_radius=0.01, pin_radius=5e-4, clearance=2e-5)
 LOOSE = esc.Escapement(

@@ -6,7 +6,7 @@ from statistics import NormalDist
 import numpy as np
 import pytest
 
-from escapement.errors import InvalidValue
+from escapement.base.errors import InvalidValue
 from escapement.study.parse import parse_plan
 
 GOOD = {

@@ -7,7 +7,7 @@ import pytest
 
 import escapement as esc
 from escapement import plots
-from escapement.errors import InvalidValue
+from escapement.base.errors import InvalidValue
 from escapement.plots.sample import quantile, rank_correlation
 
 TIMER = esc.Escapement(esc.Geneva(slots=4), esc.Inertia(3.39e-7, 5.65e-6), 0.0113, 0.3)

@@ -8,13 +8,13 @@ import pytest
 import xarray
 
 import escapement as esc
-from escapement.errors import CannotCreate
+from escapement.base.errors import CannotCreate
+from escapement.base.units import INCH_POUND
 from escapement.study import varied
 from escapement.study.parse import parse_plan, plan_from
 from escapement.study.reader import read_study
 from escapement.study.result import RESULTS
 from escapement.study.run import run_plan, sweep, write_plan
-from escapement.units import INCH_POUND
 from study_tools import assert_as_alone, without_date
 
 TIMER = esc.Escapement(esc.Geneva(slots=4), esc.Inertia(3.39e-7, 5.65e-6), 0.0113, 0.3)

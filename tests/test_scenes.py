@@ -5,9 +5,9 @@ import threading
 import numpy as np
 import pytest
 
-from escapement import simulation
+from escapement.base.status import Status
+from escapement.engines import simulate as simulation
 from escapement.engines.energy import batch
-from escapement.status import Status
 from escapement.study import scenes
 from escapement.study.parse import plan_from
 from escapement.study.result import RESULTS

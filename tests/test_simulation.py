@@ -9,11 +9,11 @@ from scipy.optimize import brentq
 
 import escapement as esc
 from any_path import Plain, plain
-from escapement.errors import InvalidValue
-from escapement.motion import Motion
-from escapement.painleve import critical_friction
-from escapement.solver import METHODS
-from escapement.status import Status
+from escapement.base.errors import InvalidValue
+from escapement.base.status import Status
+from escapement.dynamics.motion import Motion
+from escapement.dynamics.painleve import critical_friction
+from escapement.engines.solver import METHODS
 from random_drives import drive
 
 BOTH = ("energy", "ivp")

@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 
 import escapement as esc
-from escapement.merits import TRANSIENT
-from escapement.metrics import fall_times, read_transient
-from escapement.status import Status
+from escapement.base.status import Status
+from escapement.dynamics.figures_of_merit import fall_times, read_transient
+from escapement.dynamics.merit_table import TRANSIENT
 from slow_wheels import random_wheel
 
 GENEVA, INERTIA, TORQUE = esc.Geneva(4), esc.Inertia(3.39e-7, 5.65e-6), 0.0113

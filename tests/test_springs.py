@@ -13,9 +13,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import escapement as esc
-from escapement.errors import InputFileError, InvalidValue
-from escapement.status import Status
-from escapement.units import INCH_POUND
+from escapement.base.errors import InputFileError, InvalidValue
+from escapement.base.status import Status
+from escapement.base.units import INCH_POUND
 from random_drives import drives, few, very_few
 from test_real_mechanism import TORQUE, everything, timer
 

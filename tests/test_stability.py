@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 
 import escapement as esc
-from escapement.painleve import critical_friction
-from escapement.status import Status
+from escapement.base.status import Status
+from escapement.dynamics.painleve import critical_friction
 from random_drives import drive
 
 BOTH = ("energy", "ivp")

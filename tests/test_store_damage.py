@@ -10,8 +10,8 @@ import pytest
 
 import crash_tools as tools
 import escapement as esc
-from escapement import files
-from escapement.errors import InputFileError, MissingInput, StorageError
+from escapement.base import files
+from escapement.base.errors import InputFileError, MissingInput, StorageError
 from escapement.study.reader import read_study
 from escapement.study.stored import SCHEMA_VERSION
 from escapement.study.writer import write_study

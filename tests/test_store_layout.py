@@ -10,7 +10,7 @@ import xarray
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from escapement.status import Status
+from escapement.base.status import Status
 from escapement.study.block import blocks_of, fletcher32, tiling
 from escapement.study.reader import read_study
 from escapement.study.result import RESULTS

@@ -6,8 +6,8 @@ import shutil
 
 import pytest
 
-from escapement import files
-from escapement.errors import CannotCreate, StorageError
+from escapement.base import files
+from escapement.base.errors import CannotCreate, StorageError
 from escapement.study.reader import read_study
 from escapement.study.writer import partial_path, study_writer, write_study
 from study_tools import a_file, assert_same, block, study, write_in_blocks

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import escapement as esc
-from escapement.errors import InvalidValue
+from escapement.base.errors import InvalidValue
 from study_tools import study
 
 

@@ -8,19 +8,21 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from escapement import progress, simulation, solver
-from escapement.errors import InvalidValue, StorageError
+from escapement.base import progress
+from escapement.base.errors import InvalidValue, StorageError
+from escapement.base.progress import Progress, duration
+from escapement.base.status import Status
+from escapement.base.units import INCH_POUND
+from escapement.dynamics.figures_of_merit import Figures
+from escapement.engines import simulate as simulation
+from escapement.engines import solver
 from escapement.mechanisms import GearDriven, Geneva
-from escapement.metrics import Figures
-from escapement.model import Escapement, Inertia
-from escapement.progress import Progress, duration
-from escapement.status import Status
+from escapement.model.escapement import Escapement, Inertia
 from escapement.study.parse import parse_plan, plan_from
 from escapement.study.reader import read_study
 from escapement.study.result import RESULTS
 from escapement.study.run import Tally, _mixed, run_plan, sweep, write_plan
 from escapement.study.scenes import evaluate
-from escapement.units import INCH_POUND
 from study_tools import assert_as_alone
 
 TIMER = Escapement(

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from escapement import GearDriven, Geneva
+from escapement.base.errors import InvalidValue
 from escapement.constant_speed import transmission_extrema
-from escapement.errors import InvalidValue
 from escapement.synthesis import (
     GearPair,
     find_mechanisms,

@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 
 import escapement as esc
-from escapement.errors import InvalidValue
+from escapement.base.errors import InvalidValue
+from escapement.base.status import Status
 from escapement.mechanisms.slotted import radius, transmission
 from escapement.mechanisms.table import chebyshev_table
-from escapement.status import Status
 
 WHEEL = esc.Geneva(4)
 DRIVE = esc.EllipticalPlanetary(sun_radius=0.016, planet_radius=0.009)

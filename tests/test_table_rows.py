@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import escapement as esc
-from escapement.errors import InvalidValue
+from escapement.base.errors import InvalidValue
 
 TURN = 2.0 * math.pi
 ANGLES = np.linspace(0.0, TURN, 400)

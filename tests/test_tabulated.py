@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 import escapement as esc
-from escapement.errors import InvalidValue
-from escapement.mechanism import Mechanism
+from escapement.base.errors import InvalidValue
+from escapement.mechanisms.protocol import Mechanism
 from tabulated_drive import ANGLES, DRIVE, INERTIA, exact, measured
 
 # --- the spline ---------------------------------------------------------------------------

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import escapement as esc
-from escapement.errors import InputFileError, InvalidValue
+from escapement.base.errors import InputFileError, InvalidValue
 from escapement.study.parse import parse_plan
 from tabulated_drive import ANGLES, DRIVE, INERTIA
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import escapement as esc
-from escapement.errors import InvalidValue
+from escapement.base.errors import InvalidValue
 from escapement.mechanisms.elliptical_teeth import PitchEllipse, fewest_teeth, tooth_module
 from escapement.outlines.gaps import gap, outside, ways_of
 from escapement.outlines.meshed import spur_teeth, toothed_gears

@@ -10,10 +10,10 @@ import pytest
 from scipy.stats import norm
 
 import escapement as esc
+from escapement.base.errors import InvalidValue
 from escapement.cli import main
-from escapement.errors import InvalidValue
+from escapement.model.numbers import with_number
 from escapement.study.varied import unit_cube
-from escapement.tolerance.differences import with_number
 from escapement.tolerance.dual import Dual
 from escapement.tolerance.figures import figures_of
 from escapement.tolerance.indices import sobol_indices
@@ -383,6 +383,6 @@ def test_mistakes_in_python_are_told_before_anything_is_solved(
     tolerances, options, told, monkeypatch
 ):
     if "size" not in options:
-        monkeypatch.setattr("escapement.simulation.terminal", None)
+        monkeypatch.setattr("escapement.engines.simulate.terminal", None)
     with pytest.raises(InvalidValue, match=re.escape(told)):
         esc.budget(TIMER, tolerances, **options)

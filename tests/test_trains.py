@@ -9,9 +9,9 @@ import pytest
 
 import escapement as esc
 from clearance_bodies import TwoBodies
+from escapement.base.errors import InvalidValue
 from escapement.cli import main
 from escapement.engines.contact.rigid.blow import CHATTER
-from escapement.errors import InvalidValue
 
 GENEVA = esc.Geneva(4, crank_radius=0.02)
 OWN = esc.Inertia(3.39e-7, 5.65e-6)

@@ -7,7 +7,7 @@ import pytest
 import escapement as esc
 from any_path import each_wheel, plain
 from escapement.constant_speed import geneva, jerk_function
-from escapement.mechanism import Mechanism
+from escapement.mechanisms.protocol import Mechanism
 
 
 @each_wheel

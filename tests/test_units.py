@@ -9,10 +9,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from escapement.errors import InvalidValue
-from escapement.spoken import told
-from escapement.study.parse import load_plan, parse_plan
-from escapement.units import (
+from escapement.base.errors import InvalidValue
+from escapement.base.spoken import told
+from escapement.base.units import (
     INCH,
     INCH_POUND,
     POUND_FORCE,
@@ -22,6 +21,7 @@ from escapement.units import (
     printed,
     unit_name,
 )
+from escapement.study.parse import load_plan, parse_plan
 
 KINDS = (
     *("torque", "inertia", "length", "force", "power", "drag", "viscous", "speed"),

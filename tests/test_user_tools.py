@@ -15,7 +15,7 @@ import xarray
 
 import escapement as esc
 from crash_tools import NAMES
-from escapement.errors import CannotCreate, InputFileError, InvalidValue, MissingPackage
+from escapement.base.errors import CannotCreate, InputFileError, InvalidValue, MissingPackage
 from escapement.study.reader import read_configuration
 from escapement.study.result import RESULTS
 from escapement.study.tables import read_rows

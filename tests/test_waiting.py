@@ -5,9 +5,9 @@ import time
 
 import pytest
 
-from escapement import progress
+from escapement.base import progress
+from escapement.base.progress import Progress
 from escapement.cli import _output, _waiting
-from escapement.progress import Progress
 
 
 class Terminal(io.StringIO):

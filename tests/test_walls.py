@@ -9,12 +9,12 @@ from matplotlib.path import Path
 from scipy.spatial import cKDTree
 
 import escapement as esc
+from escapement.base.errors import InvalidValue
+from escapement.base.quantity import declared
 from escapement.cli import main
-from escapement.errors import InvalidValue
 from escapement.mechanisms import KINDS
 from escapement.outlines.curves import Curve, chain, stadium
 from escapement.outlines.walls import thinnest_wall
-from escapement.quantity import declared
 
 _STEP = 2e-5  # distance of samples [m]
 

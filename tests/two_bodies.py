@@ -9,8 +9,9 @@ import math
 import numpy as np
 
 import escapement as esc
-from escapement import dynamics, tabulation
-from escapement.painleve import friction_limits
+from escapement.dynamics import law as dynamics
+from escapement.dynamics import tables as tabulation
+from escapement.dynamics.painleve import friction_limits
 
 BOTH = (1.0, -1.0)
 

@@ -15,7 +15,7 @@ import numpy as np
 from CyRK import cyjit, nbsolve2_ivp
 
 from escapement.benchmark.problems import Problem, derivative, pieces_of, reversal
-from escapement.mechanism import FloatArray
+from escapement.mechanisms.protocol import FloatArray
 
 METHODS = ("DOP853", "Vern8")
 

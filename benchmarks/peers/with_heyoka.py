@@ -16,7 +16,7 @@ import heyoka as hy
 import numpy as np
 
 from escapement.benchmark.problems import Problem, TimedRun, pieces_of
-from escapement.mechanism import FloatArray
+from escapement.mechanisms.protocol import FloatArray
 
 _FOREVER = 1e6  # natural units; an event ends the run
 

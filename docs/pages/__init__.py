@@ -7,9 +7,9 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 import escapement as esc
+from escapement.base.units import INCH_POUND
 from escapement.plots.style import LOOKS
 from escapement.sources import meyer
-from escapement.units import INCH_POUND
 
 RUNS = Path(__file__).resolve().parents[2] / "runs"
 LINES = tuple(look[:2] for look in LOOKS)

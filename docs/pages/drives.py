@@ -5,6 +5,7 @@ from matplotlib.figure import Figure
 
 import escapement as esc
 from escapement import plots
+from escapement.base.units import INCH_POUND
 from escapement.plots import plot_table
 from escapement.plots.planetary import plot_planetary
 from escapement.plots.style import legend_above
@@ -12,7 +13,6 @@ from escapement.sources import meyer
 from escapement.sources.filemon.figures import plot_reversal_curves
 from escapement.sources.filemon.nomograms import NOMOGRAMS, plot_nomogram
 from escapement.sources.prikhodko.figures import plot_position_function, plot_velocity_plans
-from escapement.units import INCH_POUND
 from pages import LINES, RUNS, drawn
 
 

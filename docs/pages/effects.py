@@ -9,9 +9,9 @@ import numpy as np
 from matplotlib.figure import Figure
 
 import escapement as esc
+from escapement.base.units import INCH_POUND
 from escapement.plots import style
 from escapement.sources import meyer
-from escapement.units import INCH_POUND
 from pages import drawn
 
 CRANK = 0.020  # m

@@ -11,9 +11,9 @@ from matplotlib.figure import Figure
 
 import escapement as esc
 from escapement import plots
+from escapement.base.units import INCH_POUND
 from escapement.plots import style
 from escapement.sources import meyer
-from escapement.units import INCH_POUND
 from pages import drawn
 from pages.effects import CRANK, TORQUES
 

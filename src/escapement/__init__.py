@@ -15,7 +15,7 @@ Names are imported on first use, so that importing the package loads and compile
 __version__ = "0.2.0"
 
 # The stub is the only list of public names. It has one line for each, such as
-# "from escapement.model import Inertia as Inertia".
+# "from escapement.model.escapement import Inertia as Inertia".
 with open(f"{__file__}i", encoding="utf-8") as _stub:
     _HOMES = {words[3]: words[1] for line in _stub if len(words := line.split()) == 6}
 __all__ = sorted([*_HOMES, "__version__"])
@@ -27,8 +27,8 @@ def __getattr__(name):
     from importlib import import_module
 
     home = _HOMES[name]
-    # a name that comes from the package itself is a module
-    own = home == "escapement"
+    # names of the package itself and of its lowest room are those of modules
+    own = home in ("escapement", "escapement.base")
     value = import_module(f"{home}.{name}") if own else getattr(import_module(home), name)
     globals()[name] = value
     return value

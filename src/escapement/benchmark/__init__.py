@@ -22,8 +22,8 @@ from timeit import Timer
 from typing import Any
 
 from escapement import __version__
-from escapement.files import replace_file
-from escapement.text import as_csv
+from escapement.base.files import replace_file
+from escapement.base.text import as_csv
 
 Call = Callable[[], Any]
 Clock = Callable[[], float]

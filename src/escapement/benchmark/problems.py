@@ -33,12 +33,12 @@ from typing import Any, NamedTuple
 import numpy as np
 from scipy.integrate import solve_ivp
 
-from escapement.jit import jit
-from escapement.mechanism import FloatArray
+from escapement.base.units import INCH_POUND
+from escapement.engines.simulate import simulate
 from escapement.mechanisms import Geneva
-from escapement.model import Escapement, Inertia
-from escapement.simulation import simulate
-from escapement.units import INCH_POUND
+from escapement.mechanisms.protocol import FloatArray
+from escapement.model.escapement import Escapement, Inertia
+from escapement.numerics.jit import jit
 
 REFERENCE = "reference.json"
 """Data file of this package, written by `benchmarks/make_reference.py`."""

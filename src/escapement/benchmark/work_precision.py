@@ -15,11 +15,11 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from escapement import benchmark
+from escapement.base.files import replace_file
+from escapement.base.text import as_json
 from escapement.benchmark.problems import PROBLEMS, MeasuredSolver, Problem, own_solvers
-from escapement.files import replace_file
+from escapement.engines.solver import DEFAULT_RTOL
 from escapement.plots import save, style
-from escapement.solver import DEFAULT_RTOL
-from escapement.text import as_json
 
 COMPARED_AT = 1e-10
 """Error at which solvers are compared [-]."""

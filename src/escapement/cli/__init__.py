@@ -4,6 +4,14 @@ A command is a module of this package: its docstring is the summary in its help,
 `configure(parser)` and `execute(args) -> exit code`; its `UNITS`, if any, explains default units
 that are not SI. Only the module of the command is imported, and it imports nothing heavy before
 its arguments are parsed, so that help appears at once.
+
+Each command is a file of its name: `run`, `rundown`, `sweep`, `budget`, `design`, `explore`,
+`plot`, `mechanism`, `export`, `drive_torque`, `measure`, `reproduce` and `bench`. Read `run` as an
+example.
+
+- `_arguments`: the parser, options that several commands share, and the objects they describe
+- `_inputs`, `_output`: what went in; JSON, tables, notes, and checks of the files to write
+- `_waiting`, `_log`: the time at work on the terminal, and the file of `--log`
 """
 
 from __future__ import annotations
@@ -11,7 +19,7 @@ from __future__ import annotations
 import os
 import sys
 
-from escapement.errors import EscapementError, InvalidValue, StorageError
+from escapement.base.errors import EscapementError, InvalidValue, StorageError
 
 # modules that take time to load are imported in `main`, which handles Ctrl-C
 TYPE_CHECKING = False
@@ -131,7 +139,7 @@ def program() -> NoReturn:
 
 def _dispatch(argv: Sequence[str]) -> int:
     """Understand the command and its arguments, then run the module that has it."""
-    from escapement import spoken, units
+    from escapement.base import spoken, units
     from escapement.cli import _log, _waiting
     from escapement.cli._arguments import parser_of, understand_command
 

@@ -1,6 +1,6 @@
 """The parser of all commands, options that several share, and the objects they describe.
 
-Options of numbers follow from their declarations, see `escapement.quantity`. Values are
+Options of numbers follow from their declarations, see `escapement.base.quantity`. Values are
 checked as typed, in the user's units or with a unit of their own, so that a message shows what
 the user wrote; the conversion to SI follows.
 """
@@ -16,13 +16,14 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any, NoReturn
 
-from escapement import __version__, validate
-from escapement.errors import EscapementError, InvalidValue
-from escapement.files import FILMS, FORMATS
+from escapement import __version__
+from escapement.base import validate
+from escapement.base.errors import EscapementError, InvalidValue
+from escapement.base.files import FILMS, FORMATS
+from escapement.base.quantity import Choice, Numbers, Quantity, Setting, Truth
+from escapement.base.units import SYSTEMS
 from escapement.mechanisms import DEFAULT_KIND, KINDS, kind_of
 from escapement.mechanisms.kind import Kind
-from escapement.quantity import Choice, Numbers, Quantity, Setting, Truth
-from escapement.units import SYSTEMS
 
 Arguments = argparse.Namespace
 """What was typed."""
@@ -194,7 +195,7 @@ def typed_by_name(args: Arguments, settings: Mapping[str, Setting]) -> dict[str,
 
 def read_escapement(args: Arguments) -> Any:
     """The escapement that the options of mechanism and model describe; errors are as of these."""
-    from escapement.model import escapement_of, model_settings
+    from escapement.model.escapement import escapement_of, model_settings
 
     require(args, model_settings())
     refuse_idle(args, model_settings())

@@ -8,10 +8,10 @@ import math
 from collections.abc import Iterable
 from typing import TYPE_CHECKING, Any
 
+from escapement.base.text import print_values, show, words
+from escapement.base.units import SYSTEMS, factor, printed
 from escapement.cli._arguments import Arguments
-from escapement.inputs import Input
-from escapement.text import print_values, show, words
-from escapement.units import SYSTEMS, factor, printed
+from escapement.model.inputs import Input
 
 if TYPE_CHECKING:
     from escapement.study.plan import StudyPlan
@@ -95,7 +95,7 @@ def of_plan(plan: "StudyPlan") -> Iterable[Input]:
 
 def of_wish(wish: Any) -> Iterable[Input]:
     """The numbers of a wish for a timer, and its bounds, of which None is no bound."""
-    from escapement.inverse.wish import BOUNDS, NUMBERS, RANGES
+    from escapement.inverse_design.wish import BOUNDS, NUMBERS, RANGES
 
     for name, entry in (NUMBERS | RANGES).items():
         if (value := getattr(wish, name)) is not None:

@@ -10,8 +10,8 @@ from pathlib import Path
 from typing import Any, TextIO
 
 from escapement import __version__
-from escapement.errors import CannotCreate
-from escapement.files import check_target, creating
+from escapement.base.errors import CannotCreate
+from escapement.base.files import check_target, creating
 
 _BEGIN = '{"time":'
 

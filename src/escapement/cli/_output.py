@@ -13,11 +13,8 @@ from pathlib import Path
 from typing import Any
 
 import escapement as esc
-from escapement.cli import _log, _waiting
-from escapement.cli._arguments import Arguments, UsageError
-from escapement.cli._inputs import as_record, inputs_of_command, print_inputs
-from escapement.errors import CannotCreate
-from escapement.files import (
+from escapement.base.errors import CannotCreate
+from escapement.base.files import (
     FILMS,
     FORMATS,
     REPORTS,
@@ -26,9 +23,12 @@ from escapement.files import (
     file_format,
     write_file,
 )
-from escapement.inputs import Input
-from escapement.text import as_json, plain, print_columns, print_values, words
-from escapement.units import SYSTEMS, factor, printed
+from escapement.base.text import as_json, plain, print_columns, print_values, words
+from escapement.base.units import SYSTEMS, factor, printed
+from escapement.cli import _log, _waiting
+from escapement.cli._arguments import Arguments, UsageError
+from escapement.cli._inputs import as_record, inputs_of_command, print_inputs
+from escapement.model.inputs import Input
 
 Record = Mapping[str, Any]
 """What a command found, by JSON key."""
@@ -36,7 +36,7 @@ Save = Callable[[], None]
 """Saves a file whose content is complete: a command makes every file before it saves the first,
 so that a number that is refused leaves nothing on disk."""
 Kinds = Mapping[str, str]
-"""Kind of unit, see `escapement.units`, of those that have one, by JSON key."""
+"""Kind of unit, see `escapement.base.units`, of those that have one, by JSON key."""
 
 _INPUTS = ("data", "study", "table", "log")
 _PICTURES, _LONGEST_FILM = 40, 50  # pictures of an engagement in a film, and engagements

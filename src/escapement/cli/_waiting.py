@@ -49,7 +49,8 @@ def _watch(command: str) -> None:
     begun = monotonic()
     if _over.wait(_PATIENCE):
         return
-    from escapement import jit, progress
+    from escapement.base import progress
+    from escapement.numerics import jit
 
     interval = _REDRAW if _on_terminal() else _LINE - _PATIENCE
     while not _over.wait(interval):

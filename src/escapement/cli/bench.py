@@ -3,9 +3,9 @@
 import sys
 from typing import TYPE_CHECKING
 
+from escapement.base.text import print_columns
 from escapement.cli import _arguments, _log, _output
 from escapement.cli._arguments import Arguments, Parser
-from escapement.text import print_columns
 
 if TYPE_CHECKING:
     from escapement.benchmark.work_precision import Results

@@ -4,11 +4,11 @@ from pathlib import Path
 from typing import Any
 
 import escapement as esc
+from escapement.base.errors import InvalidValue
+from escapement.base.text import print_columns, words
+from escapement.base.units import factor, measured, printed
 from escapement.cli import SOME_FAILED, _arguments, _inputs, _output
 from escapement.cli._arguments import Arguments, Parser
-from escapement.errors import InvalidValue
-from escapement.text import print_columns, words
-from escapement.units import factor, measured, printed
 
 UNITS = "units of the figures printed (default: those of the study)"
 

@@ -4,12 +4,12 @@ from pathlib import Path
 from typing import Any
 
 import escapement as esc
+from escapement.base.files import write_file
+from escapement.base.spoken import speak
+from escapement.base.text import as_csv, print_columns, words
+from escapement.base.units import printed
 from escapement.cli import SOME_FAILED, _arguments, _inputs, _output
 from escapement.cli._arguments import Arguments, Parser
-from escapement.files import write_file
-from escapement.spoken import speak
-from escapement.text import as_csv, print_columns, words
-from escapement.units import printed
 
 UNITS = "units of the printed figures (default: those of the wish)"
 _CHOSEN = {
@@ -33,7 +33,7 @@ def configure(parser: Parser) -> None:
 
 def execute(args: Arguments) -> int:
     """Search, write and draw what was asked for, print the designs."""
-    from escapement.inverse.wish import BOUNDS, load_wish
+    from escapement.inverse_design.wish import BOUNDS, load_wish
 
     _output.check_wanted(args, file="FILE.csv")
     wish, system = load_wish(args.wish)

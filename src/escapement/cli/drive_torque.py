@@ -4,13 +4,13 @@ import math
 from typing import TYPE_CHECKING, Any
 
 import escapement as esc
+from escapement.base.errors import InvalidValue
+from escapement.base.quantity import declared
+from escapement.base.units import printed
 from escapement.cli import _arguments, _output
 from escapement.cli._arguments import Arguments, Parser, UsageError, option
 from escapement.constant_speed import Case
-from escapement.errors import InvalidValue
-from escapement.inputs import inputs_of_mechanism, inputs_of_settings
-from escapement.quantity import declared
-from escapement.units import printed
+from escapement.model.inputs import inputs_of_mechanism, inputs_of_settings
 
 if TYPE_CHECKING:
     from escapement.constant_speed import DriveTorque

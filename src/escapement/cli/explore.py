@@ -5,13 +5,13 @@ import threading
 from pathlib import Path
 from typing import Any
 
+from escapement.base.files import PAGES, file_format, write_file
+from escapement.base.quantity import declared
 from escapement.cli import _arguments, _log, _output, run
 from escapement.cli._arguments import Arguments, Parser, UsageError
-from escapement.files import PAGES, file_format, write_file
-from escapement.inputs import Input, inputs_of
-from escapement.model import Run
-from escapement.quantity import declared
-from escapement.solver import Solver
+from escapement.engines.solver import Solver
+from escapement.model.escapement import Run
+from escapement.model.inputs import Input, inputs_of
 
 _LENGTH = {"engagements": declared(Run)["engagements"]}
 

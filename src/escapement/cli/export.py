@@ -4,14 +4,14 @@ import math
 from typing import TYPE_CHECKING, Any
 
 import escapement as esc
+from escapement.base.files import CUTS, file_format, write_file
+from escapement.base.quantity import Quantity, declared
+from escapement.base.units import factor, printed
 from escapement.cli import _arguments, _output
 from escapement.cli._arguments import Arguments, Parser, UsageError
-from escapement.files import CUTS, file_format, write_file
-from escapement.fits import Fits
-from escapement.inputs import inputs_of_mechanism, inputs_of_settings
 from escapement.mechanisms import DEFAULT_KIND, kind_of
-from escapement.quantity import Quantity, declared
-from escapement.units import factor, printed
+from escapement.model.inputs import inputs_of_mechanism, inputs_of_settings
+from escapement.outlines.fits import Fits
 
 if TYPE_CHECKING:
     from escapement.outlines.interference import Nearest

@@ -5,7 +5,12 @@ from pathlib import Path
 from typing import Any
 
 import escapement as esc
-from escapement import headings, validate
+from escapement.base import headings, validate
+from escapement.base.errors import InvalidValue
+from escapement.base.lazy import Lazy
+from escapement.base.quantity import Quantity
+from escapement.base.text import print_columns, print_values, words
+from escapement.base.units import SYSTEMS, printed
 from escapement.cli import _arguments, _log, _output
 from escapement.cli._arguments import (
     Arguments,
@@ -15,15 +20,10 @@ from escapement.cli._arguments import (
     one_of,
     option,
 )
-from escapement.errors import InvalidValue
-from escapement.fitting import LENGTHS
-from escapement.inputs import inputs_of, inputs_of_mechanism
-from escapement.lazy import Lazy
 from escapement.mechanisms import DEFAULT_KIND, kind_of
-from escapement.model import model_settings
-from escapement.quantity import Quantity
-from escapement.text import print_columns, print_values, words
-from escapement.units import SYSTEMS, printed
+from escapement.mechanisms.checks import LENGTHS
+from escapement.model.escapement import model_settings
+from escapement.model.inputs import inputs_of, inputs_of_mechanism
 
 np = Lazy("numpy")
 _TESTS = {

@@ -5,14 +5,14 @@ from dataclasses import replace
 from typing import Any
 
 import escapement as esc
+from escapement.base.errors import InvalidValue
+from escapement.base.quantity import declared
+from escapement.base.units import degrees, printed
 from escapement.cli import _arguments, _output
 from escapement.cli._arguments import Arguments, Parser, UsageError
-from escapement.errors import InvalidValue
-from escapement.fits import Fits
-from escapement.inputs import inputs_of_mechanism
-from escapement.model import Inertia
-from escapement.quantity import declared
-from escapement.units import degrees, printed
+from escapement.model.escapement import Inertia
+from escapement.model.inputs import inputs_of_mechanism
+from escapement.outlines.fits import Fits
 
 _SHAFT = {
     name: replace(entry, note=": a warning tells where a slot reaches it")

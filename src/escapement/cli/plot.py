@@ -5,14 +5,14 @@ from dataclasses import replace
 from pathlib import Path
 
 import escapement as esc
+from escapement.base.errors import InvalidValue
+from escapement.base.files import FILMS, FORMATS, check_input
+from escapement.base.status import Status
+from escapement.base.text import words
+from escapement.base.units import SYSTEMS
 from escapement.cli import _output
 from escapement.cli._arguments import Arguments, Parser, UsageError
 from escapement.cli.sweep import in_system, parse_selection
-from escapement.errors import InvalidValue
-from escapement.files import FILMS, FORMATS, check_input
-from escapement.status import Status
-from escapement.text import words
-from escapement.units import SYSTEMS
 
 UNITS = "units of a study (default: those of the file); motions are drawn in SI"
 

@@ -5,12 +5,12 @@ from pathlib import Path
 from typing import Any
 
 import escapement as esc
+from escapement.base.files import FORMATS, replace_file
+from escapement.base.text import as_csv, as_json
+from escapement.base.units import SYSTEMS
 from escapement.cli import _arguments, _log, _output, _waiting
 from escapement.cli._arguments import Arguments, Parser, UsageError, one_of
 from escapement.cli._inputs import as_record, inputs_of_command, print_inputs
-from escapement.files import FORMATS, replace_file
-from escapement.text import as_csv, as_json
-from escapement.units import SYSTEMS
 
 SOURCES = ("meyer", "filemon", "dijksman", "prikhodko")
 """Folders of `escapement.sources`; `reproduce(units)` of each gives a `Reproduction`."""
@@ -42,7 +42,7 @@ def execute(args: Arguments) -> int:
         raise UsageError(
             f"--format must come with --output DIR, got {args.format!r} alone; name a folder"
         )
-    from escapement.progress import set_stage
+    from escapement.base.progress import set_stage
 
     several = args.source == ALL
     records: dict[str, Any] = {}

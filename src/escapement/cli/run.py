@@ -6,20 +6,20 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import escapement as esc
+from escapement.base.errors import InvalidValue
+from escapement.base.files import FILMS, FORMATS, MOTIONS
+from escapement.base.quantity import Setting, declared, quantities
+from escapement.base.status import MESSAGES, Status
+from escapement.base.text import print_values
 from escapement.cli import SOME_FAILED, _arguments, _log, _output
 from escapement.cli._arguments import ArgumentGroup, Arguments, Parser, UsageError, option
 from escapement.cli.sweep import load_case
-from escapement.errors import InvalidValue
-from escapement.files import FILMS, FORMATS, MOTIONS
-from escapement.inputs import inputs_of
-from escapement.model import Escapement, Run, model_settings
-from escapement.quantity import Setting, declared, quantities
-from escapement.solver import Solver
-from escapement.status import MESSAGES, Status
-from escapement.text import print_values
+from escapement.engines.solver import Solver
+from escapement.model.escapement import Escapement, Run, model_settings
+from escapement.model.inputs import inputs_of
 
 if TYPE_CHECKING:
-    from escapement.jamming import JamCycle
+    from escapement.engines.contact.jam_rule import JamCycle
 
 # From so many engagements on, writing takes seconds and shows its progress. More are not drawn:
 # that would take minutes and a gigabyte, and single engagements would be too narrow to see.
@@ -145,7 +145,7 @@ def _files(motion: "esc.Motion", args: Arguments, speed: float) -> list[_output.
 
 def _save_motion(motion: "esc.Motion", args: Arguments) -> None:
     if args.output is not None:
-        from escapement.progress import Progress
+        from escapement.base.progress import Progress
 
         shown: dict[str, Any] = {"what": "engagements", "log": _log.progress}
         with Progress(quiet=motion.handoff_times.size < _LONG, **shown) as progress:
@@ -156,7 +156,7 @@ def _save_motion(motion: "esc.Motion", args: Arguments) -> None:
 
 def _summarise(motion: "esc.Motion", figures: "esc.Figures", units: str) -> dict[str, Any]:
     """What `run` reports, by JSON key, in the user's units."""
-    from escapement.merits import FIGURES
+    from escapement.dynamics.merit_table import FIGURES
 
     found = {
         name: _output.in_units(getattr(figures, name), figure.kind, units)
@@ -202,7 +202,7 @@ def _by_rule(cycle: "JamCycle") -> dict[str, Any]:
 
 def _balance(motion: "esc.Motion") -> None:
     """Compute the energy balance; long motions show their progress."""
-    from escapement.progress import Progress
+    from escapement.base.progress import Progress
 
     shown: dict[str, Any] = {"what": "engagements balanced", "log": _log.progress}
     with Progress(quiet=motion.handoff_times.size < _LONG, **shown) as progress:
@@ -211,7 +211,7 @@ def _balance(motion: "esc.Motion") -> None:
 
 def _print_table(record: dict[str, Any], units: str) -> None:
     """The results."""
-    from escapement.merits import FIGURES
+    from escapement.dynamics.merit_table import FIGURES
 
     times, speeds = record["handoff_times"], record["handoff_velocities"]
     found = record | {"handoffs": len(times)}

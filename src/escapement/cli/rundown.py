@@ -4,15 +4,15 @@ from dataclasses import replace
 from typing import Any
 
 import escapement as esc
+from escapement.base.files import write_file
+from escapement.base.quantity import Quantity, declared
+from escapement.base.status import MESSAGES, Status
+from escapement.base.text import as_csv
 from escapement.cli import SOME_FAILED, _arguments, _output
 from escapement.cli._arguments import Arguments, Parser
-from escapement.files import write_file
-from escapement.inputs import inputs_of
-from escapement.model import Run, model_settings
-from escapement.quantity import Quantity, declared
-from escapement.solver import Solver
-from escapement.status import MESSAGES, Status
-from escapement.text import as_csv
+from escapement.engines.solver import Solver
+from escapement.model.escapement import Run, model_settings
+from escapement.model.inputs import inputs_of
 
 _TURNS = Quantity(
     name="turns", key="turns", long_name="driver turns to run, in whole engagements", metavar="N",

@@ -7,13 +7,13 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import escapement as esc
+from escapement.base.errors import InputFileError, InvalidValue
+from escapement.base.quantity import Quantity
+from escapement.base.status import Status
+from escapement.base.text import print_columns, words
+from escapement.base.units import SYSTEMS, factor, spelt, unit_name
 from escapement.cli import SOME_FAILED, _arguments, _inputs, _log, _output
 from escapement.cli._arguments import Arguments, Parser, UsageError
-from escapement.errors import InputFileError, InvalidValue
-from escapement.quantity import Quantity
-from escapement.status import Status
-from escapement.text import print_columns, words
-from escapement.units import SYSTEMS, factor, spelt, unit_name
 
 if TYPE_CHECKING:
     from escapement.study.plan import StudyPlan
@@ -85,8 +85,8 @@ def execute(args: Arguments) -> int:
 
 def _run(plan: "StudyPlan", path: Path, args: Arguments) -> "Tally":
     """Run the study; if it is interrupted, tell how to continue."""
-    from escapement.jit import notice
-    from escapement.progress import Progress
+    from escapement.base.notice import notice
+    from escapement.base.progress import Progress
     from escapement.study.run import write_plan
     from escapement.study.writer import partial_path
 

@@ -6,15 +6,14 @@ Modules are loaded when they are first used, because a case can be described wit
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
-from escapement import validate
-from escapement.fitting import check_losses
-from escapement.lazy import offered
-from escapement.mechanism import Mechanism, checked
-from escapement.model import Escapement, Inertia
-from escapement.quantity import Declared, like, quantity
+from escapement.base import validate
+from escapement.base.lazy import offered
+from escapement.base.quantity import Declared, like, quantity
+from escapement.mechanisms.protocol import Mechanism, checked
+from escapement.model.checks import check_losses
+from escapement.model.escapement import Escapement, Inertia
 
 if TYPE_CHECKING:
-    from escapement.chebyshev import Extremum
     from escapement.constant_speed.contact import Load, TorqueState, contact_moment
     from escapement.constant_speed.extrema import (
         TransmissionExtrema,
@@ -27,6 +26,7 @@ if TYPE_CHECKING:
     )
     from escapement.constant_speed.geneva import ReversalStudy, reversal_study
     from escapement.constant_speed.torque import DriveTorque, drive_torque, inertia_ratio
+    from escapement.numerics.chebyshev import Extremum
 
 __all__ = [
     "DriveTorque", "Extremum", "ReversalStudy", "TorqueState", "TransmissionExtrema",

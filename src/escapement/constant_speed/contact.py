@@ -9,12 +9,12 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from escapement import validate
+from escapement.base import validate
+from escapement.base.errors import InvalidValue
+from escapement.base.quantity import check_number
 from escapement.constant_speed import Case, tight
-from escapement.errors import InvalidValue
-from escapement.mechanism import FloatArray, Mechanism
+from escapement.mechanisms.protocol import FloatArray, Mechanism
 from escapement.mechanisms.slotted import transmission
-from escapement.quantity import check_number
 
 Load = float | Callable[[FloatArray], ArrayLike]
 """Load torque [N m], or a function that gives it at follower angles [rad]."""

@@ -11,17 +11,17 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from escapement import validate
-from escapement.chebyshev import Extremum, Function, Series, extremes, fit
+from escapement.base import validate
+from escapement.base.errors import InvalidValue
+from escapement.base.quantity import check_number
 from escapement.constant_speed import Case, geneva, tight
-from escapement.errors import InvalidValue
-from escapement.mechanism import FloatArray, Mechanism
 from escapement.mechanisms import Geneva
 from escapement.mechanisms.geneva import MOST_SLOTS
+from escapement.mechanisms.path import smooth_intervals
+from escapement.mechanisms.protocol import FloatArray, Mechanism
 from escapement.mechanisms.slotted import transmission
-from escapement.model import Escapement
-from escapement.quantity import check_number
-from escapement.scene import smooth_intervals
+from escapement.model.escapement import Escapement
+from escapement.numerics.chebyshev import Extremum, Function, Series, extremes, fit
 
 CONSTANT = 1e-12
 """Greatest g'/g that rounding alone may cause [1/rad], as in a table with a constant ratio."""

@@ -15,14 +15,14 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from escapement import validate
-from escapement.jit import inner_jit, jit
-from escapement.mechanism import FloatArray
+from escapement.base import validate
+from escapement.base.text import Shown
 from escapement.mechanisms import Geneva
+from escapement.mechanisms.path import Path
+from escapement.mechanisms.protocol import FloatArray
 from escapement.mechanisms.slotted import transmission_at
-from escapement.roots import newton_in_bracket
-from escapement.scene import Path
-from escapement.text import Shown
+from escapement.numerics.jit import inner_jit, jit
+from escapement.numerics.roots import newton_in_bracket
 
 _ROUNDING = 8.0 * np.finfo(np.float64).eps  # an F this close to a limit is the limit
 

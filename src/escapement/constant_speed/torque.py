@@ -14,12 +14,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from escapement import validate
-from escapement.chebyshev import Extremum, extremes, fit, zeros
+from escapement.base import validate
 from escapement.constant_speed import Case, extrema
 from escapement.constant_speed.contact import Load, TorqueState, engaged_state, within_cell
-from escapement.mechanism import FloatArray, Mechanism
+from escapement.mechanisms.protocol import FloatArray, Mechanism
 from escapement.mechanisms.slotted import transmission
+from escapement.numerics.chebyshev import Extremum, extremes, fit, zeros
 
 _PIECES = 512  # to begin with, of a load of any shape: a row in 5000 of a table is seen
 _ROUNDING = 64.0 * np.finfo(float).eps  # share of the load; it includes the rounding of the angle

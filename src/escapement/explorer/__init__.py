@@ -3,6 +3,10 @@
 The page is a single file that makes no requests. Its kernel, `kernel.js` with the modules that it
 imports, is the angle-domain method of `engines.energy` for Geneva wheels. The kernel and
 `design_of` refuse designs that it cannot compute.
+
+- `bodies`, `played`: bodies and motions as the page draws and plays them
+- `widget`: the page in a notebook
+- `serve`, `served_page`, `answers`, `as_text`: the page with a server, which answers its questions
 """
 
 import html
@@ -12,14 +16,14 @@ from collections.abc import Mapping, Sequence
 from importlib.resources import files
 from typing import Any
 
-from escapement import validate
+from escapement.base import validate
+from escapement.base.quantity import Choice, Setting, Truth, declared
+from escapement.base.status import Status
+from escapement.base.units import SYSTEMS, factor, printed
+from escapement.dynamics.motion import Motion
 from escapement.explorer.played import cycle_of, played
 from escapement.mechanisms import Geneva
-from escapement.model import Escapement, Inertia, Run
-from escapement.motion import Motion
-from escapement.quantity import Choice, Setting, Truth, declared
-from escapement.status import Status
-from escapement.units import SYSTEMS, factor, printed
+from escapement.model.escapement import Escapement, Inertia, Run
 
 MODULES = (
     *("polynomial", "law", "bodies", "panels", "march", "figures", "rules", "kernel", "dom"),

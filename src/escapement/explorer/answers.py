@@ -8,21 +8,22 @@ from typing import Any
 
 import numpy as np
 
-from escapement import simulation, validate
-from escapement.errors import InvalidValue
+from escapement.base import validate
+from escapement.base.errors import InvalidValue
+from escapement.base.text import words
+from escapement.base.toml_file import parse_toml
+from escapement.dynamics.merit_table import FIGURES
+from escapement.dynamics.painleve import friction_limits
+from escapement.engines import simulate as simulation
 from escapement.explorer import MOST_ENGAGEMENTS, design_of
 from escapement.explorer.as_text import numbers_of, text_of
 from escapement.explorer.played import played
 from escapement.mechanisms import kind_of
-from escapement.merits import FIGURES
-from escapement.model import Escapement
-from escapement.painleve import friction_limits
+from escapement.model.escapement import Escapement
+from escapement.model.torque_curve import TorqueCurve
 from escapement.study.parse import parse_plan, plan_from
 from escapement.study.plan import StudyPlan, unit_kind
 from escapement.study.run import run_plan
-from escapement.text import words
-from escapement.toml_file import parse_toml
-from escapement.torque_curve import TorqueCurve
 
 EXAMPLES: dict[str, dict[str, Any]] = {
     "geneva": {"slots": 4, "crank_radius": 0.02},

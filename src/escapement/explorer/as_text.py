@@ -4,10 +4,10 @@ import json
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from escapement.model import Escapement, Run
-from escapement.quantity import Setting, declared
+from escapement.base.quantity import Setting, declared
+from escapement.model.escapement import Escapement, Run
+from escapement.model.torque_curve import TorqueCurve
 from escapement.study.parse import plan_from
-from escapement.torque_curve import TorqueCurve
 
 
 def numbers_of(escapement: Escapement) -> dict[str, Any]:

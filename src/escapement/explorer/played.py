@@ -9,14 +9,15 @@ from typing import Any
 
 import numpy as np
 
-from escapement import simulation, validate
+from escapement.base import validate
+from escapement.base.text import plain
+from escapement.dynamics.figures_of_merit import Figures
+from escapement.dynamics.merit_table import FIGURES
+from escapement.dynamics.motion import Motion
+from escapement.dynamics.painleve import painleve_limit
+from escapement.engines import simulate as simulation
 from escapement.explorer.bodies import bodies_of
-from escapement.mechanism import FloatArray
-from escapement.merits import FIGURES
-from escapement.metrics import Figures
-from escapement.motion import Motion
-from escapement.painleve import painleve_limit
-from escapement.text import plain
+from escapement.mechanisms.protocol import FloatArray
 
 DEGREE = 16
 """Degree of the polynomials, the same as in `polynomial.js`."""

@@ -15,7 +15,7 @@ from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from typing import Any
 from urllib.parse import parse_qs, urlsplit
 
-from escapement.errors import EscapementError
+from escapement.base.errors import EscapementError
 
 MOST_BYTES = 1_000_000
 """A longer question is refused; a table of measured angles is shorter."""

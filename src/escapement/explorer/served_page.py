@@ -4,20 +4,20 @@ from collections.abc import Callable
 from itertools import chain
 from typing import Any
 
-from escapement import validate
-from escapement.errors import InvalidValue
+from escapement.base import validate
+from escapement.base.errors import InvalidValue
+from escapement.base.quantity import Choice, Numbers, Quantity, Setting, Truth, declared
+from escapement.base.status import Status
+from escapement.base.text import plain, words
+from escapement.base.units import spelt
+from escapement.dynamics.merit_table import FIGURES
 from escapement.explorer import GROUPS, design_of, explored, filled, read
 from escapement.explorer.answers import CLOUD, EXAMPLES, MOST_CASES, TOLERANCES, Answers
 from escapement.explorer.serve import Server
 from escapement.mechanisms import kind_of
-from escapement.merits import FIGURES
-from escapement.model import Escapement, Inertia, Run
-from escapement.quantity import Choice, Numbers, Quantity, Setting, Truth, declared
-from escapement.status import Status
+from escapement.model.escapement import Escapement, Inertia, Run
 from escapement.study.plan import StudyPlan
 from escapement.study.result import Study
-from escapement.text import plain, words
-from escapement.units import spelt
 
 FURTHER = {
     "Friction": ("efficiency",),

@@ -3,10 +3,10 @@
 from functools import cache
 from typing import Any
 
-from escapement import validate
+from escapement.base import validate
+from escapement.dynamics.motion import Motion
 from escapement.explorer import page, player
-from escapement.model import Escapement
-from escapement.motion import Motion
+from escapement.model.escapement import Escapement
 
 _FRAME = """
 export default { render({ model, el }) {

@@ -1,4 +1,29 @@
-"""What is measured against theory: readings of encoders (Prikhodko 2020), motions and beats."""
+"""What is measured against theory: readings of encoders (Prikhodko 2020), motions and beats.
+
+Readings of encoders: read `comparison` first.
+
+- `readings`, `stamps`, `rollover`, `encoder`: files of readings, times of coarse clocks, counters
+  of
+  few bits, errors by the data sheet, and synthetic readings
+- `fit`, `comparison`: the fit of a position function, and errors with their statistics
+- `finding`, `error_columns`, `normal_equations`, `noise`: the search for all errors at once
+- `shaft_errors`, `slot_errors`, `changes`, `glitches`, `periodic`, `backlash`, `normality`: errors
+  that
+  repeat, single slots and pins, changes for good, single readings, free play, and distribution
+- `causes`, `other_reading`, `verdict`: what all of them say together
+
+Motions:
+
+- `motion_fit`, `motion_task`: the fit of a simulated motion to a measured run-up
+- `residual_tests`, `time_unit`: whether it explains the readings, and doubts about the unit of
+  times
+
+Beats:
+
+- `ticks`, `rounds`: beats without missed or doubled ticks, sorted by pin and slot
+- `beats`, `parts`, `jitter`, `curvature`, `told`: the fit of parts to beats, and what it says
+- `beat_spectrum`: which lines of the spectrum pins and slots cause
+"""
 
 from escapement.measurement.backlash import Backlash as Backlash
 from escapement.measurement.beat_spectrum import BeatLine as BeatLine

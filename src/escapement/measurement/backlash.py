@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from escapement.mechanism import FloatArray
+from escapement.mechanisms.protocol import FloatArray
 
 _ENGAGED = 10  # the width is fitted if so many samples are at either end of the play
 _ROOM = 0.1  # the first estimate is at most this share of the travel, so that the play is crossed

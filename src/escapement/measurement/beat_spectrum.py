@@ -7,10 +7,10 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from escapement.lazy import Lazy
+from escapement.base.lazy import Lazy
+from escapement.base.text import Shown
 from escapement.measurement.rounds import Rounds, checked_wheel, rounds_of
-from escapement.mechanism import Mechanism
-from escapement.text import Shown
+from escapement.mechanisms.protocol import Mechanism
 
 special = Lazy("scipy.special")
 

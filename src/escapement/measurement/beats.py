@@ -8,9 +8,10 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from escapement import validate
-from escapement.errors import InvalidValue
-from escapement.lazy import Lazy
+from escapement.base import validate
+from escapement.base.errors import InvalidValue
+from escapement.base.lazy import Lazy
+from escapement.base.text import Shown
 from escapement.measurement.curvature import curved
 from escapement.measurement.parts import Parts, starts
 from escapement.measurement.rounds import Rounds, checked_wheel, rounds_of
@@ -26,9 +27,8 @@ from escapement.measurement.told import (
     within_range,
     without,
 )
-from escapement.mechanism import FloatArray
-from escapement.model import Escapement
-from escapement.text import Shown
+from escapement.mechanisms.protocol import FloatArray
+from escapement.model.escapement import Escapement
 
 optimize = Lazy("scipy.optimize")
 PARTS = ("both", "pins", "slots")

@@ -15,7 +15,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from escapement.lazy import Lazy
+from escapement.base.lazy import Lazy
 from escapement.measurement.normal_equations import (
     ERRORS,
     OFFSET,
@@ -25,7 +25,7 @@ from escapement.measurement.normal_equations import (
     Place,
     log_of,
 )
-from escapement.mechanism import FloatArray
+from escapement.mechanisms.protocol import FloatArray
 
 special = Lazy("scipy.special")
 _ACTS = {"input": PHASE, "output": OFFSET}  # a change of a shaft acts as this column does

@@ -7,9 +7,10 @@ from os import PathLike
 
 import numpy as np
 
-from escapement import validate
-from escapement.errors import InvalidValue
-from escapement.lazy import Lazy
+from escapement.base import validate
+from escapement.base.errors import InvalidValue
+from escapement.base.lazy import Lazy
+from escapement.base.text import Shown
 from escapement.measurement import encoder as sensors
 from escapement.measurement import normality, periodic
 from escapement.measurement.backlash import Backlash
@@ -29,8 +30,7 @@ from escapement.measurement.readings import (
 from escapement.measurement.shaft_errors import ShaftError
 from escapement.measurement.slot_errors import SlotError
 from escapement.measurement.verdict import Verdict, remarks_on, verdict_on
-from escapement.mechanism import FloatArray, Mechanism
-from escapement.text import Shown
+from escapement.mechanisms.protocol import FloatArray, Mechanism
 
 special = Lazy("scipy.special")
 _EXPECTED = 5  # the chi-squared distribution holds for so many errors in a class on average

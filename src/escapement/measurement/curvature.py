@@ -5,7 +5,7 @@ import numpy as np
 from escapement.measurement.parts import Parts
 from escapement.measurement.rounds import Rounds
 from escapement.measurement.told import Doubt
-from escapement.mechanism import FloatArray
+from escapement.mechanisms.protocol import FloatArray
 
 _RISE = 0.5  # the sum of squares rises at the end of an interval by this share of what it should
 

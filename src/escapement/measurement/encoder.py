@@ -6,11 +6,11 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from escapement import validate
+from escapement.base import validate
 from escapement.measurement.backlash import with_play
 from escapement.measurement.fit import position
 from escapement.measurement.readings import FARTHEST, LEAST_SAMPLES, TURN, WITHIN, Readings
-from escapement.mechanism import FloatArray, Mechanism, checked
+from escapement.mechanisms.protocol import FloatArray, Mechanism, checked
 
 _HARMONICS = range(2, 6)  # an error that repeats once a turn is left to the eccentricity
 _SAME = 1e-7  # angles as close as this are equal, but differ by the rounding of a file [rad]

@@ -10,7 +10,7 @@ from escapement.measurement.normal_equations import PHASE, NormalEquations, Plac
 from escapement.measurement.readings import blocks
 from escapement.measurement.shaft_errors import ORDERS
 from escapement.measurement.slot_errors import Parts
-from escapement.mechanism import FloatArray
+from escapement.mechanisms.protocol import FloatArray
 
 _EDGES = 2000  # a change is looked for behind as many samples
 _NUMBERS = 4e6  # but their sums of products need no more doubles than this

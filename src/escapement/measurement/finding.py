@@ -22,7 +22,7 @@ from escapement.measurement.normal_equations import PHASE, Fitted, NormalEquatio
 from escapement.measurement.readings import TURN
 from escapement.measurement.shaft_errors import DOUBT, ORDERS, SURE, UNKNOWN, ShaftError, told_size
 from escapement.measurement.slot_errors import SlotError, parts_seen, worst_part
-from escapement.mechanism import FloatArray, Mechanism
+from escapement.mechanisms.protocol import FloatArray, Mechanism
 
 # the width of a backlash changes its column in the fit; it converges in so many fits. Before, the
 # first fit allows one cause, the second two, ..: a great one must not be taken for several

@@ -12,11 +12,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from escapement.lazy import Lazy
+from escapement.base.lazy import Lazy
+from escapement.base.text import Shown
 from escapement.measurement.readings import TURN, blocks, wraps
-from escapement.mechanism import FloatArray, Mechanism
+from escapement.mechanisms.protocol import FloatArray, Mechanism
 from escapement.mechanisms.slotted import transmission
-from escapement.text import Shown
 
 optimize = Lazy("scipy.optimize")
 _START_SAMPLES = 1000

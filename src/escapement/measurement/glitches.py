@@ -8,8 +8,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from escapement.lazy import Lazy
-from escapement.mechanism import FloatArray
+from escapement.base.lazy import Lazy
+from escapement.mechanisms.protocol import FloatArray
 
 special = Lazy("scipy.special")
 _MOST = 0.01  # if more readings than this share are far out, the errors are just not normal

@@ -11,8 +11,8 @@ from collections.abc import Callable
 
 import numpy as np
 
-from escapement.lazy import Lazy
-from escapement.mechanism import FloatArray
+from escapement.base.lazy import Lazy
+from escapement.mechanisms.protocol import FloatArray
 
 linalg, optimize = Lazy("scipy.linalg"), Lazy("scipy.optimize")
 _ENOUGH = 10  # degrees of freedom from which on the share is estimated

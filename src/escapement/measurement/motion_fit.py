@@ -10,17 +10,17 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from escapement import validate
-from escapement.lazy import Lazy
+from escapement.base import validate
+from escapement.base.lazy import Lazy
+from escapement.base.text import Shown, words
+from escapement.base.units import SYSTEMS, printed
 from escapement.measurement import residual_tests
 from escapement.measurement.motion_task import is_share, task_of
 from escapement.measurement.readings import Readings
 from escapement.measurement.verdict import Verdict
-from escapement.mechanism import FloatArray
-from escapement.model import Escapement
+from escapement.mechanisms.protocol import FloatArray
+from escapement.model.escapement import Escapement
 from escapement.study.plan import unit_kind
-from escapement.text import Shown, words
-from escapement.units import SYSTEMS, printed
 
 optimize, special = Lazy("scipy.optimize"), Lazy("scipy.special")
 _EXACT = {"xtol": 1e-9, "ftol": 1e-12, "gtol": 1e-12, "max_nfev": 60}

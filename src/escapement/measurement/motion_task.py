@@ -10,18 +10,18 @@ from itertools import product
 
 import numpy as np
 
-from escapement import simulation, validate
-from escapement.errors import InvalidValue
+from escapement.base import validate
+from escapement.base.errors import InvalidValue
+from escapement.base.status import Status
+from escapement.dynamics.motion import State
+from escapement.engines import simulate as simulation
 from escapement.measurement import residual_tests
 from escapement.measurement.readings import Readings
 from escapement.measurement.time_unit import check_unit
-from escapement.mechanism import FloatArray
-from escapement.model import Escapement
-from escapement.motion import State
-from escapement.status import Status
-from escapement.tolerance.differences import with_number
-from escapement.tolerance.law import numbers_of
-from escapement.torque_curve import TorqueCurve
+from escapement.mechanisms.protocol import FloatArray
+from escapement.model.escapement import Escapement
+from escapement.model.numbers import numbers_of, with_number
+from escapement.model.torque_curve import TorqueCurve
 
 _SHARES = (1.0, 0.5, 2.0, 0.7, 1.4)  # the search tries to begin at these multiples of each number
 _CELLS = 10_000  # where the search begins is computed from at most this many cells

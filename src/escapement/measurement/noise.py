@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 
 from escapement.measurement.readings import TURN
-from escapement.mechanism import FloatArray
+from escapement.mechanisms.protocol import FloatArray
 
 _ROUNDS = 20  # the variances converge in a few
 _UNEVEN = 3.3  # the noise counts as uneven beyond so many standard errors, once in a thousand sets

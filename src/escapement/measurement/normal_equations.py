@@ -9,8 +9,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from escapement.lazy import Lazy
-from escapement.mechanism import FloatArray
+from escapement.base.lazy import Lazy
+from escapement.mechanisms.protocol import FloatArray
 
 special = Lazy("scipy.special")
 ERRORS, OFFSET, PHASE = 0, 1, 2

@@ -11,9 +11,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from escapement import validate
-from escapement.lazy import Lazy
-from escapement.mechanism import FloatArray
+from escapement.base import validate
+from escapement.base.lazy import Lazy
+from escapement.mechanisms.protocol import FloatArray
 
 special, stats = Lazy("scipy.special"), Lazy("scipy.stats")
 _MOST_CLASSES = 1000

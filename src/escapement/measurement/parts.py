@@ -22,13 +22,13 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from escapement.base.errors import InvalidValue
 from escapement.engines.energy.beats import pattern_beats
-from escapement.errors import InvalidValue
-from escapement.jit import as_python
-from escapement.mechanism import FloatArray
 from escapement.mechanisms import Geneva
 from escapement.mechanisms.pattern import turned_by
-from escapement.model import Escapement
+from escapement.mechanisms.protocol import FloatArray
+from escapement.model.escapement import Escapement
+from escapement.numerics.jit import as_python
 
 _RTOL = 1e-12
 _LARGEST = 0.2  # steps beyond this share of a follower step are not tried: a pin may miss its slot

@@ -10,10 +10,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from escapement.lazy import Lazy
+from escapement.base.lazy import Lazy
+from escapement.base.text import Shown
 from escapement.measurement.readings import LEAST_SAMPLES, TURN
-from escapement.mechanism import FloatArray
-from escapement.text import Shown
+from escapement.mechanisms.protocol import FloatArray
 
 optimize, special = Lazy("scipy.optimize"), Lazy("scipy.special")
 MOST_TURNS = 1000.0

@@ -8,15 +8,15 @@ from os import PathLike
 import numpy as np
 from numpy.typing import ArrayLike
 
-from escapement import validate
-from escapement.columns import Columns, read_columns
-from escapement.errors import InputFileError, InvalidValue
-from escapement.files import write_file
-from escapement.headings import COUNTS
+from escapement.base import validate
+from escapement.base.columns import Columns, read_columns
+from escapement.base.errors import InputFileError, InvalidValue
+from escapement.base.files import write_file
+from escapement.base.headings import COUNTS
+from escapement.base.text import Shown
 from escapement.measurement.rollover import unrolled
 from escapement.measurement.stamps import checked_times
-from escapement.mechanism import FloatArray
-from escapement.text import Shown
+from escapement.mechanisms.protocol import FloatArray
 
 TURN = 2.0 * np.pi
 FARTHEST = 1e10 * TURN

@@ -9,8 +9,8 @@ import math
 
 import numpy as np
 
-from escapement.lazy import Lazy
-from escapement.mechanism import FloatArray
+from escapement.base.lazy import Lazy
+from escapement.mechanisms.protocol import FloatArray
 
 special = Lazy("scipy.special")
 SURE = 1e-3  # a p-value below this contradicts the model

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from escapement.mechanism import FloatArray
+from escapement.mechanisms.protocol import FloatArray
 
 _BITS = (8, 16, 24, 32)
 _NEAR = 0.25  # neighbours must be nearer than this share of the register once it is undone

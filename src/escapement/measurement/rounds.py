@@ -8,13 +8,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from escapement import validate
-from escapement.errors import InvalidValue
+from escapement.base import validate
+from escapement.base.errors import InvalidValue
+from escapement.base.text import Shown
 from escapement.measurement.jitter import share_of, whitening
 from escapement.measurement.ticks import ticks_of
-from escapement.mechanism import FloatArray
 from escapement.mechanisms import Geneva
-from escapement.text import Shown
+from escapement.mechanisms.protocol import FloatArray
 
 
 @dataclass(frozen=True, eq=False, repr=False)

@@ -12,9 +12,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from escapement.lazy import Lazy
+from escapement.base.lazy import Lazy
 from escapement.measurement.normal_equations import Fitted, log_of
-from escapement.mechanism import FloatArray, Mechanism
+from escapement.mechanisms.protocol import FloatArray, Mechanism
 
 special = Lazy("scipy.special")
 _MOST = 64  # parts of a shaft

@@ -5,9 +5,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from escapement import validate
-from escapement.errors import InvalidValue
-from escapement.mechanism import FloatArray
+from escapement.base import validate
+from escapement.base.errors import InvalidValue
+from escapement.mechanisms.protocol import FloatArray
 
 _REMEDY = "give the time of each sample in s"
 

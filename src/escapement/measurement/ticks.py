@@ -12,9 +12,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from escapement import validate
-from escapement.errors import InvalidValue
-from escapement.mechanism import FloatArray
+from escapement.base import validate
+from escapement.base.errors import InvalidValue
+from escapement.mechanisms.protocol import FloatArray
 
 _REMEDY = "give the times of the engagements in s, NaN for a missing one"
 _SHORT, _LONG = 0.7, 1.4  # errors of parts keep beats between these shares of the median

@@ -2,7 +2,7 @@
 
 import math
 
-from escapement.errors import InvalidValue
+from escapement.base.errors import InvalidValue
 
 _DOUBTFUL = 10.0  # a ratio of times beyond this means a torque that is wrong a hundred times
 _CLOSE = 4.0  # a ratio within this factor of that of a unit may come from the unit

@@ -6,10 +6,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from escapement.lazy import Lazy
+from escapement.base.lazy import Lazy
 from escapement.measurement.parts import Parts
 from escapement.measurement.rounds import Rounds
-from escapement.mechanism import FloatArray
+from escapement.mechanisms.protocol import FloatArray
 
 special = Lazy("scipy.special")
 _STEP = 1e-6  # step of the differences that approximate derivatives by the unknowns

@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from escapement.lazy import Lazy
+from escapement.base.lazy import Lazy
 from escapement.measurement.causes import Cause, causes_of, encoders_explain
 from escapement.measurement.other_reading import other_reading
 from escapement.measurement.readings import TURN, wraps

@@ -2,12 +2,25 @@
 
 A kind of mechanism is a class derived from `Kind`, in its own module, and one line of `KINDS`.
 Modules are loaded when they are first used.
+
+Read `protocol` first, then `geneva`.
+
+- `protocol`, `path`, `checks`: what is asked of a mechanism, its path for kernels, checks of
+  lengths
+- `other_sizes`: diameters and distances in place of a mechanism's own numbers
+- `kind`: the base of the kinds, with what files and the command line need
+- `geneva`, `gear_driven`, `elliptical_planetary`, `tabulated`: the kinds
+- `slotted`, `table`: kernels that evaluate a pin path, and a tabulated transmission
+- `imperfect`, `pattern`: wheels with errors of their parts, and the path of every pair of pin and
+  slot
+- `gear_equation`, `elliptical_teeth`, `_rows`: the design equation of a gear-driven wheel, teeth of
+  elliptical gears, and the function through the rows of a table
 """
 
 from pkgutil import resolve_name
 from typing import TYPE_CHECKING, Any
 
-from escapement.lazy import offered
+from escapement.base.lazy import offered
 
 if TYPE_CHECKING:
     from escapement.mechanisms.elliptical_planetary import EllipticalPlanetary

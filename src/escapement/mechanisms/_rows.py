@@ -10,11 +10,11 @@ from functools import cached_property
 from itertools import product
 from typing import Any
 
-from escapement import validate
-from escapement.errors import InvalidValue
-from escapement.mechanism import FloatArray
+from escapement.base import validate
+from escapement.base.errors import InvalidValue
+from escapement.base.quantity import Numbers, Truth, quantity, setting
 from escapement.mechanisms.kind import Kind, np, table
-from escapement.quantity import Numbers, Truth, quantity, setting
+from escapement.mechanisms.protocol import FloatArray
 
 FEWEST = 12
 MOST_EXACT = 601

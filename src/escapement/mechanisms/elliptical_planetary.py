@@ -21,12 +21,12 @@ from fractions import Fraction
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, ClassVar, Self
 
-from escapement import validate
-from escapement.lazy import Lazy
-from escapement.mechanism import FloatArray
+from escapement.base import validate
+from escapement.base.lazy import Lazy
+from escapement.base.quantity import Quantity, quantity
 from escapement.mechanisms.kind import CELL, ArrayLike, Kind, np, slotted, table
-from escapement.quantity import Quantity, quantity
-from escapement.scene import Path
+from escapement.mechanisms.path import Path
+from escapement.mechanisms.protocol import FloatArray
 
 if TYPE_CHECKING:
     from escapement.mechanisms import elliptical_teeth as teeth

@@ -25,9 +25,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from escapement import validate
-from escapement.mechanism import FloatArray
+from escapement.base import validate
 from escapement.mechanisms.elliptical_planetary import EllipticalPlanetary, between_0_and
+from escapement.mechanisms.protocol import FloatArray
 
 PRESSURE_ANGLE = math.radians(20.0)
 ADDENDUM = 1.0

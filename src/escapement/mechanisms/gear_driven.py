@@ -9,9 +9,9 @@ from fractions import Fraction
 from functools import cached_property
 from typing import Any, ClassVar, Self
 
-from escapement import validate
-from escapement.errors import InvalidValue
-from escapement.mechanism import FloatArray
+from escapement.base import validate
+from escapement.base.errors import InvalidValue
+from escapement.base.quantity import Choice, quantity, setting
 from escapement.mechanisms import gear_equation
 from escapement.mechanisms.gear_equation import COGNATES, CURVES, MOST_LOBES
 from escapement.mechanisms.imperfect import ImperfectWheel, centre_distance_error, each
@@ -24,8 +24,8 @@ from escapement.mechanisms.kind import (
     roller_radius,
     slotted,
 )
-from escapement.quantity import Choice, quantity, setting
-from escapement.scene import Path
+from escapement.mechanisms.path import Path
+from escapement.mechanisms.protocol import FloatArray
 
 _SIZELESS: dict[str, Any] = {
     "fixed_radius": None, "pin_radius": 0.0, "roller_radius": 0.0, "centre_distance_error": 0.0,

@@ -16,7 +16,7 @@ both curves have the root x = pi as well, and the pin passes through the wheel's
 import math
 from fractions import Fraction
 
-from escapement import validate
+from escapement.base import validate
 
 CURVES = ("hypocycloid", "epicycloid", "contracted-hypocycloid", "pericycloid")
 """Protracted hypocycloid and epicycloid, and the curve cognate of each (12a-d)."""

@@ -8,7 +8,8 @@ from dataclasses import dataclass, field
 from functools import cache
 from typing import Any, ClassVar
 
-from escapement import validate
+from escapement.base import validate
+from escapement.base.quantity import Truth, quantity, setting
 from escapement.mechanisms.imperfect import ImperfectWheel, centre_distance_error, each
 from escapement.mechanisms.kind import WHEEL, Arms, clearance, pin_radius, roller_radius
 from escapement.mechanisms.other_sizes import (
@@ -18,7 +19,6 @@ from escapement.mechanisms.other_sizes import (
     crank_from_wheel_radius,
     other_size,
 )
-from escapement.quantity import Truth, quantity, setting
 
 MOST_SLOTS = 1_000_000
 

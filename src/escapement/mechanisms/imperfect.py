@@ -8,14 +8,14 @@ from dataclasses import field
 from functools import cached_property
 from typing import Any
 
-from escapement import validate
-from escapement.errors import InvalidValue
-from escapement.fitting import IMPERFECT, LENGTHS, check_lengths
-from escapement.lazy import Lazy
-from escapement.mechanism import FloatArray, checked
+from escapement.base import validate
+from escapement.base.errors import InvalidValue
+from escapement.base.lazy import Lazy
+from escapement.base.quantity import Numbers, declared, quantity, setting
+from escapement.mechanisms.checks import IMPERFECT, LENGTHS, check_lengths
 from escapement.mechanisms.kind import ArrayLike, Wheel, np, slotted
-from escapement.quantity import Numbers, declared, quantity, setting
-from escapement.scene import Meeting
+from escapement.mechanisms.path import Meeting
+from escapement.mechanisms.protocol import FloatArray, checked
 
 pattern: Any = Lazy("escapement.mechanisms.pattern")
 

@@ -7,16 +7,16 @@ from collections.abc import Mapping
 from functools import cache, cached_property
 from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple, Self
 
-from escapement import validate
-from escapement.errors import UnknownArgument
-from escapement.fitting import check_lengths
-from escapement.lazy import Lazy
-from escapement.mechanism import FloatArray
+from escapement.base import validate
+from escapement.base.errors import UnknownArgument
+from escapement.base.lazy import Lazy
+from escapement.base.quantity import Declared, Setting, declared, quantity
+from escapement.base.spoken import told
+from escapement.base.units import degrees
+from escapement.mechanisms.checks import check_lengths
 from escapement.mechanisms.other_sizes import OtherSize, diameters, own_numbers
-from escapement.quantity import Declared, Setting, declared, quantity
-from escapement.scene import Path
-from escapement.spoken import told
-from escapement.units import degrees
+from escapement.mechanisms.path import Path
+from escapement.mechanisms.protocol import FloatArray
 
 if TYPE_CHECKING:
     import numpy as np
@@ -50,9 +50,9 @@ WHEEL = (*CELL, "slots", "pins", "continuous", "dwell_deg", "transmission_max")
 class Kind(Declared):
     """Base of the mechanisms that a file or the command line can describe.
 
-    In addition to the protocol `escapement.mechanism.Mechanism`, a kind has its declared fields
-    and the attributes below. Its file is imported to list its options, so it
-    loads nothing heavy: NumPy and kernels come through `escapement.lazy`.
+    In addition to the protocol of `mechanisms.protocol`, a kind has its declared fields and the
+    attributes below. Its file is imported to list its options, so it
+    loads nothing heavy: NumPy and kernels come through `escapement.base.lazy`.
     """
 
     section: ClassVar[str] = "mechanism"

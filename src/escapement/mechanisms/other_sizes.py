@@ -10,10 +10,10 @@ import math
 from collections.abc import Callable, Mapping
 from typing import Any, NamedTuple
 
-from escapement import validate
-from escapement.errors import InvalidValue
-from escapement.quantity import Quantity, Setting
-from escapement.spoken import told
+from escapement.base import validate
+from escapement.base.errors import InvalidValue
+from escapement.base.quantity import Quantity, Setting
+from escapement.base.spoken import told
 
 Numbers = Mapping[str, Any]
 

@@ -29,11 +29,11 @@ from functools import partial
 
 import numpy as np
 
-from escapement.jit import as_python, inner_jit, jit
-from escapement.mechanism import FloatArray
+from escapement.mechanisms.path import Meeting, Path
+from escapement.mechanisms.protocol import FloatArray
 from escapement.mechanisms.slotted import path_numbers, pose_at, slide_edges
-from escapement.roots import newton_in_bracket
-from escapement.scene import Meeting, Path
+from escapement.numerics.jit import as_python, inner_jit, jit
+from escapement.numerics.roots import newton_in_bracket
 
 
 class Handoff(IntEnum):

@@ -18,13 +18,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from escapement.jit import as_python, inner_jit, jit
-from escapement.mechanism import FloatArray
+from escapement.mechanisms.path import Path
+from escapement.mechanisms.protocol import FloatArray
 from escapement.mechanisms.table import ratio_at
-from escapement.roots import newton_in_bracket
-from escapement.scene import Path
-
-BLOCK = 16  # driver angles that are evaluated together
+from escapement.numerics.gauss import BLOCK
+from escapement.numerics.jit import as_python, inner_jit, jit
+from escapement.numerics.roots import newton_in_bracket
 
 
 @inner_jit

@@ -25,11 +25,11 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from escapement.chebyshev import Series, fit, interpolate, nodes
-from escapement.errors import InvalidValue
-from escapement.jit import inner_jit
-from escapement.mechanism import FloatArray
-from escapement.scene import Path
+from escapement.base.errors import InvalidValue
+from escapement.mechanisms.path import Path
+from escapement.mechanisms.protocol import FloatArray
+from escapement.numerics.chebyshev import Series, fit, interpolate, nodes
+from escapement.numerics.jit import inner_jit
 
 if TYPE_CHECKING:
     from scipy.interpolate import BSpline

@@ -9,12 +9,12 @@ from functools import cached_property
 from os import PathLike
 from typing import Any
 
-from escapement.errors import InputFileError, InvalidValue
-from escapement.mechanism import FloatArray
+from escapement.base.errors import InputFileError, InvalidValue
+from escapement.base.quantity import InputFile, Setting, declared
 from escapement.mechanisms._rows import Rows
 from escapement.mechanisms.kind import ArrayLike, np, slotted, table
-from escapement.quantity import InputFile, Setting, declared
-from escapement.scene import Path
+from escapement.mechanisms.path import Path
+from escapement.mechanisms.protocol import FloatArray
 
 _BACKWARDS = 1e-3  # share of the greatest g that rounding and noise may leave at a stop
 _SAMPLES = 2001
@@ -98,7 +98,7 @@ class Tabulated(Rows):
         InvalidValue
             When an option breaks a rule.
         """
-        from escapement.columns import read_columns
+        from escapement.base.columns import read_columns
 
         found = read_columns(path, "table", by_order=True)
         if set(found.units) == {"rad", None}:

@@ -17,23 +17,14 @@ from typing import Any
 import numpy as np
 
 from escapement import __version__
-from escapement.errors import EscapementError, InputFileError
-from escapement.files import MOTIONS, check_target, file_format, pending_hdf5, write_file
-from escapement.mechanism import FloatArray
-from escapement.mechanisms import KINDS
-from escapement.motion import Motion
-from escapement.motion_file.sampled import SampledTrajectory
-from escapement.simulation import simulate
-from escapement.status import Status
-from escapement.study.hdf5 import FILTERS
-from escapement.study.parse import parse_plan, plan_from
-from escapement.study.reader import configuration_of
-from escapement.study.stored import LAYOUT, SCHEMA_VERSION, open_hdf5, opened
-from escapement.text import csv_lines
-from escapement.torque_curve import TorqueCurve
-from escapement.trajectory import Events, Extrema
-from escapement.units import factor
-from escapement.variables import (
+from escapement.base.errors import EscapementError, InputFileError
+from escapement.base.files import MOTIONS, check_target, file_format, pending_hdf5, write_file
+from escapement.base.status import Status
+from escapement.base.text import csv_lines
+from escapement.base.units import factor
+from escapement.dynamics.motion import Motion
+from escapement.dynamics.trajectory import Events, Extrema
+from escapement.dynamics.variables import (
     ATTRIBUTES,
     GROUPS,
     LOST,
@@ -44,6 +35,15 @@ from escapement.variables import (
     groups_of,
     values_of,
 )
+from escapement.engines.simulate import simulate
+from escapement.mechanisms import KINDS
+from escapement.mechanisms.protocol import FloatArray
+from escapement.model.torque_curve import TorqueCurve
+from escapement.motion_file.sampled import SampledTrajectory
+from escapement.study.hdf5 import FILTERS
+from escapement.study.parse import parse_plan, plan_from
+from escapement.study.reader import configuration_of
+from escapement.study.stored import LAYOUT, SCHEMA_VERSION, open_hdf5, opened
 
 CONTENT = "motion"
 """Root attribute `content`, which distinguishes a motion from a study."""

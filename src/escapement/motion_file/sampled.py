@@ -5,17 +5,17 @@ from functools import cached_property
 
 import numpy as np
 
+from escapement.dynamics.trajectory import Events, Extrema, Held
 from escapement.engines.energy.pieces import follow
-from escapement.mechanism import FloatArray
-from escapement.model import Escapement
-from escapement.trajectory import Events, Extrema, Held
+from escapement.mechanisms.protocol import FloatArray
+from escapement.model.escapement import Escapement
 
 _RTOL = 1e-12  # tolerance of states between the data in the file
 
 
 @dataclass(frozen=True)
 class SampledTrajectory(Held):
-    """A trajectory from the starts of its pieces; see `escapement.trajectory.Trajectory`.
+    """A trajectory from the starts of its pieces; see `escapement.dynamics.trajectory.Trajectory`.
 
     theta, theta_dot : samples there.
     """

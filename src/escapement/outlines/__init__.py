@@ -1,6 +1,13 @@
 """Outlines: the bodies of a mechanism as closed curves, for drawings and checks.
 
 Points are complex numbers x + iy, in the unit of length that each outline names.
+
+- `curves`: closed curves of lines and arcs
+- `geneva`, `imperfect`, `gears`, `meshed`, `teeth`: bodies of the kinds of mechanism, and their
+  teeth
+- `gaps`, `interference`: the gap between two bodies, and the check of a whole turn
+- `part`, `parts`, `walls`, `fits`: flat parts with inertia and thinnest wall, and allowances
+- `sheet`, `export`: the sheet that a file shows, and the files
 """
 
 import cmath

@@ -13,7 +13,7 @@ from typing import NamedTuple, Self
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from escapement.errors import InvalidValue
+from escapement.base.errors import InvalidValue
 
 ComplexArray = NDArray[np.complex128]
 FloatArray = NDArray[np.float64]

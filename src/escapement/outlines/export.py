@@ -7,11 +7,11 @@ from typing import Any
 
 import numpy as np
 
-from escapement import validate
-from escapement.errors import InvalidValue
-from escapement.files import CUTS, AnyPath, file_format, write_file
-from escapement.fits import Fits
+from escapement.base import validate
+from escapement.base.errors import InvalidValue
+from escapement.base.files import CUTS, AnyPath, file_format, write_file
 from escapement.outlines.curves import Curve
+from escapement.outlines.fits import Fits
 from escapement.outlines.interference import Nearest, least_gaps
 from escapement.outlines.parts import outline_of, parts_of
 from escapement.outlines.sheet import LAYERS, Sheet, lay_out
@@ -92,7 +92,7 @@ def export(
     MissingPackage
         Where ezdxf is not installed.
     CannotCreate, StorageError
-        As `escapement.files.write_file`.
+        As `escapement.base.files.write_file`.
     """
     how = {"inches": inches, "segments": segments, "r12": r12}
     data, gaps = drawn(mechanism, file_format(path, CUTS), fits or Fits(), **how)

@@ -6,8 +6,8 @@ from functools import lru_cache
 
 import numpy as np
 
-from escapement.mechanism import FloatArray
 from escapement.mechanisms import EllipticalPlanetary, GearDriven
+from escapement.mechanisms.protocol import FloatArray
 from escapement.outlines import Body, Disc, arc, pins_and_rollers, slotted_edge
 from escapement.outlines.curves import ComplexArray, Curve, biarcs, chain
 

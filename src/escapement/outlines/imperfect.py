@@ -8,10 +8,10 @@ from typing import Any
 
 import numpy as np
 
-from escapement import validate
-from escapement.errors import InvalidValue
-from escapement.fitting import IMPERFECT
+from escapement.base import validate
+from escapement.base.errors import InvalidValue
 from escapement.mechanisms import Geneva
+from escapement.mechanisms.checks import IMPERFECT
 from escapement.outlines import Land
 from escapement.outlines.curves import Curve, FloatArray, chain
 

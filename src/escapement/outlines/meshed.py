@@ -7,7 +7,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from escapement import validate
+from escapement.base import validate
 from escapement.mechanisms import EllipticalPlanetary
 from escapement.mechanisms.elliptical_teeth import (
     ADDENDUM,

@@ -4,13 +4,13 @@ from typing import NamedTuple
 
 import numpy as np
 
-from escapement import validate
-from escapement.errors import InvalidValue
-from escapement.fits import Fits
+from escapement.base import validate
+from escapement.base.errors import InvalidValue
+from escapement.base.spoken import told
 from escapement.outlines.curves import Curve, Moments, stadium
+from escapement.outlines.fits import Fits
 from escapement.outlines.gaps import outside, ways_of
 from escapement.outlines.walls import Wall, thinnest_wall
-from escapement.spoken import told
 
 
 class Part(NamedTuple):

@@ -9,18 +9,18 @@ from typing import Any
 
 import numpy as np
 
-from escapement import validate
-from escapement.errors import InvalidValue
-from escapement.fits import Fits
-from escapement.mechanism import checked
+from escapement.base import validate
+from escapement.base.errors import InvalidValue
+from escapement.base.spoken import told
 from escapement.mechanisms import EllipticalPlanetary, GearDriven, Geneva
-from escapement.model import Inertia
+from escapement.mechanisms.protocol import checked
+from escapement.model.escapement import Inertia
 from escapement.outlines.curves import Curve
+from escapement.outlines.fits import Fits
 from escapement.outlines.gears import EllipticalOutline, GearDrivenOutline, pitch_curve
 from escapement.outlines.geneva import GenevaOutline
 from escapement.outlines.meshed import MeshedOutline, elliptical_teeth, toothed_gears
 from escapement.outlines.part import Part, hole, link
-from escapement.spoken import told
 
 _UNUSED = {
     Geneva: (

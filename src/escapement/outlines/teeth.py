@@ -20,11 +20,11 @@ import math
 
 import numpy as np
 
-from escapement.errors import InvalidValue
-from escapement.mechanism import FloatArray
+from escapement.base.errors import InvalidValue
+from escapement.base.spoken import told
 from escapement.mechanisms.elliptical_teeth import ADDENDUM, PRESSURE_ANGLE, PitchEllipse
+from escapement.mechanisms.protocol import FloatArray
 from escapement.outlines.curves import ComplexArray, Curve, biarcs
-from escapement.spoken import told
 
 _DEDENDUM = 1.25  # depth of the root below the pitch curve [modules]
 _SINE, _COSINE = math.sin(PRESSURE_ANGLE), math.cos(PRESSURE_ANGLE)

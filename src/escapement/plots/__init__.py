@@ -2,6 +2,13 @@
 
 Functions for one panel draw into given axes, or into a new figure; nothing is shown on a screen.
 `save` writes a figure.
+
+- `style`, `saving`, `films`: the look of every figure, and its file
+- `motion`, `rundown`, `animation`, `play`: motions, and films of them
+- `drawing`, `geneva`, `gear_driven`, `planetary`: mechanisms to scale
+- `study`, `study_panels`, `study_table`, `sample`, `budget`, `designs`: studies, budgets and
+  designs
+- `measurement`, `beats`, `drive_torque`: readings, beats, and drives at constant speed
 """
 
 from escapement.explorer.widget import explore as explore

@@ -7,10 +7,10 @@ import numpy as np
 from matplotlib.animation import FuncAnimation
 from matplotlib.axes import Axes
 
-from escapement import validate
-from escapement.mechanism import Mechanism
+from escapement.base import validate
+from escapement.dynamics.motion import Motion, State
 from escapement.mechanisms import EllipticalPlanetary, Geneva
-from escapement.motion import Motion, State
+from escapement.mechanisms.protocol import Mechanism
 from escapement.plots import drawing, style
 from escapement.plots.geneva import plot_geneva
 from escapement.plots.motion import plot_velocities

@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 
-from escapement import validate
+from escapement.base import validate
 from escapement.measurement import BeatFit, BeatSpectrum
 from escapement.plots import style
 

@@ -5,11 +5,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 from matplotlib.figure import Figure
 
-from escapement.merits import FIGURES
+from escapement.base.text import words
+from escapement.base.units import factor, printed
+from escapement.dynamics.merit_table import FIGURES
 from escapement.plots import style
 from escapement.plots.style import finished, scaled
-from escapement.text import words
-from escapement.units import factor, printed
 
 if TYPE_CHECKING:
     from escapement.tolerance.budget import Budget

@@ -5,13 +5,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 from matplotlib.figure import Figure
 
+from escapement.base.text import words
+from escapement.base.units import printed
 from escapement.plots import style
 from escapement.plots.style import finished, scaled
-from escapement.text import words
-from escapement.units import printed
 
 if TYPE_CHECKING:
-    from escapement.inverse.search import Designs
+    from escapement.inverse_design.search import Designs
 
 _MARKERS = "osD^vP*X<>hd"
 
@@ -29,7 +29,7 @@ def plot_designs(found: "Designs") -> Figure:
     Figure
         The first objective along x, and the second, or else the mass, along y.
     """
-    from escapement.inverse.wish import BOUNDS
+    from escapement.inverse_design.wish import BOUNDS
 
     names = [*found.wish.objectives, "mass", "size"][:2]
     drawn = style.new_figure(style.ONE_COLUMN, 3.0)

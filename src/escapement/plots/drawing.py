@@ -12,8 +12,8 @@ from matplotlib.axes import Axes
 from matplotlib.patches import Circle, FancyArrowPatch, Patch, PathPatch
 from matplotlib.path import Path
 
-from escapement.mechanism import FloatArray, checked
 from escapement.mechanisms import Tabulated
+from escapement.mechanisms.protocol import FloatArray, checked
 from escapement.mechanisms.slotted import transmission
 from escapement.outlines import Body, Disc
 from escapement.outlines.curves import ComplexArray

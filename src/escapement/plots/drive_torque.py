@@ -7,11 +7,11 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 
-from escapement import validate
+from escapement.base import validate
+from escapement.base.units import SYSTEMS, factor, unit_name
 from escapement.constant_speed import DriveTorque
 from escapement.plots import style
 from escapement.plots.style import finished, number_text, scaled
-from escapement.units import SYSTEMS, factor, unit_name
 
 _ROUNDING = 1e-9  # a moment below this share of the greatest counts as zero
 

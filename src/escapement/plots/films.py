@@ -11,7 +11,7 @@ from typing import Any
 from matplotlib.animation import AbstractMovieWriter, FFMpegWriter, FuncAnimation
 from PIL import Image
 
-from escapement.errors import StorageError
+from escapement.base.errors import StorageError
 
 _DPI = 150
 _COLOURS = 64
@@ -49,9 +49,9 @@ class _PageWriter(AbstractMovieWriter):
 
 
 def write_film(film: FuncAnimation, path: Path) -> None:
-    """Write a film to a file, whose suffix is one of `escapement.files.FILMS`."""
+    """Write a film to a file, whose suffix is one of `escapement.base.files.FILMS`."""
     # what makes a motion has loaded this already; figures of files do without it
-    from escapement.progress import set_stage
+    from escapement.base.progress import set_stage
 
     def note(done: int, total: int) -> None:
         set_stage(f"picture {done + 1} of {total}")

@@ -7,7 +7,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from escapement import validate
+from escapement.base import validate
 from escapement.mechanisms import GearDriven
 from escapement.outlines.gears import GearDrivenOutline
 from escapement.plots import drawing, style

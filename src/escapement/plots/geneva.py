@@ -6,7 +6,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from escapement import validate
+from escapement.base import validate
 from escapement.mechanisms import Geneva
 from escapement.outlines import Disc, arc
 from escapement.outlines.geneva import GenevaOutline

@@ -6,11 +6,11 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from escapement import validate
+from escapement.base import validate
 from escapement.measurement import Measurement, MotionFit, position
 from escapement.measurement.encoder import sensor_uncertainty
 from escapement.measurement.fit import spread_samples
-from escapement.mechanism import FloatArray
+from escapement.mechanisms.protocol import FloatArray
 from escapement.plots import style
 from escapement.plots.style import Named
 

@@ -8,9 +8,9 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import MultipleLocator
 
-from escapement import validate
-from escapement.mechanism import FloatArray
-from escapement.motion import Motion
+from escapement.base import validate
+from escapement.dynamics.motion import Motion
+from escapement.mechanisms.protocol import FloatArray
 from escapement.plots import style
 from escapement.plots.style import finished, scaled
 

@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 
-from escapement import validate
+from escapement.base import validate
 from escapement.mechanisms import EllipticalPlanetary
 from escapement.outlines import arc
 from escapement.outlines.gears import EllipticalOutline

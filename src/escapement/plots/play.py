@@ -7,9 +7,9 @@ from typing import NamedTuple
 import numpy as np
 from matplotlib.axes import Axes
 
-from escapement.mechanism import FloatArray
+from escapement.dynamics.motion import State
 from escapement.mechanisms import Geneva
-from escapement.motion import State
+from escapement.mechanisms.protocol import FloatArray
 from escapement.outlines.geneva import GenevaOutline
 from escapement.plots import drawing, style
 from escapement.plots.geneva import draw_bodies

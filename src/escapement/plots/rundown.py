@@ -2,9 +2,9 @@
 
 from matplotlib.figure import Figure
 
+from escapement.engines.run_down import Rundown
 from escapement.plots import style
 from escapement.plots.style import finished, scaled
-from escapement.run_down import Rundown
 
 
 def plot_rundown(run: Rundown) -> Figure:

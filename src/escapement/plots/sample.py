@@ -13,8 +13,9 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from escapement.mechanism import FloatArray
-from escapement.merits import TRANSIENT
+from escapement.base.status import Status
+from escapement.dynamics.merit_table import TRANSIENT
+from escapement.mechanisms.protocol import FloatArray
 from escapement.plots import style
 from escapement.plots.study_panels import dress_axis
 from escapement.plots.study_table import (
@@ -25,7 +26,6 @@ from escapement.plots.study_table import (
     refusal,
     single_case,
 )
-from escapement.status import Status
 from escapement.study.result import Study
 
 _RESULTS = ("period", "velocity_max", "rise_time")

@@ -13,7 +13,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.text import Text
 
-from escapement import files
+from escapement.base import files
 from escapement.plots.films import write_film
 from escapement.plots.style import HALO
 

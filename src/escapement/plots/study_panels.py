@@ -16,7 +16,7 @@ from matplotlib.figure import Figure, SubFigure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
-from escapement.mechanism import FloatArray
+from escapement.mechanisms.protocol import FloatArray
 from escapement.plots import style
 from escapement.plots.study_table import STEPPED, Parameter, StudyTable, check_number
 from escapement.plots.style import LINE, number_text

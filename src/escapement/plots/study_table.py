@@ -7,13 +7,13 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from escapement import validate
-from escapement.errors import InvalidValue
-from escapement.mechanism import FloatArray
+from escapement.base import validate
+from escapement.base.errors import InvalidValue
+from escapement.base.status import Status
+from escapement.base.units import spelt
+from escapement.mechanisms.protocol import FloatArray
 from escapement.plots.style import number_text, scaled
-from escapement.status import Status
 from escapement.study.result import DEFAULT, Study
-from escapement.units import spelt
 
 _SHORT = {
     "friction": "coefficient of friction",

@@ -21,8 +21,8 @@ from matplotlib.figure import Figure, SubFigure
 from matplotlib.patheffects import withStroke
 from numpy.typing import ArrayLike
 
-from escapement import validate
-from escapement.units import spelt
+from escapement.base import validate
+from escapement.base.units import spelt
 
 BLACK, GREY, LIGHT_GREY = "#000000", "#5f5f5f", "#b8b8b8"
 BLUE, VERMILLION, GREEN = "#0072B2", "#D55E00", "#009E73"

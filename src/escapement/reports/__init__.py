@@ -6,12 +6,14 @@ import html
 from importlib.resources import files
 from typing import TYPE_CHECKING
 
-from escapement import __version__, simulation, validate
-from escapement.files import REPORTS, AnyPath, check_target, file_format, write_file
-from escapement.model import Escapement
+from escapement import __version__
+from escapement.base import validate
+from escapement.base.files import REPORTS, AnyPath, check_target, file_format, write_file
+from escapement.base.status import Status
+from escapement.engines import simulate as simulation
+from escapement.engines.run_down import rundown
+from escapement.model.escapement import Escapement
 from escapement.reports import sections
-from escapement.run_down import rundown
-from escapement.status import Status
 
 if TYPE_CHECKING:
     from escapement.tolerance.budget import Budget

@@ -2,7 +2,7 @@
 
 from typing import Any
 
-from escapement.model import Escapement
+from escapement.model.escapement import Escapement
 
 ALWAYS = (
     ("friction that depends on speed, load or time", "each coefficient is the same at all speeds"),

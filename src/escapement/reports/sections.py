@@ -11,17 +11,17 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from escapement import plots
-from escapement.inputs import inputs_of
-from escapement.merits import FIGURES
-from escapement.metrics import Figures
-from escapement.model import Escapement
-from escapement.motion import Motion
+from escapement.base.text import show, words
+from escapement.base.units import SYSTEMS, factor, printed
+from escapement.dynamics.figures_of_merit import Figures
+from escapement.dynamics.merit_table import FIGURES
+from escapement.dynamics.motion import Motion
+from escapement.model.escapement import Escapement
+from escapement.model.inputs import inputs_of
 from escapement.reports.assumptions import ALWAYS, left_out
-from escapement.text import show, words
-from escapement.units import SYSTEMS, factor, printed
 
 if TYPE_CHECKING:
-    from escapement.run_down import Rundown
+    from escapement.engines.run_down import Rundown
     from escapement.tolerance.budget import Budget
 
 _TOLD = (

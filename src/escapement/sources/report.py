@@ -18,8 +18,8 @@ from typing import Any
 
 import numpy as np
 
-from escapement.mechanism import FloatArray
-from escapement.text import print_columns
+from escapement.base.text import print_columns
+from escapement.mechanisms.protocol import FloatArray
 
 UNEXPLAINED = "unexplained"
 WIDTH = 100

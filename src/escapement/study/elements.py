@@ -9,8 +9,8 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
-from escapement import validate
-from escapement.quantity import Numbers, Quantity, Setting
+from escapement.base import validate
+from escapement.base.quantity import Numbers, Quantity, Setting
 
 Content = Mapping[str, Any]
 

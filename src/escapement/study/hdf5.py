@@ -4,8 +4,8 @@ from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
-from escapement import files
-from escapement.files import AnyPath
+from escapement.base import files
+from escapement.base.files import AnyPath
 from escapement.study.block import CELLS, Block, blocks_of
 from escapement.study.result import Study
 

@@ -19,8 +19,8 @@ from itertools import chain
 from pathlib import Path
 from typing import Any
 
-from escapement.errors import CannotCreate
-from escapement.files import sync_folder
+from escapement.base.errors import CannotCreate
+from escapement.base.files import sync_folder
 from escapement.study.block import Block
 from escapement.study.configuration import difference
 from escapement.study.result import Study

@@ -11,25 +11,25 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from escapement import units, validate
-from escapement.errors import InvalidValue
-from escapement.files import AnyPath
-from escapement.fitting import IMPERFECT, check_lengths
-from escapement.mechanism import Mechanism
+from escapement.base import units, validate
+from escapement.base.errors import InvalidValue
+from escapement.base.files import AnyPath
+from escapement.base.quantity import Numbers, Quantity, Setting, declared
+from escapement.base.toml_file import read_toml
+from escapement.base.validate import known_keys
+from escapement.dynamics.merit_table import FIGURES
+from escapement.engines.solver import DEFAULT_ENGINE, Solver, solver_for
 from escapement.mechanisms import DEFAULT_KIND, KINDS, kind_of
-from escapement.merits import FIGURES
-from escapement.model import Escapement
-from escapement.quantity import Numbers, Quantity, Setting, declared
-from escapement.solver import DEFAULT_ENGINE, Solver, solver_for
+from escapement.mechanisms.checks import IMPERFECT, check_lengths
+from escapement.mechanisms.protocol import Mechanism
+from escapement.model.escapement import Escapement
+from escapement.model.torque_curve import TorqueCurve
+from escapement.model.train import PLACES, check_ratios
 from escapement.study.elements import part_lists
 from escapement.study.plan import StudyPlan, model_numbers, settings_of
 from escapement.study.result import DEFAULT
 from escapement.study.sizes import with_own_numbers
 from escapement.study.varied import CASE, WIDTHS, axis_values, sample_columns
-from escapement.toml_file import read_toml
-from escapement.torque_curve import TorqueCurve
-from escapement.train import PLACES, check_ratios
-from escapement.validate import known_keys
 
 MOST_CASES = 10**12
 

@@ -10,20 +10,21 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from escapement import units
-from escapement.fitting import IMPERFECT, LENGTHS, idle_settings
-from escapement.mechanism import Mechanism
+from escapement.base import units
+from escapement.base.quantity import Quantity, Setting, declared, quantities
+from escapement.base.text import Shown
+from escapement.dynamics.merit_table import FIGURES, Result
+from escapement.engines.solver import Solver
 from escapement.mechanisms import KINDS, kind_of
-from escapement.merits import FIGURES, Result
-from escapement.model import Escapement, Inertia, Run, escapement_of
-from escapement.quantity import Quantity, Setting, declared, quantities
-from escapement.solver import Solver
+from escapement.mechanisms.checks import IMPERFECT, LENGTHS
+from escapement.mechanisms.protocol import Mechanism
+from escapement.model.checks import idle_settings
+from escapement.model.escapement import Escapement, Inertia, Run, escapement_of
+from escapement.model.torque_curve import TorqueCurve
+from escapement.model.train import train_numbers
 from escapement.study.elements import joined
 from escapement.study.result import kept
 from escapement.study.varied import CASE
-from escapement.text import Shown
-from escapement.torque_curve import TorqueCurve
-from escapement.train import train_numbers
 
 
 def model_numbers() -> dict[str, Quantity]:
@@ -42,7 +43,7 @@ def _unit_kinds() -> dict[str, str]:
 
 
 def unit_kind(name: str) -> str:
-    """Kind of unit, a key of `escapement.units`, of a parameter or a result of any study."""
+    """Kind of unit, a key of `escapement.base.units`, of a parameter or a result of any study."""
     # the name of a number from a list ends with its index
     return _unit_kinds().get(name) or _unit_kinds().get(re.sub(r"_\d+$", "", name), "ratio")
 

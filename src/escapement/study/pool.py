@@ -8,8 +8,8 @@ from contextlib import ExitStack, contextmanager
 from itertools import islice
 from typing import Any, NamedTuple, TypeVar
 
-from escapement import validate
-from escapement.errors import InvalidValue, StorageError
+from escapement.base import validate
+from escapement.base.errors import InvalidValue, StorageError
 
 LOCAL = "local"
 _LOCAL_CLUSTER = {"threads_per_worker": 1, "host": "127.0.0.1", "dashboard_address": None}

@@ -8,8 +8,9 @@ from typing import Any
 
 import numpy as np
 
-from escapement.errors import CannotCreate, EscapementError, InvalidValue
-from escapement.files import AnyPath
+from escapement.base.errors import CannotCreate, EscapementError, InvalidValue
+from escapement.base.files import AnyPath
+from escapement.base.text import plain
 from escapement.study.configuration import difference, whole_configuration
 from escapement.study.result import Study, count_failed, result_names
 from escapement.study.stored import (
@@ -21,7 +22,6 @@ from escapement.study.stored import (
     open_hdf5,
     opened,
 )
-from escapement.text import plain
 
 
 def read_study(path: AnyPath) -> Study:

@@ -9,14 +9,14 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from escapement import validate
-from escapement.errors import InvalidValue
-from escapement.merits import FIGURES, Result
-from escapement.status import Status
+from escapement.base import validate
+from escapement.base.errors import InvalidValue
+from escapement.base.status import Status
+from escapement.base.text import Shown
+from escapement.base.units import spelt
+from escapement.dynamics.merit_table import FIGURES, Result
 from escapement.study.configuration import short_configuration
 from escapement.study.stored import LAYOUT
-from escapement.text import Shown
-from escapement.units import spelt
 
 if TYPE_CHECKING:
     from pandas import DataFrame

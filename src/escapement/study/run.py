@@ -12,12 +12,13 @@ from typing import Any, NamedTuple, TypedDict, Unpack
 import numpy as np
 from numpy.typing import ArrayLike
 
-from escapement import __version__, validate
-from escapement.errors import InvalidValue
-from escapement.files import AnyPath
-from escapement.model import Escapement
-from escapement.progress import Progress
-from escapement.solver import Solver, choose_solver
+from escapement import __version__
+from escapement.base import validate
+from escapement.base.errors import InvalidValue
+from escapement.base.files import AnyPath
+from escapement.base.progress import Progress
+from escapement.engines.solver import Solver, choose_solver
+from escapement.model.escapement import Escapement
 from escapement.study import scenes, tables
 from escapement.study.block import Block, Tiling, blocks_of, encode_block
 from escapement.study.parse import plan_from
@@ -31,7 +32,7 @@ from escapement.study.writer import Unfinished, study_writer
 _SLICE = 256, 16384  # fewest and most scenes solved at a time: up to 0.2 s
 _GOLDEN = (5.0**0.5 - 1.0) / 2.0
 _ROOT = Path(__file__).parents[1]
-_ROOMS = ("mechanisms", "engines", "study")
+_ROOMS = ("base", "numerics", "mechanisms", "model", "dynamics", "engines", "study")
 
 Report = Callable[[int, int, int], object]
 
@@ -287,7 +288,7 @@ def frame_of(plan: StudyPlan) -> Study:
 
 def sources() -> list[Path]:
     """The files that results may depend on, in order."""
-    rooms = (_ROOT.glob("*.py"), *((_ROOT / room).rglob("*.py") for room in _ROOMS))
+    rooms = ((_ROOT / room).rglob("*.py") for room in _ROOMS)
     return sorted(path for room in rooms for path in room)
 
 

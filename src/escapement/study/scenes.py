@@ -14,19 +14,21 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from escapement import simulation, units
-from escapement.errors import InvalidValue
-from escapement.fitting import IMPERFECT, LENGTHS, MOST_UNEQUAL, RESISTANCES, ratio_in_range
-from escapement.mechanism import FloatArray
-from escapement.merits import FIGURES, TRANSIENT
-from escapement.metrics import Figures
-from escapement.model import Escapement, Inertia
-from escapement.natural import natural
-from escapement.quantity import quantities
-from escapement.scene import Scene
-from escapement.status import Status
+from escapement.base import units
+from escapement.base.errors import InvalidValue
+from escapement.base.quantity import quantities
+from escapement.base.status import Status
+from escapement.dynamics.figures_of_merit import Figures
+from escapement.dynamics.merit_table import FIGURES, TRANSIENT
+from escapement.engines import simulate as simulation
+from escapement.mechanisms.checks import IMPERFECT, LENGTHS
+from escapement.mechanisms.protocol import FloatArray
+from escapement.model.checks import MOST_UNEQUAL, RESISTANCES, ratio_in_range
+from escapement.model.escapement import Escapement, Inertia
+from escapement.model.natural import natural
+from escapement.model.scene import Scene
+from escapement.model.train import seen, train_numbers
 from escapement.study.plan import StudyPlan
-from escapement.train import seen, train_numbers
 
 FOLLOWER = "follower_inertia"
 TORQUE, SPEED = "torque", "initial_speed"

@@ -4,10 +4,10 @@ from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any
 
-from escapement import units, validate
+from escapement.base import units, validate
+from escapement.base.quantity import Quantity, declared
 from escapement.mechanisms.kind import Kind
 from escapement.mechanisms.other_sizes import own_numbers
-from escapement.quantity import Quantity, declared
 
 
 def with_own_numbers(

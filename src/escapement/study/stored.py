@@ -10,9 +10,9 @@ import numpy as np
 from numpy.lib.mixins import NDArrayOperatorsMixin
 from numpy.typing import NDArray
 
-from escapement.errors import EscapementError, InputFileError
-from escapement.files import AnyPath, check_input
-from escapement.status import Status
+from escapement.base.errors import EscapementError, InputFileError
+from escapement.base.files import AnyPath, check_input
+from escapement.base.status import Status
 
 SCHEMA_VERSION = 2
 """Version of the file layout: raised when an older reader would misread a newer file."""

@@ -9,13 +9,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from escapement import files, validate
-from escapement.errors import CannotCreate
-from escapement.files import AnyPath
+from escapement.base import files, validate
+from escapement.base.errors import CannotCreate
+from escapement.base.files import AnyPath
+from escapement.base.text import csv_lines
 from escapement.study.block import Block, blocks_of, decode
 from escapement.study.reader import check_same
 from escapement.study.result import Study, count_failed
-from escapement.text import csv_lines
 
 CSV, PARQUET = ".csv", ".parquet"
 _ROWS = 1 << 17  # rows in a row group of Parquet

@@ -12,11 +12,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from escapement import units, validate
-from escapement.errors import InvalidValue
-from escapement.mechanism import FloatArray
-from escapement.quantity import Quantity
-from escapement.validate import known_keys
+from escapement.base import units, validate
+from escapement.base.errors import InvalidValue
+from escapement.base.quantity import Quantity
+from escapement.base.validate import known_keys
+from escapement.mechanisms.protocol import FloatArray
 
 CASE = "case"
 """Name of the dimension along which a sample varies."""

@@ -9,8 +9,8 @@ from functools import partial
 from pathlib import Path
 from typing import NamedTuple
 
-from escapement import files
-from escapement.files import AnyPath
+from escapement.base import files
+from escapement.base.files import AnyPath
 from escapement.study import tables
 from escapement.study.block import Block, Tiling, blocks_of, encode_block
 from escapement.study.hdf5 import write_hdf5

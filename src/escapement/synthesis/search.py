@@ -10,12 +10,12 @@ from itertools import product
 import numpy as np
 from numpy.typing import ArrayLike
 
-from escapement import validate
-from escapement.chebyshev import zeros
-from escapement.errors import InvalidValue
-from escapement.mechanism import FloatArray
+from escapement.base import validate
+from escapement.base.errors import InvalidValue
 from escapement.mechanisms import GearDriven
 from escapement.mechanisms.gear_equation import CURVES, MOST_LOBES, lobe_ratios
+from escapement.mechanisms.protocol import FloatArray
+from escapement.numerics.chebyshev import zeros
 from escapement.synthesis.wheel import MotionPeaks, motion_peaks
 
 _MOST = 100_000

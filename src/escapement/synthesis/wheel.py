@@ -17,12 +17,12 @@ import numpy as np
 from numpy.polynomial import Polynomial
 from numpy.typing import ArrayLike
 
-from escapement import validate
-from escapement.errors import InvalidValue
-from escapement.mechanism import FloatArray, checked
+from escapement.base import validate
+from escapement.base.errors import InvalidValue
 from escapement.mechanisms import GearDriven, Geneva
 from escapement.mechanisms.gear_equation import COGNATES
 from escapement.mechanisms.kind import Wheel
+from escapement.mechanisms.protocol import FloatArray, checked
 from escapement.mechanisms.slotted import circle
 
 STANDARD_MODULES = (

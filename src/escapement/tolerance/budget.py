@@ -12,25 +12,26 @@ from typing import Any
 
 import numpy as np
 
-from escapement import simulation, validate
-from escapement.errors import InvalidValue
-from escapement.files import AnyPath
-from escapement.fitting import IMPERFECT
-from escapement.mechanism import FloatArray
-from escapement.merits import FIGURES
-from escapement.model import Escapement
-from escapement.progress import set_stage
-from escapement.status import Status
+from escapement.base import validate
+from escapement.base.errors import InvalidValue
+from escapement.base.files import AnyPath
+from escapement.base.progress import set_stage
+from escapement.base.status import Status
+from escapement.base.text import Shown
+from escapement.dynamics.merit_table import FIGURES
+from escapement.engines import simulate as simulation
+from escapement.mechanisms.checks import IMPERFECT
+from escapement.mechanisms.protocol import FloatArray
+from escapement.model.escapement import Escapement
+from escapement.model.numbers import numbers_of
 from escapement.study.parse import parse_plan, plan_from
 from escapement.study.plan import StudyPlan
 from escapement.study.result import Study
 from escapement.study.run import run_plan
 from escapement.study.varied import drawn_values
-from escapement.text import Shown
 from escapement.tolerance import intervals
 from escapement.tolerance.indices import sobol_indices
 from escapement.tolerance.intervals import Estimate
-from escapement.tolerance.law import numbers_of
 from escapement.tolerance.scatter import FEWEST, Limits, Scatter, scatter_of
 from escapement.tolerance.sensitivities import corners_of
 from escapement.tolerance.spread import Spread, spreads_of

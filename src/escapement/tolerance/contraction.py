@@ -11,8 +11,8 @@ from typing import Any
 
 import numpy as np
 
-from escapement.gauss import WEIGHTS
-from escapement.mechanism import FloatArray
+from escapement.mechanisms.protocol import FloatArray
+from escapement.numerics.gauss import WEIGHTS
 from escapement.tolerance.dual import Dual, slopes_of, value_of
 from escapement.tolerance.law import ANGLE, SPEED
 from escapement.tolerance.variation import Variation

@@ -7,16 +7,15 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
-from typing import Any
 
-from escapement import simulation
-from escapement.errors import InvalidValue
-from escapement.merits import FIGURES, TRANSIENT
-from escapement.metrics import Figures
-from escapement.model import Escapement
-from escapement.status import Status
-from escapement.train import PLACES
+from escapement.base.errors import InvalidValue
+from escapement.base.status import Status
+from escapement.dynamics.figures_of_merit import Figures
+from escapement.dynamics.merit_table import FIGURES, TRANSIENT
+from escapement.engines import simulate as simulation
+from escapement.model.escapement import Escapement
+from escapement.model.numbers import with_number
+from escapement.model.train import PLACES
 
 STEPS = (1e-2, 2e-3, 4e-4)
 """Relative steps of a number; for each figure the step with the smallest error is used."""
@@ -37,28 +36,6 @@ def lossless(escapement: Escapement) -> list[str]:
     """Efficiencies of trains that are 1: figures have derivatives only on one side of them."""
     trains = {place: getattr(escapement, place) for place in PLACES}
     return [f"{k}_efficiency" for k, train in trains.items() if train and train.efficiency == 1.0]
-
-
-def with_number(escapement: Escapement, name: str, value: float) -> Escapement:
-    """The escapement with another value of one number, by its name in studies [SI]."""
-    if name in ("driver_inertia", "follower_inertia"):
-        own = replace(escapement.inertia, **{name.removesuffix("_inertia"): value})
-        return replace(escapement, inertia=own)
-    for place in PLACES:
-        key = name.removeprefix(f"{place}_")
-        if key != name and (train := getattr(escapement, place)) is not None:
-            changed: Any = {place: replace(train, **{key: value})}
-            return replace(escapement, **changed)
-    mechanism: Any = escapement.mechanism
-    given: Any = value
-    if name[-1].isdigit():
-        name, place = name.rsplit("_", 1)
-        values = list(getattr(mechanism, name))
-        values[int(place)] = value
-        given = tuple(values)
-    if hasattr(mechanism, name):
-        return replace(escapement, mechanism=replace(mechanism, **{name: given}))
-    return replace(escapement, **{name: given})
 
 
 def slopes_by(

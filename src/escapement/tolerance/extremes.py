@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from escapement.mechanism import FloatArray
+from escapement.mechanisms.protocol import FloatArray
 from escapement.tolerance.dual import slopes_of, value_of
 from escapement.tolerance.law import ANGLE, SPEED, Point
 from escapement.tolerance.panels import Panel

@@ -10,12 +10,13 @@ from typing import Any
 
 import numpy as np
 
-from escapement import painleve, simulation
-from escapement.mechanism import FloatArray
+from escapement.dynamics import painleve
+from escapement.dynamics.figures_of_merit import Figures
+from escapement.dynamics.merit_table import FIGURES
+from escapement.engines import simulate as simulation
 from escapement.mechanisms import slotted
-from escapement.merits import FIGURES
-from escapement.metrics import Figures
-from escapement.model import Escapement
+from escapement.mechanisms.protocol import FloatArray
+from escapement.model.escapement import Escapement
 from escapement.tolerance.contraction import contraction
 from escapement.tolerance.dual import Dual, uncompiled
 from escapement.tolerance.extremes import extreme

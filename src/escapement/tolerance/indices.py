@@ -12,8 +12,8 @@ from typing import Any
 
 import numpy as np
 
-from escapement import validate
-from escapement.mechanism import FloatArray
+from escapement.base import validate
+from escapement.mechanisms.protocol import FloatArray
 from escapement.tolerance.intervals import LEVEL, Estimate
 
 RESAMPLES = 999

@@ -15,7 +15,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from escapement.mechanism import FloatArray
+from escapement.mechanisms.protocol import FloatArray
 
 LEVEL = 0.95
 """Confidence of every interval."""

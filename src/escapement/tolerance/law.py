@@ -13,49 +13,20 @@ from typing import Any
 import numpy as np
 from numpy.polynomial.chebyshev import chebder, chebval
 
-from escapement import dynamics
-from escapement.fitting import LENGTHS
+from escapement.dynamics import law as dynamics
 from escapement.mechanisms import slotted
-from escapement.model import Escapement, Inertia
-from escapement.natural import natural
-from escapement.quantity import quantities
-from escapement.scene import Path, Scene
+from escapement.mechanisms.checks import LENGTHS
+from escapement.mechanisms.path import Path
+from escapement.model.escapement import Escapement
+from escapement.model.natural import natural
+from escapement.model.numbers import error_names, full_torque
+from escapement.model.scene import Scene
+from escapement.model.train import numbers_of_trains, seen
 from escapement.tolerance.dual import Dual, slopes_of, uncompiled, value_of
-from escapement.tolerance.parts import Part, error_names, parts_of
-from escapement.torque_curve import TorqueCurve
-from escapement.train import numbers_of_trains, seen
+from escapement.tolerance.parts import Part, parts_of
 
 SPEED, ANGLE = -2, -1
 """Places of the slopes by w and by the driver angle."""
-_OF_CONTACT = ("clearance", "restitution", "stiffness", "damping", "slip_speed")
-"""Numbers that affect a terminal cycle only with clearance or compliant contact."""
-
-
-def numbers_of(escapement: Escapement) -> dict[str, float]:
-    """The numbers of an escapement that may vary, by the names that studies use [SI]."""
-    mechanism: Any = escapement.mechanism
-    meshed, length = escapement.scene.path.table, getattr(mechanism, LENGTHS[0], None)
-    owners = {**vars(escapement.inertia), **vars(escapement)}
-    # the terminal cycle belongs to the full torque of a spring
-    left_out = ("spring_rate", *(() if escapement.contact else _OF_CONTACT))
-    found = {}
-    for entry in (*quantities(Inertia).values(), *quantities(Escapement).values()):
-        bare = entry.unit != "length" or length
-        # damping that is not given follows from other numbers
-        given = owners[entry.key] is not None
-        if entry.fits(meshed) and bare and given and entry.name not in left_out:
-            found[entry.name] = float(owners[entry.key])
-    found = {"torque": _full_torque(escapement), **found, **numbers_of_trains(escapement)}
-    if length and not meshed:
-        lengths = (name for name in LENGTHS if name not in left_out)
-        found |= {name: float(getattr(mechanism, name, None) or 0.0) for name in lengths}
-    return found | error_names(mechanism)
-
-
-def _full_torque(escapement: Escapement) -> float:
-    """The greatest torque of the drive, at the barrel if there is one [N m]."""
-    torque = escapement.torque
-    return torque.greatest if isinstance(torque, TorqueCurve) else torque
 
 
 @dataclass(frozen=True)
@@ -85,7 +56,7 @@ class Law:
         escapement, own = self.escapement, self.escapement.inertia
         known = {"driver_inertia": own.driver, "follower_inertia": own.follower}
         known |= (
-            vars(escapement) | {"torque": _full_torque(escapement)} | numbers_of_trains(escapement)
+            vars(escapement) | {"torque": full_torque(escapement)} | numbers_of_trains(escapement)
         )
         known |= {name: getattr(escapement.mechanism, name, None) or 0.0 for name in LENGTHS}
         known |= error_names(escapement.mechanism)

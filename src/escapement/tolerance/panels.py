@@ -7,8 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from escapement.gauss import BARYCENTRIC, POINTS, TRANSFORM
-from escapement.mechanism import FloatArray
+from escapement.mechanisms.protocol import FloatArray
+from escapement.numerics.gauss import BARYCENTRIC, POINTS, TRANSFORM
 from escapement.tolerance.dual import slopes_of, value_of
 from escapement.tolerance.law import ANGLE, SPEED, Law, Point
 

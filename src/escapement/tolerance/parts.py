@@ -12,8 +12,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from escapement.mechanisms import pattern, slotted
+from escapement.mechanisms.path import Path
 from escapement.mechanisms.pattern import CLOSE, Handoff
-from escapement.scene import Path
 from escapement.tolerance.dual import uncompiled
 
 
@@ -34,19 +34,6 @@ class Part(NamedTuple):
     starts: Any
     leaves: Any
     strikes: bool
-
-
-def error_names(mechanism: Any) -> dict[str, float]:
-    """The errors of the parts by the names that studies use [SI]; none for other mechanisms."""
-    if getattr(mechanism, "perfect", True):
-        return {}
-    found = {"centre_distance_error": mechanism.centre_distance_error}
-    for name, count in mechanism.error_counts.items():
-        values = getattr(mechanism, name) or (0.0,) * count
-        found |= {f"{name}_{i}": float(value) for i, value in enumerate(values)}
-    if not mechanism.crank_radius:
-        found = {name: value for name, value in found.items() if "angle" in name}
-    return found
 
 
 def parts_of(mechanism: Any, values: dict[str, Any]) -> tuple[Part, ...]:

@@ -10,25 +10,25 @@ from typing import Any
 
 import numpy as np
 
-from escapement import simulation, units
-from escapement.errors import InvalidValue
-from escapement.fitting import IMPERFECT
-from escapement.mechanism import FloatArray
-from escapement.merits import TRANSIENT
-from escapement.metrics import Figures
-from escapement.model import Escapement
-from escapement.progress import set_stage
-from escapement.status import MESSAGES, Status
+from escapement.base import units
+from escapement.base.errors import InvalidValue
+from escapement.base.progress import set_stage
+from escapement.base.status import MESSAGES, Status
+from escapement.base.text import Shown, words
+from escapement.dynamics.figures_of_merit import Figures
+from escapement.dynamics.merit_table import TRANSIENT
+from escapement.engines import simulate as simulation
+from escapement.mechanisms.checks import IMPERFECT
+from escapement.mechanisms.protocol import FloatArray
+from escapement.model.escapement import Escapement
+from escapement.model.numbers import error_names, numbers_of
 from escapement.study.plan import StudyPlan, unit_kind
 from escapement.study.result import Study
 from escapement.study.varied import correlation_matrix
-from escapement.text import Shown, words
 from escapement.tolerance import intervals
 from escapement.tolerance.differences import lossless, needs_differences, slopes_by
 from escapement.tolerance.figures import figures_of
 from escapement.tolerance.intervals import Estimate, estimate
-from escapement.tolerance.law import numbers_of
-from escapement.tolerance.parts import error_names
 from escapement.tolerance.spread import Spread
 from escapement.tolerance.worst_case import Worst, worst_case
 

@@ -9,17 +9,17 @@ from typing import Any
 
 import numpy as np
 
-from escapement import simulation
-from escapement.errors import InvalidValue
-from escapement.mechanism import FloatArray
-from escapement.merits import FIGURES, TRANSIENT
-from escapement.metrics import Figures
-from escapement.model import Escapement
-from escapement.status import Status
-from escapement.text import Shown
+from escapement.base.errors import InvalidValue
+from escapement.base.status import Status
+from escapement.base.text import Shown
+from escapement.dynamics.figures_of_merit import Figures
+from escapement.dynamics.merit_table import FIGURES, TRANSIENT
+from escapement.engines import simulate as simulation
+from escapement.mechanisms.protocol import FloatArray
+from escapement.model.escapement import Escapement
+from escapement.model.numbers import numbers_of
 from escapement.tolerance.differences import lossless, needs_differences, slopes_by
 from escapement.tolerance.figures import LIMITS, figures_of
-from escapement.tolerance.law import numbers_of
 
 JUMPS = ("rise_time", "settling_time")
 """Figures that jump where another extremum is the first one within the band."""

@@ -8,8 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from escapement.fitting import IMPERFECT
-from escapement.mechanism import FloatArray
+from escapement.mechanisms.checks import IMPERFECT
+from escapement.mechanisms.protocol import FloatArray
 from escapement.study.plan import StudyPlan
 from escapement.study.varied import drawn_values
 

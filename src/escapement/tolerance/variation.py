@@ -28,9 +28,9 @@ from typing import Any
 
 import numpy as np
 
-from escapement.gauss import CUMULATE, WEIGHTS
-from escapement.mechanism import FloatArray
-from escapement.motion import Motion
+from escapement.dynamics.motion import Motion
+from escapement.mechanisms.protocol import FloatArray
+from escapement.numerics.gauss import CUMULATE, WEIGHTS
 from escapement.tolerance.dual import slopes_of, value_of
 from escapement.tolerance.law import ANGLE, SPEED, Law, Point
 from escapement.tolerance.panels import Panel, resolved

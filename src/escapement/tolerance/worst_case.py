@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from escapement.mechanism import FloatArray
+from escapement.mechanisms.protocol import FloatArray
 
 Evaluate = Callable[[FloatArray], float]
 """A figure at values of the numbers; NaN where it has none."""

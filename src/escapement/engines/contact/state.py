@@ -4,10 +4,10 @@ from typing import Any
 
 import numpy as np
 
-from escapement.dynamics import LOSSES
-from escapement.mechanism import FloatArray
-from escapement.model import Escapement
-from escapement.motion import State
+from escapement.dynamics.law import LOSSES
+from escapement.dynamics.motion import State
+from escapement.mechanisms.protocol import FloatArray
+from escapement.model.escapement import Escapement
 
 COLUMNS = (
     *("theta", "theta_dot", "theta_ddot", "phi", "phi_dot", "phi_ddot"),

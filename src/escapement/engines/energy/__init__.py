@@ -21,12 +21,12 @@ are the units of inertia, torque and time); in brackets the names they have in t
     beta    alpha int A/alpha, so E = alpha E_left + beta    (beta, source)
     x       -1 to 1 over a panel, theta' = dtheta/dx         (x, dtheta_dx)
 
-J theta_ddot = 1 - p (g' w + load) is `dynamics.net_torque`, and dt/dx = theta'/sqrt(w) is the
+J theta_ddot = 1 - p (g' w + load) is `dynamics.law.net_torque`, and dt/dx = theta'/sqrt(w) is the
 `slowness`. A reversal is a zero of X, an extremum of the speed is a zero of J theta_ddot.
 
 Files, in the order in which they are best read:
 
-    gauss      (escapement.gauss) sixteen Gauss points: integrals, interpolation, tails, roots
+    gauss      (numerics.gauss) sixteen Gauss points: integrals, interpolation, tails, roots
     panels     a panel, the chain of panels of an engagement, and how one is halved
     cells      g, |u| and g' on the first halvings of each interval, tabulated once
     sampling   E, w, X, J theta_ddot and dt/dx at the points, and the signs they have there
@@ -59,4 +59,7 @@ A call of terminal: `terminal.terminal` gives one scene to `batch.solve_rows`; t
 `cycle.terminal_cycle` finds the w that an engagement gives back. `figures` then compares the
 extrema with the cycle for rise and settling time. In the end `simulate.simulate` makes the
 motion over one engagement of the cycle. A study calls `batch.solve` with many scenes instead.
+
+Wheels with imperfect parts have engagements that differ: `pattern` is their motion, `pattern_cycle`
+their terminal cycle, and `pattern_rows` the figures of many; `beats` gives the times of a cycle.
 """

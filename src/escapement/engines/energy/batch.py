@@ -5,17 +5,18 @@ from dataclasses import replace
 import numpy as np
 from numba.np.unsafe.ndarray import to_fixed_tuple
 
-from escapement.dynamics import scene_of
+from escapement.dynamics.law import scene_of
+from escapement.dynamics.painleve import beyond_painleve
 from escapement.engines.energy.calls import MarchInputs, kernel_addresses
 from escapement.engines.energy.cells import NO_CELLS, cells_of
 from escapement.engines.energy.cycle import FIGURES
 from escapement.engines.energy.figures import figures, workspace
 from escapement.engines.energy.march import OK, PAINLEVE
-from escapement.jit import jit
-from escapement.mechanism import FloatArray, Mechanism, dwell_angle
+from escapement.mechanisms.path import smooth_intervals, writeable
+from escapement.mechanisms.protocol import FloatArray, Mechanism, dwell_angle
 from escapement.mechanisms.slotted import slide_edges
-from escapement.painleve import beyond_painleve
-from escapement.scene import Scene, smooth_intervals, writeable
+from escapement.model.scene import Scene
+from escapement.numerics.jit import jit
 
 FIXED = Scene._fields.index("rho")
 """Fields of a scene that all scenes of a mechanism share; those behind them are numbers."""

@@ -4,15 +4,15 @@ from typing import Any
 
 import numpy as np
 
+from escapement.base.status import Status
 from escapement.engines.energy.calls import prepared
 from escapement.engines.energy.cells import NO_CELLS
 from escapement.engines.energy.cycle import HANDOFF
 from escapement.engines.energy.figures import Extent
 from escapement.engines.energy.pattern import pattern_handoffs
 from escapement.engines.energy.pattern_rows import FIGURES, solve_pattern
-from escapement.mechanism import FloatArray
-from escapement.model import Escapement
-from escapement.status import Status
+from escapement.mechanisms.protocol import FloatArray
+from escapement.model.escapement import Escapement
 
 
 def pattern_beats(escapement: Escapement, rtol: float) -> FloatArray | None:

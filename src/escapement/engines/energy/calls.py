@@ -10,17 +10,18 @@ from typing import Any, NamedTuple
 import numpy as np
 from numba import typeof, types
 
-from escapement.by_address import by_address
 from escapement.engines.energy import events as _events
 from escapement.engines.energy import march as _march
 from escapement.engines.energy.cells import CELL, cells_of
 from escapement.engines.energy.events import EVENT
 from escapement.engines.energy.panels import PANEL, WORKSPACE, Store
 from escapement.engines.energy.passage import Request
-from escapement.jit import inner_jit
-from escapement.mechanism import FloatArray
-from escapement.model import Escapement
-from escapement.scene import Path, Scene, scene_tuple
+from escapement.mechanisms.path import Path
+from escapement.mechanisms.protocol import FloatArray
+from escapement.model.escapement import Escapement
+from escapement.model.scene import Scene, scene_tuple
+from escapement.numerics.by_address import by_address
+from escapement.numerics.jit import inner_jit
 
 _KEY = "energy.cells"
 

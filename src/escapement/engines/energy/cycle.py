@@ -10,16 +10,16 @@ from typing import NamedTuple
 
 import numpy as np
 
-from escapement.dynamics import is_drag_free
+from escapement.dynamics.figures_of_merit import BOUNDLESS, MAX_ENGAGEMENTS
+from escapement.dynamics.law import is_drag_free
+from escapement.dynamics.train_losses import is_lossy
 from escapement.engines.energy.calls import march_case, refine
 from escapement.engines.energy.events import ROUGH_ERROR, has_reversal, is_extremum
 from escapement.engines.energy.march import NO_TERMINAL, NOT_CONVERGED, OK, STALL
 from escapement.engines.energy.panels import NO_PANELS, tolerances
 from escapement.engines.energy.passage import Detail, Request
-from escapement.jit import inner_jit
 from escapement.mechanisms.slotted import transmission_at
-from escapement.metrics import BOUNDLESS, MAX_ENGAGEMENTS
-from escapement.power_flow import is_lossy
+from escapement.numerics.jit import inner_jit
 
 COLUMNS = (
     *("velocity_max", "velocity_min", "period", "handoff_velocity", "contraction"),

@@ -8,8 +8,9 @@ from enum import IntEnum
 
 import numpy as np
 
-from escapement.drive import torque_at
-from escapement.dynamics import bent_pose, net_torque, reduced_inertia, root_of
+from escapement.dynamics.law import bent_pose, net_torque, reduced_inertia, root_of
+from escapement.dynamics.torque import torque_at
+from escapement.dynamics.train_losses import in_flow, is_lossy
 from escapement.engines.energy import panels
 from escapement.engines.energy.locate import locate, weights_to
 from escapement.engines.energy.panels import (
@@ -23,9 +24,8 @@ from escapement.engines.energy.panels import (
 )
 from escapement.engines.energy.sampling import duration, sample_panel
 from escapement.engines.energy.solve import solve_side
-from escapement.gauss import POINTS, N, cumulate, dot
-from escapement.jit import inner_jit
-from escapement.power_flow import in_flow, is_lossy
+from escapement.numerics.gauss import POINTS, N, cumulate, dot
+from escapement.numerics.jit import inner_jit
 
 
 class EventKind(IntEnum):
@@ -52,7 +52,7 @@ EVENT = record_dtype(
         # too coarse for interpolation, s, E at the left end, the point behind the extremum,
         # and J theta_ddot at the left end and at x = high
         **{"half": NUMBER, "coarse": FLAG, "side": NUMBER, "left_energy": NUMBER},
-        "flow": NUMBER,  # flow of the scene, see `power_flow`
+        "flow": NUMBER,  # flow of the scene, see `dynamics.train_losses`
         **{"point": WHOLE, "first": NUMBER, "final": NUMBER, "high": NUMBER},
         # copies of these rows of the workspace
         **dict.fromkeys(("energy", "net_torque", "slowness"), ROW),

@@ -4,8 +4,16 @@ from enum import IntEnum
 
 import numpy as np
 
-from escapement.drive import torque_at
-from escapement.dynamics import ends_alike, is_lossless
+from escapement.dynamics.figures_of_merit import (
+    FALL_63,
+    FALL_98,
+    LEAST_RATIO,
+    MAX_ENGAGEMENTS,
+    RISE_BAND,
+    SETTLING_BAND,
+)
+from escapement.dynamics.law import ends_alike, is_lossless
+from escapement.dynamics.torque import torque_at
 from escapement.engines.energy import cycle
 from escapement.engines.energy.calls import march_case, refine
 from escapement.engines.energy.events import (
@@ -21,16 +29,8 @@ from escapement.engines.energy.leap import GENTLE, GOALS, ROWS, Leap, is_gentle,
 from escapement.engines.energy.march import NO_TERMINAL, NOT_CONVERGED, OK, STALL
 from escapement.engines.energy.panels import MAX_PANELS, NO_PANELS, new_store, tolerances
 from escapement.engines.energy.passage import Detail, Request
-from escapement.gauss import N
-from escapement.jit import inner_jit
-from escapement.metrics import (
-    FALL_63,
-    FALL_98,
-    LEAST_RATIO,
-    MAX_ENGAGEMENTS,
-    RISE_BAND,
-    SETTLING_BAND,
-)
+from escapement.numerics.gauss import N
+from escapement.numerics.jit import inner_jit
 
 # Greatest number of events of a transient that are kept until the terminal cycle is known.
 KEPT_EVENTS = 256

@@ -2,8 +2,9 @@
 
 import numpy as np
 
-from escapement.drive import cell_after, cell_of, is_constant, is_spent
-from escapement.dynamics import is_lossless, scene_of
+from escapement.dynamics.law import is_lossless, scene_of
+from escapement.dynamics.painleve import beyond_painleve
+from escapement.dynamics.torque import cell_after, cell_of, is_constant, is_spent
 from escapement.engines.energy.calls import MarchInputs, march
 from escapement.engines.energy.events import EVENT, NO_EVENTS, most_events
 from escapement.engines.energy.march import OK, PAINLEVE, SPENT, STALL
@@ -17,9 +18,8 @@ from escapement.engines.energy.rundown import (
     least_length,
     longest_stretch,
 )
-from escapement.jit import inner_jit, jit
 from escapement.mechanisms.slotted import transmission_at
-from escapement.painleve import beyond_painleve
+from escapement.numerics.jit import inner_jit, jit
 
 # Where the exponent int B of an engagement is below this, the slope of the map is nearly 1, and
 # the change of w is computed instead of w, so that rounding errors do not add up.

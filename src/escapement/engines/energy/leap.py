@@ -22,8 +22,8 @@ from escapement.engines.energy.events import NO_EVENTS
 from escapement.engines.energy.locate import invert, weights_to
 from escapement.engines.energy.march import OK
 from escapement.engines.energy.panels import NO_PANELS, points_of
-from escapement.gauss import POINTS, N, cumulate, dot, integral, tail_of
-from escapement.jit import inner_jit
+from escapement.numerics.gauss import POINTS, N, cumulate, dot, integral, tail_of
+from escapement.numerics.jit import inner_jit
 
 # Engagements that change w by more than this share, or contract it by more, are marched.
 GENTLE = 3e-3

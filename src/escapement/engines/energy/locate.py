@@ -9,8 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from escapement.drive import torque_at
-from escapement.dynamics import (
+from escapement.dynamics.law import (
     contact,
     dragged_slope,
     free_gain,
@@ -18,6 +17,7 @@ from escapement.dynamics import (
     net_torque,
     root_of,
 )
+from escapement.dynamics.torque import torque_at
 from escapement.engines.energy import sampling
 from escapement.engines.energy.panels import points_of, solution_of
 from escapement.engines.energy.sampling import ALL_POINTS, CLOSE_PAIR, NEGLIGIBLE
@@ -29,7 +29,8 @@ from escapement.engines.energy.solve import (
     solve_linear,
     solve_side,
 )
-from escapement.gauss import (
+from escapement.mechanisms.slotted import transmission_at
+from escapement.numerics.gauss import (
     BARYCENTRIC,
     FROM_LEFT,
     POINTS,
@@ -39,9 +40,8 @@ from escapement.gauss import (
     root_between,
     to_powers,
 )
-from escapement.jit import inner_jit
-from escapement.mechanisms.slotted import transmission_at
-from escapement.roots import newton_in_bracket
+from escapement.numerics.jit import inner_jit
+from escapement.numerics.roots import newton_in_bracket
 
 # A last step of Newton's method for a reversal that is longer than this, in x, is due to
 # rounding and left out.

@@ -12,8 +12,10 @@ and `_advance`. `_pass_over`, `_check` and `_note_inside` may find that it must 
 
 import numpy as np
 
-from escapement.drive import REST, has_knot, is_held, is_undriven
-from escapement.dynamics import drive_sign, is_drag_free, is_viscous, side_at
+from escapement.base.status import Status
+from escapement.dynamics.law import drive_sign, is_drag_free, is_viscous, side_at
+from escapement.dynamics.torque import REST, has_knot, is_held, is_undriven
+from escapement.dynamics.train_losses import flowing, is_lossy
 from escapement.engines.energy import locate, panels, sampling
 from escapement.engines.energy.events import (
     EventKind,
@@ -32,11 +34,9 @@ from escapement.engines.energy.passage import (
 )
 from escapement.engines.energy.sampling import ALL_POINTS, CLOSE_PAIR, FIRST_POINT, NEGLIGIBLE
 from escapement.engines.energy.solve import slope_of_w, solve_side, solve_start
-from escapement.gauss import N
-from escapement.jit import inner_jit
 from escapement.mechanisms.slotted import transmission_at
-from escapement.power_flow import flowing, is_lossy
-from escapement.status import Status
+from escapement.numerics.gauss import N
+from escapement.numerics.jit import inner_jit
 
 OK, NO_TERMINAL = int(Status.OK), int(Status.NO_TERMINAL)
 STALL, PAINLEVE, NOT_CONVERGED = int(Status.STALL), int(Status.PAINLEVE), int(Status.NOT_CONVERGED)
@@ -214,7 +214,7 @@ def _pass_over(scene, work, panel, starting, state, request):
         if 0.0 < way <= 4.0 * panel.half:
             return _stops(panel, way, w, 0.0, time, energy)
     if is_viscous(scene) and not energy > scene.rho * REST and is_undriven(panel.left, scene):
-        # see `dynamics.rest_speed`
+        # see `dynamics.law.rest_speed`
         excess = state.energy - scene.rho * REST
         if excess <= 0.0:
             return _stops(panel, 0.0, w, w, time, energy)

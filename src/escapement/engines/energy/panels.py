@@ -14,12 +14,12 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from escapement.drive import next_knot, torque_at
-from escapement.dynamics import dragged_slope, is_ideal
-from escapement.gauss import POINTS, N, tail_of
-from escapement.jit import inner_jit
+from escapement.dynamics.law import dragged_slope, is_ideal
+from escapement.dynamics.torque import next_knot, torque_at
+from escapement.dynamics.train_losses import is_lossy
 from escapement.mechanisms.slotted import pose_at, transmission_on
-from escapement.power_flow import is_lossy
+from escapement.numerics.gauss import POINTS, N, tail_of
+from escapement.numerics.jit import inner_jit
 
 NUMBER, WHOLE, FLAG = np.float64, np.int64, np.bool_
 ROW = (NUMBER, (N,))
@@ -75,7 +75,7 @@ PANEL = record_dtype(
         "pull": ROW,  # torque of the drive less that of the bearing at the points
         # slope of that by the angle, and the angle turned before the cell for which it holds
         **dict.fromkeys(("slope", "turned"), NUMBER),
-        "flow": NUMBER,  # the flow of the scene for which it is filled, see `power_flow`
+        "flow": NUMBER,  # the flow of the scene for which it is filled, see `dynamics.train_losses`
         **dict.fromkeys(("entry", "exit"), END),  # the same at the left and the right end
         **dict.fromkeys(("plus", "minus"), SOLUTION),  # for the sides s = +1 and -1
     }

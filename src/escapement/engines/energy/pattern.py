@@ -9,18 +9,18 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from escapement.drive import is_constant, is_spent
-from escapement.dynamics import left_by_blow
+from escapement.dynamics.law import left_by_blow
+from escapement.dynamics.painleve import beyond_painleve
+from escapement.dynamics.torque import is_constant, is_spent
 from escapement.engines.energy.calls import march, refine
 from escapement.engines.energy.events import EVENT, NO_EVENTS
 from escapement.engines.energy.march import OK, PAINLEVE, SPENT, STALL
 from escapement.engines.energy.panels import MAX_PANELS, NO_PANELS, Store, new_store, tolerances
 from escapement.engines.energy.passage import Detail, Request
-from escapement.jit import inner_jit, jit
 from escapement.mechanisms.pattern import Handoff, path_in
 from escapement.mechanisms.slotted import transmission_at
-from escapement.painleve import beyond_painleve
-from escapement.scene import Scene
+from escapement.model.scene import Scene
+from escapement.numerics.jit import inner_jit, jit
 
 # The panels of this many engagements are kept; those of a longer pattern are laid out every time.
 MOST_CHAINS = 16

@@ -8,15 +8,15 @@ from typing import NamedTuple
 
 import numpy as np
 
-from escapement.dynamics import is_drag_free
+from escapement.dynamics.figures_of_merit import MAX_ENGAGEMENTS
+from escapement.dynamics.law import is_drag_free
 from escapement.engines.energy.cycle import NO_LOSS
 from escapement.engines.energy.events import EventKind, is_extremum
 from escapement.engines.energy.march import NO_TERMINAL, NOT_CONVERGED, OK
 from escapement.engines.energy.panels import tolerances
 from escapement.engines.energy.passage import Detail, Request
 from escapement.engines.energy.pattern import engage, scene_in
-from escapement.jit import inner_jit
-from escapement.metrics import MAX_ENGAGEMENTS
+from escapement.numerics.jit import inner_jit
 
 # Number of steps of Newton's method that are taken from one speed of the motion.
 MOST_STEPS = 25

@@ -5,6 +5,8 @@ from typing import Any
 import numpy as np
 from numba.np.unsafe.ndarray import to_fixed_tuple
 
+from escapement.base.status import Status
+from escapement.dynamics.figures_of_merit import RISE_BAND, SETTLING_BAND
 from escapement.engines.energy import cycle
 from escapement.engines.energy.calls import kernel_addresses
 from escapement.engines.energy.cells import NO_CELLS
@@ -22,13 +24,12 @@ from escapement.engines.energy.pattern_cycle import (
     rising_after,
     speed_at,
 )
-from escapement.jit import inner_jit, jit
-from escapement.mechanism import FloatArray
+from escapement.mechanisms.path import writeable
 from escapement.mechanisms.pattern import FITS, MEETING, lay_pattern, path_in
+from escapement.mechanisms.protocol import FloatArray
 from escapement.mechanisms.slotted import transmission_at
-from escapement.metrics import RISE_BAND, SETTLING_BAND
-from escapement.scene import Scene, writeable
-from escapement.status import Status
+from escapement.model.scene import Scene
+from escapement.numerics.jit import inner_jit, jit
 
 COLUMNS = (*cycle.COLUMNS, "beat_error", "blow_max")
 """Figures of merit that these kernels compute."""

@@ -5,8 +5,7 @@ ends and Gauss points, and then between the neighbours of each point that may be
 greatest value.
 """
 
-from escapement.drive import torque_at
-from escapement.dynamics import (
+from escapement.dynamics.law import (
     bend,
     contact,
     dragged_slope,
@@ -15,13 +14,14 @@ from escapement.dynamics import (
     reduced_inertia,
     root_of,
 )
+from escapement.dynamics.tables import signs_near
+from escapement.dynamics.torque import torque_at
+from escapement.dynamics.train_losses import weight
 from escapement.engines.energy.locate import weights_to
 from escapement.engines.energy.panels import points_of
-from escapement.gauss import POINTS, N, dot
-from escapement.jit import inner_jit
 from escapement.mechanisms.slotted import pose_at
-from escapement.power_flow import weight
-from escapement.tabulation import signs_near
+from escapement.numerics.gauss import POINTS, N, dot
+from escapement.numerics.jit import inner_jit
 
 PEAKS = ("acceleration_max", "follower_acceleration_max", "contact_moment_max", "contact_force_max")
 """Names of the peaks, in their order."""
@@ -36,7 +36,7 @@ NEAR = 0.8
 def _magnitudes(scene, theta, w, side, way, turn):
     """|theta_ddot|, |phi_ddot|, |N h| and |N| at a driver angle; the side is 0 in a dwell.
 
-    `way` and `turn` are the signs of the sliding speed and of g; see `dynamics.grip`.
+    `way` and `turn` are the signs of the sliding speed and of g; see `dynamics.law.grip`.
     """
     g = u = dg = radius = 0.0
     if side != 0.0:

@@ -10,8 +10,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from escapement.drive import cell_after, next_knot
-from escapement.dynamics import LOSSES, left_by_blow, scene_of
+from escapement.dynamics.law import LOSSES, left_by_blow, scene_of
+from escapement.dynamics.tables import losses_at
+from escapement.dynamics.torque import cell_after, next_knot
+from escapement.dynamics.train_losses import flowing
 from escapement.engines.energy import panels
 from escapement.engines.energy.calls import march, refine
 from escapement.engines.energy.events import EVENT, NO_EVENTS, EventKind
@@ -23,15 +25,13 @@ from escapement.engines.energy.pattern import scene_in
 from escapement.engines.energy.peaks import raise_peaks
 from escapement.engines.energy.sampling import duration, sample_panel, turns_back
 from escapement.engines.energy.solve import slope_of_w, solve_side
-from escapement.gauss import WEIGHTS, N, cumulate, dot
-from escapement.jit import inner_jit, jit
-from escapement.mechanism import FloatArray
 from escapement.mechanisms.pattern import Handoff
+from escapement.mechanisms.protocol import FloatArray
 from escapement.mechanisms.slotted import transmission_at
-from escapement.power_flow import flowing
-from escapement.scene import Scene
-from escapement.tabulation import losses_at
-from escapement.torque_curve import MOST_KNOTS
+from escapement.model.scene import Scene
+from escapement.model.torque_curve import MOST_KNOTS
+from escapement.numerics.gauss import WEIGHTS, N, cumulate, dot
+from escapement.numerics.jit import inner_jit, jit
 
 MOTION_EVENT = record_dtype(
     {
@@ -159,7 +159,7 @@ def states_of(scene, pieces, counts, times, rtol, theta, squares, losses, peaks)
     times : since the start; later ones than the end of the piece give the state at its end.
     theta, squares : results, angles and w, as long as `times`; NaN where a piece cannot be
         solved on a bounded number of panels.
-    losses : result, a row for each piece: the work lost in each of `dynamics.LOSSES`.
+    losses : result, a row for each piece: the work lost in each of `dynamics.law.LOSSES`.
     peaks : result, rows as well: the greatest magnitude of each of `peaks.PEAKS`, of length 0
         where they are not wanted.
     """

@@ -10,13 +10,13 @@ from typing import NamedTuple
 
 import numpy as np
 
-from escapement.drive import cell_after, cell_of, next_knot, torque_after
+from escapement.dynamics.torque import cell_after, cell_of, next_knot, torque_after
 from escapement.engines.energy.calls import MarchInputs, march_case
 from escapement.engines.energy.events import NO_EVENTS
 from escapement.engines.energy.march import OK
 from escapement.engines.energy.panels import NO_PANELS
 from escapement.engines.energy.passage import Detail, Request
-from escapement.jit import inner_jit
+from escapement.numerics.jit import inner_jit
 
 NODES = 16
 # A deviation of w has no influence left once the exponents of the engagements add up to this.

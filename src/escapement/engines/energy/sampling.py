@@ -7,8 +7,7 @@ these it needs for which panel.
 
 import numpy as np
 
-from escapement.drive import gap_of_places
-from escapement.dynamics import (
+from escapement.dynamics.law import (
     bend,
     contact,
     is_viscous,
@@ -17,16 +16,11 @@ from escapement.dynamics import (
     root_of,
     settled,
 )
+from escapement.dynamics.torque import gap_of_places
+from escapement.dynamics.train_losses import is_lossy, within_flow
 from escapement.engines.energy.panels import points_of
-from escapement.gauss import (
-    LAST_BUT_ONE_COEFFICIENT,
-    LAST_COEFFICIENT,
-    POINTS,
-    WEIGHTS,
-    N,
-)
-from escapement.jit import inner_jit
-from escapement.power_flow import is_lossy, within_flow
+from escapement.numerics.gauss import LAST_BUT_ONE_COEFFICIENT, LAST_COEFFICIENT, POINTS, WEIGHTS, N
+from escapement.numerics.jit import inner_jit
 
 # These are the distances in x of an end of the panel from the two points next to it.
 TO_NEAREST, TO_SECOND = float(1.0 + POINTS[0]), float(1.0 + POINTS[1])

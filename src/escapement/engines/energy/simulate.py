@@ -7,16 +7,16 @@ from typing import Any
 
 import numpy as np
 
+from escapement.base.status import MESSAGES, Status
+from escapement.base.validate import fail
+from escapement.dynamics.motion import Motion, no_motion, stall_message
 from escapement.engines.energy.calls import prepared
 from escapement.engines.energy.cells import NO_CELLS
 from escapement.engines.energy.handoffs import handoffs
 from escapement.engines.energy.march import OK, PAINLEVE, SPENT, STALL
 from escapement.engines.energy.pattern import pattern_handoffs
 from escapement.engines.energy.trajectory import EnergyTrajectory
-from escapement.model import Escapement
-from escapement.motion import Motion, no_motion, stall_message
-from escapement.status import MESSAGES, Status
-from escapement.validate import fail
+from escapement.model.escapement import Escapement
 
 _DONE = MESSAGES[Status.OK]
 

@@ -2,7 +2,7 @@
 
 Twice the kinetic energy, E = (rho + g^2) w, obeys on a panel with side s
 
-    dE/dx = A - B E                   (`dynamics.energy_rates`)
+    dE/dx = A - B E                   (`dynamics.law.energy_rates`)
 
 so E = alpha E_left + beta with b = int B, alpha = exp(-b) and beta = alpha int A/alpha. Two
 quadratures solve it for every energy at the left end. A start from rest, or from nearly no
@@ -11,8 +11,7 @@ speed, is solved on a panel over the square root of the angle instead.
 
 import numpy as np
 
-from escapement.drive import is_constant
-from escapement.dynamics import (
+from escapement.dynamics.law import (
     bend,
     energy_rates,
     is_ideal,
@@ -20,6 +19,7 @@ from escapement.dynamics import (
     reduced_inertia,
     signed_loss,
 )
+from escapement.dynamics.torque import is_constant
 from escapement.engines.energy.panels import (
     UNSOLVED,
     copy_end,
@@ -29,7 +29,7 @@ from escapement.engines.energy.panels import (
     solution_of,
 )
 from escapement.engines.energy.sampling import bend_at, net_torque_at
-from escapement.gauss import (
+from escapement.numerics.gauss import (
     POINTS,
     SERIES,
     N,
@@ -39,7 +39,7 @@ from escapement.gauss import (
     integral,
     tail_of,
 )
-from escapement.jit import inner_jit
+from escapement.numerics.jit import inner_jit
 
 # The error of b is compared with at least the decay that this value instead of int 2 |u| g'
 # dtheta would give: next to a stop of a mechanism without slots the true decay is smaller, and

@@ -5,6 +5,10 @@ from typing import Any, cast
 
 import numpy as np
 
+from escapement.base.status import MESSAGES, Status
+from escapement.dynamics.figures_of_merit import MAX_ENGAGEMENTS, Figures
+from escapement.dynamics.merit_table import TRANSIENT
+from escapement.dynamics.motion import stall_message
 from escapement.engines.energy import cycle
 from escapement.engines.energy.batch import FIXED, solve_rows
 from escapement.engines.energy.calls import prepared
@@ -13,11 +17,7 @@ from escapement.engines.energy.figures import Extent
 from escapement.engines.energy.pattern import LONGEST_TRANSIENT
 from escapement.engines.energy.pattern_rows import FIGURES, solve_pattern
 from escapement.engines.energy.simulate import simulate
-from escapement.merits import TRANSIENT
-from escapement.metrics import MAX_ENGAGEMENTS, Figures
-from escapement.model import Escapement
-from escapement.motion import stall_message
-from escapement.status import MESSAGES, Status
+from escapement.model.escapement import Escapement
 
 _TIMES = {name: cycle.COLUMNS.index(name) for name in TRANSIENT}
 

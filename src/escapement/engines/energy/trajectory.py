@@ -11,16 +11,16 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from escapement.dynamics import LOSSES
+from escapement.dynamics.law import LOSSES
+from escapement.dynamics.trajectory import Events, Extrema
 from escapement.engines.energy.calls import prepared
 from escapement.engines.energy.cells import NO_CELLS
 from escapement.engines.energy.events import EventKind
 from escapement.engines.energy.peaks import PEAKS
 from escapement.engines.energy.pieces import MOTION_EVENT, events_of, follow, states_of
-from escapement.mechanism import FloatArray
 from escapement.mechanisms.pattern import MEETING
-from escapement.model import Escapement
-from escapement.trajectory import Events, Extrema
+from escapement.mechanisms.protocol import FloatArray
+from escapement.model.escapement import Escapement
 
 _NO_PATTERN = np.empty(0, MEETING)
 # Events are computed for this many engagements in one call of a kernel; Ctrl-C takes effect
@@ -174,7 +174,7 @@ class EnergyTrajectory:
 
     @cached_property
     def losses(self) -> FloatArray:
-        """Work lost over each piece in each of `dynamics.LOSSES` [J], shape (7, n)."""
+        """Work lost over each piece in each of `dynamics.law.LOSSES` [J], shape (7, n)."""
         return self._read_through(0)[0].T * self.escapement.torque_unit
 
     @cached_property

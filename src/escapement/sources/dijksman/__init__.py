@@ -14,12 +14,12 @@ from typing import Any
 
 import numpy as np
 
-from escapement.mechanism import FloatArray
+from escapement.base.text import words
 from escapement.mechanisms import GearDriven, Geneva
+from escapement.mechanisms.protocol import FloatArray
 from escapement.sources import report
 from escapement.sources.report import Cell, Slip, gives, judge
 from escapement.synthesis import motion_peaks
-from escapement.text import words
 
 COLUMNS = {"alpha": "alpha", "V": "V", "MC": "MC/R0", "M0C": "M0C/R0"}
 """Printed proportions and their names in a table; alpha in degrees."""

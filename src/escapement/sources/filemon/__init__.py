@@ -16,8 +16,8 @@ from numpy.typing import ArrayLike
 
 from escapement.constant_speed import drive_torque, geneva, reversal_study
 from escapement.constant_speed.geneva import derivatives_at
-from escapement.mechanism import FloatArray
 from escapement.mechanisms import Geneva
+from escapement.mechanisms.protocol import FloatArray
 from escapement.sources import report
 from escapement.sources.report import Cell, Slip, cut_off, digits, finer, gives, judge, like
 

@@ -12,8 +12,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from escapement.constant_speed import drive_torque, geneva, reversal_study
-from escapement.mechanism import FloatArray
 from escapement.mechanisms import Geneva
+from escapement.mechanisms.protocol import FloatArray
 from escapement.mechanisms.slotted import Transmission
 from escapement.plots import style
 from escapement.plots.style import label

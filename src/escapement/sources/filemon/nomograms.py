@@ -12,7 +12,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from escapement.constant_speed import reversal_study
-from escapement.mechanism import FloatArray
+from escapement.mechanisms.protocol import FloatArray
 from escapement.plots import style
 from escapement.sources.filemon.figures import LOAD_RATIO
 

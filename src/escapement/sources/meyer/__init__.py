@@ -7,6 +7,11 @@ them the explanation of each difference.
 
 "K in lb/rad" of the thesis is a constant torque in in-lbf, its inertias are in
 in-lbf-s^2.
+
+- `program`, `listing`: the program of 1973 as printed
+- `reasons`, `slips`, `parts`: why printed figures differ, slips of the thesis, inertias of its
+  parts
+- `figures`: its figures 9 to 11
 """
 
 import math
@@ -16,18 +21,18 @@ from functools import cache, partial
 from itertools import groupby
 from typing import Any, NamedTuple
 
-from escapement import validate
-from escapement.mechanism import Mechanism
+from escapement.base import validate
+from escapement.base.text import print_columns
+from escapement.base.units import INCH_POUND, SYSTEMS, factor, spelt, unit_name
+from escapement.engines.simulate import simulate, terminal
 from escapement.mechanisms import Geneva
-from escapement.model import Escapement, Inertia
-from escapement.simulation import simulate, terminal
+from escapement.mechanisms.protocol import Mechanism
+from escapement.model.escapement import Escapement, Inertia
 from escapement.sources import report
 from escapement.sources.meyer.parts import INERTIAS, disc_inertia, own_parts
 from escapement.sources.meyer.program import PublishedCell, program_1973, read_printout
 from escapement.sources.meyer.reasons import HALF_DIGIT, RunFigures, why
 from escapement.sources.meyer.slips import equations
-from escapement.text import print_columns
-from escapement.units import INCH_POUND, SYSTEMS, factor, spelt, unit_name
 
 HEADINGS = {3: (10e-6, 6e-6), 4: (3e-6, 50e-6), 6: (3e-6, 40e-6)}
 """The same as the headings of Appendix E give them."""

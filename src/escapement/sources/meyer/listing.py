@@ -19,7 +19,7 @@ more than 0.44 rad/s and 8 us.
 
 import numpy as np
 
-from escapement.jit import jit
+from escapement.numerics.jit import jit
 
 PI = 3.1416
 CELL = 1.5708  # MOD(THETA,1.5708) for all three mechanisms, the four-pin cell

@@ -7,10 +7,10 @@ each of them about 0.5e-6 in-lbf-s^2. The tables use several times, and once 111
 import math
 from typing import Any
 
+from escapement.base.units import INCH_POUND
+from escapement.engines.simulate import terminal
 from escapement.mechanisms import Geneva
-from escapement.model import Escapement, Inertia
-from escapement.simulation import terminal
-from escapement.units import INCH_POUND
+from escapement.model.escapement import Escapement, Inertia
 
 INERTIAS = {3: (6e-6, 10e-6), 4: (3e-6, 50e-6), 6: (3e-6, 40e-6)}
 """Driver and follower inertia really used, by slots [in-lbf-s^2] (figures 9 to 11)."""

@@ -16,13 +16,13 @@ from typing import ClassVar, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from escapement import validate
-from escapement.errors import InvalidValue
-from escapement.mechanism import FloatArray
+from escapement.base import validate
+from escapement.base.errors import InvalidValue
 from escapement.mechanisms import Geneva
 from escapement.mechanisms.kind import cells_of
+from escapement.mechanisms.path import Path
+from escapement.mechanisms.protocol import FloatArray
 from escapement.mechanisms.slotted import Transmission, transmission
-from escapement.scene import Path
 from escapement.sources.meyer.listing import CELL, PI, ROW, run_listing
 
 # X0 by slots. The data cards are not printed; rounding them to three decimals

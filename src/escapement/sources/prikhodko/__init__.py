@@ -11,12 +11,12 @@ from typing import Any
 
 import numpy as np
 
+from escapement.base.text import plain, print_columns, words
+from escapement.base.units import degrees
 from escapement.measurement import Encoder, Measurement, measure, sturges, synthetic_readings
 from escapement.mechanisms import EllipticalPlanetary
 from escapement.sources import report
 from escapement.sources.report import Cell, Slip, cut_off, digits, judge, read_slips, read_table
-from escapement.text import plain, print_columns, words
-from escapement.units import degrees
 
 ENCODER_STEPS = 4096
 CONFIDENCE = 0.99

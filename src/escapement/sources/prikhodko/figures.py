@@ -7,8 +7,8 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from escapement.mechanism import FloatArray
 from escapement.mechanisms import EllipticalPlanetary
+from escapement.mechanisms.protocol import FloatArray
 from escapement.outlines.gears import EllipticalOutline
 from escapement.plots import drawing, style
 from escapement.plots.planetary import draw_planetary

@@ -20,15 +20,15 @@ from typing import NamedTuple
 
 import numpy as np
 
-from escapement.drive import torque_after
+from escapement.dynamics.torque import torque_after
+from escapement.dynamics.train_losses import is_lossy, passed_on, shared
 from escapement.engines.contact.compliant.slot import FREE, LOCKED, bend, place, slide, touches
-from escapement.jit import inner_jit
-from escapement.power_flow import is_lossy, passed_on, shared
-from escapement.scene import Joint, Scene
+from escapement.model.scene import Joint, Scene
+from escapement.numerics.jit import inner_jit
 
 STATE = 14
 """Length of a state: theta, phi or D, their rates, and, summed since the start, the work that the
-load takes, the work lost in each of `dynamics.LOSSES` and in the walls, and the impulse of the
+load takes, the work lost in each of `dynamics.law.LOSSES` and in the walls, and the impulse of the
 walls."""
 LOAD, LOST, WALLS, IMPULSE = 4, 5, 12, 13
 """Places in it."""

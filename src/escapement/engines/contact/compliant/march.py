@@ -7,7 +7,7 @@ corners of the law thus lie between steps, and the method keeps its order.
 
 import numpy as np
 
-from escapement.drive import REST, cell_after, cell_of, is_held, is_undriven
+from escapement.dynamics.torque import REST, cell_after, cell_of, is_held, is_undriven
 from escapement.engines.contact.compliant.law import (
     STATE,
     WALLS,
@@ -27,7 +27,7 @@ from escapement.engines.contact.compliant.slot import (
     to_slot,
     touches,
 )
-from escapement.jit import inner_jit, jit
+from escapement.numerics.jit import inner_jit, jit
 
 CLOCK = np.dtype([
     ("time", "f8"), ("step", "f8"), ("mode", "i8"), ("engagement", "i8"), ("touch", "f8"),

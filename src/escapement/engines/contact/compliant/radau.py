@@ -22,7 +22,7 @@ from numpy.polynomial import legendre
 from numpy.typing import NDArray
 
 from escapement.engines.contact.compliant.law import LOST, STATE, WALLS, frequency, rates
-from escapement.jit import inner_jit
+from escapement.numerics.jit import inner_jit
 
 STAGES = 5
 _POINTS = legendre.legroots([*[0.0] * (STAGES - 1), -1.0, 1.0])

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from escapement.drive import cell_of
+from escapement.dynamics.torque import cell_of
 from escapement.engines.contact.compliant.law import (
     IMPULSE,
     LOST,
@@ -16,12 +16,12 @@ from escapement.engines.contact.compliant.law import (
 from escapement.engines.contact.compliant.march import CELL, FIRST, MODE, SERIES, TIME, TOUCH
 from escapement.engines.contact.compliant.radau import within
 from escapement.engines.contact.compliant.slot import place, slide, to_angle, touches
-from escapement.jit import jit
+from escapement.numerics.jit import jit
 
 TABLE = 18
 """Numbers at each time: theta, phi, their speeds and accelerations, moment of the contact on the
-follower, force, power lost in each of `dynamics.LOSSES`, sliding speed, speed of penetration, and
-energy stored in the walls."""
+follower, force, power lost in each of `dynamics.law.LOSSES`, sliding speed, speed of penetration,
+and energy stored in the walls."""
 
 
 @jit(allocates=True)

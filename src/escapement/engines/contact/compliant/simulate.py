@@ -7,17 +7,17 @@ from typing import Any
 
 import numpy as np
 
-from escapement.drive import is_spent
+from escapement.base.errors import InvalidValue
+from escapement.base.spoken import told
+from escapement.base.status import MESSAGES, Status
+from escapement.dynamics.motion import Motion, stall_message
+from escapement.dynamics.torque import is_spent
 from escapement.engines.contact.compliant import march as marching
 from escapement.engines.contact.compliant.law import STATE
 from escapement.engines.contact.compliant.trajectory import CompliantTrajectory, Rows
-from escapement.errors import InvalidValue
-from escapement.mechanism import FloatArray
-from escapement.model import Escapement
-from escapement.motion import Motion, stall_message
-from escapement.scene import Joint
-from escapement.spoken import told
-from escapement.status import MESSAGES, Status
+from escapement.mechanisms.protocol import FloatArray
+from escapement.model.escapement import Escapement
+from escapement.model.scene import Joint
 
 LONGEST = 2000
 """Greatest number of engagements in one motion: each takes up to a megabyte."""

@@ -20,7 +20,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from escapement.jit import inner_jit
+from escapement.numerics.jit import inner_jit
 
 FREE, LOCKED = 0, 2
 """Modes: no contact with a wall, and the follower locked in a dwell; +1 and -1 are the walls."""

@@ -13,12 +13,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from escapement.blows import jams
-from escapement.dynamics import is_lossless
-from escapement.engines.contact.compliant.law import STATE
-from escapement.engines.contact.compliant.simulate import MOST_TRIES, March, simulate
-from escapement.merits import TRANSIENT
-from escapement.metrics import (
+from escapement.base.status import MESSAGES, Status
+from escapement.dynamics.figures_of_merit import (
     Figures,
     Spread,
     fall_times,
@@ -26,10 +22,14 @@ from escapement.metrics import (
     read_transient,
     transient_length,
 )
-from escapement.model import Escapement
-from escapement.motion import Motion
-from escapement.painleve import friction_limits
-from escapement.status import MESSAGES, Status
+from escapement.dynamics.impacts import jams
+from escapement.dynamics.law import is_lossless
+from escapement.dynamics.merit_table import TRANSIENT
+from escapement.dynamics.motion import Motion
+from escapement.dynamics.painleve import friction_limits
+from escapement.engines.contact.compliant.law import STATE
+from escapement.engines.contact.compliant.simulate import MOST_TRIES, March, simulate
+from escapement.model.escapement import Escapement
 
 SETTLE = 60
 """A motion that does not repeat itself after so many engagements is assumed never to do so."""

@@ -8,7 +8,9 @@ from typing import Any
 
 import numpy as np
 
-from escapement.dynamics import LOSSES
+from escapement.dynamics.law import LOSSES
+from escapement.dynamics.motion import State
+from escapement.dynamics.trajectory import Events, Extrema, Held, Impacts
 from escapement.engines.contact.compliant.law import IMPULSE, LOAD, LOST, WALLS
 from escapement.engines.contact.compliant.march import (
     CELL,
@@ -21,12 +23,10 @@ from escapement.engines.contact.compliant.march import (
 from escapement.engines.contact.compliant.rows import TABLE, tabulate
 from escapement.engines.contact.compliant.slot import LOCKED
 from escapement.engines.contact.state import COLUMNS, state_from
-from escapement.gauss import POINTS, WEIGHTS
-from escapement.mechanism import FloatArray
-from escapement.model import Escapement
-from escapement.motion import State
-from escapement.scene import Joint
-from escapement.trajectory import Events, Extrema, Held, Impacts
+from escapement.mechanisms.protocol import FloatArray
+from escapement.model.escapement import Escapement
+from escapement.model.scene import Joint
+from escapement.numerics.gauss import POINTS, WEIGHTS
 
 _HALVINGS, _NARROWINGS = 50, 10
 _SHARES = np.linspace(0.0, 1.0, 5)
@@ -119,7 +119,7 @@ class Rows:
 
 
 class CompliantTrajectory(Held):
-    """The trajectory of a motion with compliant contact; see `escapement.trajectory.Trajectory`."""
+    """The `Trajectory` of a motion with compliant contact."""
 
     def __init__(self, rows: Rows) -> None:
         self.rows, self._clock = rows, rows.escapement.time_unit

@@ -16,9 +16,9 @@ longer has the sign of s. Then driver and follower move independently until |D| 
 friction is Coulomb's: the contact slides, sticks or slides back. The impulse of restitution is
 `restitution` times that of compression. A rebound slower than `blow.CHATTER` is neglected.
 
-Trains that lose power are treated as in `power_flow`. Along a wall, each direction of the powers
-has its own scene, and a panel ends where a direction changes. Without contact, driver and follower
-are separate, and `passed_on` gives the acceleration of each.
+Trains that lose power are treated as in `dynamics.train_losses`. Along a wall, each direction of
+the powers has its own scene, and a panel ends where a direction changes. Without contact, driver
+and follower are separate, and `passed_on` gives the acceleration of each.
 
 A cell ends at its nominal angle: there the pin leaves the slot, and the next pin begins between
 the walls of the next slot without a change of speeds. In a wheel with a dwell, the follower is
@@ -37,4 +37,12 @@ Files, in the order in which they are best read:
     trajectory    the pieces of a motion, as `Motion` asks for them
     simulate      the motion that `escapement.simulate` returns
     terminal      the engagement that repeats itself
+
+Read `engagement` first.
+
+- `walls`, `panel`: a slotted path for each wall, and contact with it over a panel of driver angles
+- `flight`, `blow`: motion without contact, and the impulse at its end
+- `engagement`, `march`: one engagement, and one after the other
+- `trace`, `trajectory`: states at given times, and the pieces of the motion
+- `simulate`, `terminal`: what the engine offers
 """

@@ -19,9 +19,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from escapement.jit import inner_jit
 from escapement.mechanisms.slotted import pose_at
-from escapement.roots import newton_in_bracket
+from escapement.numerics.jit import inner_jit
+from escapement.numerics.roots import newton_in_bracket
 
 CHATTER = 1e-5
 """A rebound slower than this, in crank radii over sqrt(I_f/torque), is neglected."""

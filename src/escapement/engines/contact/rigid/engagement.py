@@ -4,8 +4,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from escapement.drive import REST, is_spent, is_undriven
-from escapement.dynamics import is_viscous
+from escapement.dynamics.law import is_viscous
+from escapement.dynamics.torque import REST, is_spent, is_undriven
+from escapement.dynamics.train_losses import UNKNOWN
 from escapement.engines.contact.rigid.blow import strike
 from escapement.engines.contact.rigid.flight import ahead, arrival, launch, state_after
 from escapement.engines.contact.rigid.free import is_calm
@@ -26,10 +27,9 @@ from escapement.engines.contact.rigid.panel import (
     width_after,
 )
 from escapement.engines.contact.rigid.walls import next_break, wall_scene
-from escapement.gauss import POINTS, N, root_between, to_powers
-from escapement.jit import inner_jit
 from escapement.mechanisms.slotted import pose_at
-from escapement.power_flow import UNKNOWN
+from escapement.numerics.gauss import POINTS, N, root_between, to_powers
+from escapement.numerics.jit import inner_jit
 
 DONE, OVER, STALL, SPENT, JAM, BACKS_OUT, UNDRIVEN, RESTLESS, TOO_LONG, RUNNING = range(10)
 """How an engagement ends: at the handoff; after the time asked for; because the drive stalls or the

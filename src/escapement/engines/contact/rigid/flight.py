@@ -11,8 +11,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from escapement.drive import KNOT_GAP, REST, is_undriven, last_knot, next_knot, torque_at
-from escapement.dynamics import is_viscous
+from escapement.dynamics.law import is_viscous
+from escapement.dynamics.torque import KNOT_GAP, REST, is_undriven, last_knot, next_knot, torque_at
+from escapement.dynamics.train_losses import shared
 from escapement.engines.contact.rigid.free import (
     driver_rate,
     driver_sense,
@@ -20,10 +21,9 @@ from escapement.engines.contact.rigid.free import (
     is_even,
 )
 from escapement.engines.contact.rigid.panel import BEND, B, W, X
-from escapement.gauss import N
-from escapement.jit import inner_jit
-from escapement.power_flow import shared
-from escapement.roots import newton_in_bracket
+from escapement.numerics.gauss import N
+from escapement.numerics.jit import inner_jit
+from escapement.numerics.roots import newton_in_bracket
 
 STRIDE = 0.03
 """Driver angle between two checks of the gaps, at the speed with which a flight starts [rad]."""

@@ -5,10 +5,10 @@ Friction never drives: a body at rest that the torque on it cannot move is held.
 
 import numpy as np
 
-from escapement.drive import REST, is_constant, is_undriven, torque_at
-from escapement.dynamics import is_drag_free, is_viscous
-from escapement.jit import inner_jit
-from escapement.power_flow import passed_on
+from escapement.dynamics.law import is_drag_free, is_viscous
+from escapement.dynamics.torque import REST, is_constant, is_undriven, torque_at
+from escapement.dynamics.train_losses import passed_on
+from escapement.numerics.jit import inner_jit
 
 
 @inner_jit
@@ -46,7 +46,7 @@ def driver_sense(scene, theta, speed):
 
 @inner_jit
 def is_calm(scene, theta, speed, turning):
-    """Whether only viscous drag acts and both bodies count as at rest: `dynamics.rest_speed`."""
+    """Whether only viscous drag acts and both bodies count as at rest: `law.rest_speed`."""
     if not (is_viscous(scene) and is_undriven(theta, scene)):
         return False
     return scene.rho * speed * speed + turning * turning <= (1.0 + 1e-9) * scene.rho * REST

@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from escapement.drive import cell_after, cell_of, is_constant
-from escapement.dynamics import scene_of
+from escapement.dynamics.law import scene_of
+from escapement.dynamics.torque import cell_after, cell_of, is_constant
 from escapement.engines.contact.rigid.engagement import (
     DONE,
     MOST_STEPS,
@@ -16,8 +16,8 @@ from escapement.engines.contact.rigid.engagement import (
 )
 from escapement.engines.contact.rigid.panel import PLACES, WORKSPACE
 from escapement.engines.contact.rigid.walls import Case, case_of
-from escapement.gauss import POINTS, N
-from escapement.jit import inner_jit, jit
+from escapement.numerics.gauss import POINTS, N
+from escapement.numerics.jit import inner_jit, jit
 
 STATE = 5
 """Numbers of the state at a handoff: time, speed, phi, phi_dot and the wall, 0 for none."""
@@ -88,7 +88,7 @@ def march(scene_tuple, joint, rtol, limit, first, states, numbers, rows, engagem
 
     Parameters
     ----------
-    scene_tuple : as `scene.scene_tuple` gives it.
+    scene_tuple : as `model.scene.scene_tuple` gives it.
     joint : centre distance, crank, play, restitution and follower angle of a cell.
     rtol : relative error asked for.
     limit : time after which to stop.

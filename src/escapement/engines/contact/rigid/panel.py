@@ -1,6 +1,6 @@
 """Contact with a wall over a panel of driver angles.
 
-Twice the kinetic energy, E = (rho + g^2) w, obeys dE/dx = A - B E with `dynamics.energy_rates`,
+Twice the kinetic energy, E = (rho + g^2) w, obeys dE/dx = A - B E with `dynamics.law.energy_rates`,
 so that with b = int B it is E = exp(-b) (E_left + int A exp(b)). Time is int dtheta/sqrt(w).
 A panel is halved until what it leaves out is small; see `gauss`.
 """
@@ -9,8 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from escapement.drive import REST, torque_at
-from escapement.dynamics import (
+from escapement.dynamics.law import (
     bend,
     contact,
     dragged_slope,
@@ -20,7 +19,10 @@ from escapement.dynamics import (
     reduced_inertia,
     root_of,
 )
-from escapement.gauss import (
+from escapement.dynamics.torque import REST, torque_at
+from escapement.dynamics.train_losses import UNKNOWN, within_flow
+from escapement.mechanisms.slotted import pose_at, transmission_on
+from escapement.numerics.gauss import (
     POINTS,
     N,
     cumulate,
@@ -31,9 +33,7 @@ from escapement.gauss import (
     tail_of,
     to_powers,
 )
-from escapement.jit import inner_jit
-from escapement.mechanisms.slotted import pose_at, transmission_on
-from escapement.power_flow import UNKNOWN, within_flow
+from escapement.numerics.jit import inner_jit
 
 _ROWS = (
     *("g", "u", "slope", "radius", "bend", "inverse", "pull", "decay", "gain", "b", "energy"),

@@ -4,7 +4,11 @@ import math
 
 import numpy as np
 
-from escapement.drive import is_spent
+from escapement.base.status import MESSAGES, Status
+from escapement.base.validate import fail
+from escapement.dynamics.motion import Motion, no_motion, stall_message
+from escapement.dynamics.painleve import friction_limits
+from escapement.dynamics.torque import is_spent
 from escapement.engines.contact.rigid.engagement import (
     BACKS_OUT,
     DONE,
@@ -26,12 +30,8 @@ from escapement.engines.contact.rigid.trajectory import (
     RigidTrajectory,
     prepared,
 )
-from escapement.mechanism import FloatArray
-from escapement.model import Escapement
-from escapement.motion import Motion, no_motion, stall_message
-from escapement.painleve import friction_limits
-from escapement.status import MESSAGES, Status
-from escapement.validate import fail
+from escapement.mechanisms.protocol import FloatArray
+from escapement.model.escapement import Escapement
 
 MOST_OVERALL, MOST_EACH = 2_000_000, 1000
 """Steps of a motion, and additional ones for each of its engagements. A usual engagement takes

@@ -10,6 +10,15 @@ from typing import Any
 
 import numpy as np
 
+from escapement.base.status import Status
+from escapement.dynamics.figures_of_merit import (
+    Figures,
+    fall_times,
+    read_cycle,
+    read_transient,
+    transient_length,
+)
+from escapement.dynamics.merit_table import TRANSIENT
 from escapement.engines.contact.rigid.engagement import DONE
 from escapement.engines.contact.rigid.simulate import (
     first_state,
@@ -18,11 +27,8 @@ from escapement.engines.contact.rigid.simulate import (
     outcome,
     simulate,
 )
-from escapement.mechanism import FloatArray
-from escapement.merits import TRANSIENT
-from escapement.metrics import Figures, fall_times, read_cycle, read_transient, transient_length
-from escapement.model import Escapement
-from escapement.status import Status
+from escapement.mechanisms.protocol import FloatArray
+from escapement.model.escapement import Escapement
 
 LONGEST_TRANSIENT = 10_000
 """Engagements of a transient that is followed."""

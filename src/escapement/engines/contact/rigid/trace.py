@@ -2,8 +2,7 @@
 
 import numpy as np
 
-from escapement.drive import cell_of, torque_at
-from escapement.dynamics import (
+from escapement.dynamics.law import (
     LOSSES,
     bend,
     dragged_slope,
@@ -12,7 +11,10 @@ from escapement.dynamics import (
     root_of,
     scene_of,
 )
-from escapement.dynamics import contact as contact_of
+from escapement.dynamics.law import contact as contact_of
+from escapement.dynamics.tables import losses_at
+from escapement.dynamics.torque import cell_of, torque_at
+from escapement.dynamics.train_losses import UNKNOWN, weight
 from escapement.engines.contact.rigid.engagement import LOCKED, WALL, follower_on
 from escapement.engines.contact.rigid.flight import launch, place_at, state_after
 from escapement.engines.contact.rigid.free import driver_rate, driver_sense, follower_rate
@@ -30,12 +32,10 @@ from escapement.engines.contact.rigid.panel import (
     width_after,
 )
 from escapement.engines.contact.rigid.walls import case_of, next_break, wall_scene
-from escapement.gauss import BARYCENTRIC, POINTS, WEIGHTS, N, cumulate
-from escapement.jit import inner_jit, jit
 from escapement.mechanisms.slotted import pose_at
-from escapement.power_flow import UNKNOWN, weight
-from escapement.roots import newton_in_bracket
-from escapement.tabulation import losses_at
+from escapement.numerics.gauss import BARYCENTRIC, POINTS, WEIGHTS, N, cumulate
+from escapement.numerics.jit import inner_jit, jit
+from escapement.numerics.roots import newton_in_bracket
 
 STRICT = 1e-13
 """Greatest tail of a panel whose solution is interpolated."""

@@ -6,6 +6,8 @@ from typing import Any
 
 import numpy as np
 
+from escapement.dynamics.motion import State
+from escapement.dynamics.trajectory import Events, Extrema, Held, Impacts
 from escapement.engines.contact.rigid.engagement import (
     BLOW,
     EXTREMUM,
@@ -19,11 +21,9 @@ from escapement.engines.contact.rigid.engagement import (
 from escapement.engines.contact.rigid.march import march
 from escapement.engines.contact.rigid.trace import LOST, TABLE, trace
 from escapement.engines.contact.state import state_from
-from escapement.mechanism import FloatArray
-from escapement.model import Escapement
-from escapement.motion import State
-from escapement.scene import scene_tuple
-from escapement.trajectory import Events, Extrema, Held, Impacts
+from escapement.mechanisms.protocol import FloatArray
+from escapement.model.escapement import Escapement
+from escapement.model.scene import scene_tuple
 
 _KEY = "rigid.prepared"
 _ROOM = 24  # rows that an engagement takes, in most cases
@@ -200,7 +200,7 @@ class RigidTrajectory(Held):
 
     @property
     def losses(self) -> FloatArray:
-        """Work lost over each piece in each of `dynamics.LOSSES` [J], shape (7, n)."""
+        """Work lost over each piece in each of `dynamics.law.LOSSES` [J], shape (7, n)."""
         return np.asarray(self._work[:, :-1].T)
 
     @property

@@ -4,12 +4,13 @@ from typing import NamedTuple
 
 import numpy as np
 
-from escapement.drive import last_knot, next_knot
-from escapement.jit import inner_jit
+from escapement.dynamics.torque import last_knot, next_knot
+from escapement.dynamics.train_losses import UNKNOWN, flowing, in_flow
+from escapement.mechanisms.path import Path
 from escapement.mechanisms.slotted import pose_at, slide_change
-from escapement.power_flow import UNKNOWN, flowing, in_flow
-from escapement.roots import newton_in_bracket
-from escapement.scene import Path, Scene
+from escapement.model.scene import Scene
+from escapement.numerics.jit import inner_jit
+from escapement.numerics.roots import newton_in_bracket
 
 
 class Case(NamedTuple):

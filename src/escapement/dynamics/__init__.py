@@ -1,0 +1,14 @@
+"""The law of motion, and what is read from a motion.
+
+Read `law` first: it is the equation of motion.
+
+- `law`, `torque`, `train_losses`, `tables`: the equation, the torque of the drive, trains that
+  lose power, and what kernels tabulate
+- `painleve`: the friction at which the equation loses its solution
+- `trajectory`, `motion`, `variables`: the output of an engine, the reader of it, and names of
+  its variables
+- `events`, `flow_changes`, `impacts`: handoffs, changes of the direction of power, and blows of
+  a motion
+- `energy_balance`: where the work went
+- `figures_of_merit`, `merit_table`: figures of merit, and their names and units
+"""

@@ -1,0 +1,102 @@
+"""Where the work of the drive goes over a motion."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, fields
+from typing import Any
+
+import numpy as np
+
+from escapement.base.status import Status
+from escapement.base.text import Shown
+from escapement.dynamics.law import LOSSES
+from escapement.dynamics.trajectory import NoTrajectory
+
+TOLERATED = 1e-6
+"""A motion whose energy balance misses more than this share of the work is not a result [-]."""
+
+
+@dataclass(frozen=True, repr=False)
+class Ledger(Shown):
+    """Where the work of the drive went over a motion [J].
+
+    work is the work of the drive; with a spring it is taken from the energy of the spring. It
+    equals kinetic + load + elastic + all losses, up to `residual`, which is relative to the
+    greatest of these and of the kinetic energy at the start. Losses are friction in the slot
+    or the gears, friction in both bearings, drag on both bodies, and the losses of trains and
+    blows. elastic is the increase of the energy stored in compliant walls.
+    """
+
+    _units = dict.fromkeys(("work", "kinetic", "load", *LOSSES, "blows", "elastic"), "J")
+
+    work: float
+    kinetic: float
+    load: float
+    friction: float
+    driver_bearing: float
+    follower_bearing: float
+    driver_drag: float
+    follower_drag: float
+    barrel: float
+    load_train: float
+    blows: float
+    residual: float
+    elastic: float = 0.0
+
+
+def ledger_of(motion: Any, progress: Callable[[int, int, int], None] | None = None) -> Ledger:
+    """Energy balance of a motion from start to end; `progress` is as in `write_motion`."""
+    escapement = motion.escapement
+    if isinstance(motion.trajectory, NoTrajectory):
+        return Ledger(**{field.name: 0.0 for field in fields(Ledger)})
+    ends = motion.at([0.0, motion.end_time])
+    driver, follower = (escapement.seen[f"{body}_inertia"] for body in ("driver", "follower"))
+    taken = getattr(motion.trajectory, "load_work", None)
+    # a blow at the very start is part of the motion, which begins in front of it
+    first = ends if taken is None else motion.within(0, [0.0])
+    one, two = (
+        (driver * state.theta_dot**2 + follower * state.phi_dot**2) / 2.0 for state in (first, ends)
+    )
+    energies = np.array([one[0], two[1]])
+    work = escapement.drive_work(ends.theta[1] - ends.theta[0])
+    jumps = blows = 0.0
+    if len(escapement.meetings) > 1:
+        # a handoff at the end of the motion does not count, unless the motion stops after it
+        last = motion.trajectory.around(np.array([motion.end_time])).engagement[-1]
+        passed = motion.handoffs.engagement <= last
+        jumps = float(motion.handoffs.jump[passed].sum())
+        blows = float(motion.handoffs.energy[passed].sum())
+    load = escapement.load_work(ends.phi[1] - ends.phi[0] - jumps)
+    if taken is not None:
+        load, blows = float(taken.sum()), float(motion.impacts.energy.sum())
+    lost, done = np.zeros(len(LOSSES)), 0
+    for part in motion.parts():
+        lost += part.trajectory.losses.sum(axis=1)
+        done += part.handoff_times.size
+        if progress is not None:
+            progress(done, motion.handoff_times.size, 0)
+    losses = dict(zip(LOSSES, lost.tolist(), strict=True))
+    kinetic = float(energies[1] - energies[0])
+    elastic = float(getattr(motion.trajectory, "elastic", 0.0))
+    missing = work - kinetic - elastic - load - sum(losses.values()) - blows
+    parts = {**losses, "blows": blows, "elastic": elastic}
+    scale = max(abs(x) for x in (work, energies[0], kinetic, load, *parts.values()))
+    residual = float(missing / scale) if scale > 0.0 else 0.0
+    return Ledger(float(work), kinetic, float(load), **parts, residual=residual)
+
+
+def judged(status: Status, message: str, residual: float, rtol: float) -> tuple[Status, str]:
+    """Status and message of a result with this residual of its energy balance.
+
+    A result whose balance does not close within `TOLERATED`, or within a coarser `rtol` that was
+    asked for, has not converged; NaN does not close.
+    """
+    if status.failed or abs(residual) <= max(TOLERATED, rtol):
+        return status, message
+    missing = (
+        "no balance of energy exists"
+        if residual != residual
+        else (f"{abs(residual):.2g} of the work is not accounted for")
+    )
+    return Status.NOT_CONVERGED, f"the result is not reliable: {missing}; try the other engine"

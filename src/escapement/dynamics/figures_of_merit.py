@@ -1,0 +1,375 @@
+"""Figures of merit: the numbers that a designer reads off a motion.
+
+The terminal figures are those of the cycle that repeats itself. Rise and settling
+time compare the extrema of the motion from its start with that cycle, and
+`rise_time_63` and `rise_time_98` its handoffs.
+"""
+
+import math
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from escapement.base.status import MESSAGES, Status
+from escapement.base.text import Shown
+from escapement.base.units import printed
+from escapement.dynamics.energy_balance import judged
+from escapement.dynamics.merit_table import FIGURES
+from escapement.dynamics.motion import Motion
+from escapement.dynamics.trajectory import Extrema
+from escapement.mechanisms.protocol import FloatArray
+
+RISE_BAND = 0.02
+"""A rise is over at the first extremum this close to its terminal value [-]."""
+SETTLING_BAND = 0.01
+"""A motion is settled when every later extremum is this close [-]."""
+FALL_63, FALL_98 = math.exp(-1.0), 0.02
+"""Shares of the first deviation at which `rise_time_63` and `rise_time_98` are read [-]."""
+LEAST_RATIO = 1e-9
+"""A deviation of the handoff speed below this is lost in rounding [-]."""
+MAX_ENGAGEMENTS = 1_000_000
+"""A rise or settling time beyond this many engagements is not given."""
+BOUNDLESS = 1e-12
+"""Relative gain of w in an engagement below which a table's ratio is constant to rounding [-].
+Then no loss in the gears grows with the speed, and no terminal speed exists."""
+
+_NAN = math.nan
+_NEAREST = 1e-9
+"""The search for a peak begins this close to the ends of a piece, relative to its length."""
+
+
+def _peak(place: int, meaning: str) -> cached_property[float]:
+    """A figure that is a peak value of the terminal engagement."""
+    peak = cached_property(lambda figures: float(figures._peaks[place]))
+    peak.__doc__ = meaning
+    return peak
+
+
+@dataclass(frozen=True)
+class Spread:
+    """Scatter of engagements that do not repeat.
+
+    engagements : number of engagements over which the means are taken.
+    deviation, interval : standard deviation of a figure from one engagement to the next, and
+        half the interval that holds its mean with 95 %, by name, in the unit of the figure.
+    """
+
+    engagements: int
+    deviation: dict[str, float]
+    interval: dict[str, float]
+
+
+# NaN is not equal to itself, so two would never compare equal
+@dataclass(frozen=True, eq=False, repr=False)
+class Figures(Shown):
+    """Figures of merit of an escapement; NaN where there is none.
+
+    Those from acceleration_max to reversal_angles need samples of the terminal
+    engagement and are computed when they are first asked for.
+
+    velocity_max, velocity_min : extremes of the terminal driver speed [rad/s].
+    velocity_mean : cell angle over period [rad/s].
+    period : time of one terminal engagement, dwell included [s]; with imperfect parts the mean
+        over the engagements after which pins and slots meet again.
+    rise_time : first velocity extremum within 2 % of its terminal value [s]. It jumps, by
+        half an engagement or so, where a change of the design brings an earlier extremum
+        into the band or takes one out.
+    settling_time : first extremum after which every engagement's extremes are within 1 % [s]; it
+        jumps in the same way.
+    rise_time_63, rise_time_98 : times at which the deviation of the handoff speed from its
+        terminal value at the same handoff of the cycle has fallen to 1/e and to 0.02 of that at
+        the start [s], see `fall_times`. They do not jump.
+    handoff_velocity : driver speed at the terminal handoff [rad/s].
+    contraction : factor by which the cycle shrinks a small deviation of the squared handoff
+        speed from its terminal value [-].
+    acceleration_max, follower_acceleration_max : greatest magnitudes over the
+        terminal cycle [rad/s^2].
+    contact_moment_max : greatest magnitude of the moment on the follower [N m].
+    contact_force_max : greatest magnitude of the force on the pin [N]; NaN
+        without a crank radius.
+    energy_residual : energy unaccounted for over the terminal cycle, as a share of the work [-].
+    reversal_angles : pin reversals of the terminal cycle, from dead centre [rad].
+    last_reversal_angle : the last of them; NaN where there is none [rad].
+    critical_friction : Painleve limit; at and above it no motion exists [-].
+    jam_margin : 1 - friction/critical_friction, 0 or less where the mechanism jams [-].
+    uniqueness_friction : friction at and above which the motion is not unique [-].
+    beats, beat_error : durations of these engagements, and the longest minus the shortest [s].
+    blow_max : greatest energy lost in an impact [J], friction during the impulse included.
+    motion : the terminal cycle, one engagement or all of these, None where there is none.
+    spread : scatter of engagements that never repeat, otherwise None. Velocities and period are
+        then means.
+    status, message : outcome, and its reason in a sentence.
+    """
+
+    _most = 600
+
+    velocity_max: float = _NAN
+    velocity_min: float = _NAN
+    velocity_mean: float = _NAN
+    period: float = _NAN
+    rise_time: float = _NAN
+    settling_time: float = _NAN
+    rise_time_63: float = _NAN
+    rise_time_98: float = _NAN
+    handoff_velocity: float = _NAN
+    contraction: float = _NAN
+    critical_friction: float = _NAN
+    uniqueness_friction: float = _NAN
+    jam_margin: float = _NAN
+    motion: Motion | None = field(default=None, repr=False)
+    spread: Spread | None = None
+    status: Status = Status.OK
+    message: str = MESSAGES[Status.OK]
+
+    @property
+    def _units(self) -> dict[str, str]:  # type: ignore[override]
+        return {name: printed(figure.kind, "SI") for name, figure in FIGURES.items()}
+
+    @property
+    def velocity_average_published(self) -> float:
+        """(max + min)/2, the average terminal velocity of Meyer's thesis [rad/s]."""
+        return (self.velocity_max + self.velocity_min) / 2.0
+
+    @cached_property
+    def _peaks(self) -> list[float]:
+        return [_NAN] * 4 if self.motion is None else find_peaks(self.motion)
+
+    acceleration_max = _peak(0, "Greatest driver acceleration [rad/s^2].")
+    follower_acceleration_max = _peak(1, "Greatest follower acceleration [rad/s^2].")
+    contact_moment_max = _peak(2, "Greatest moment on the follower [N m].")
+    contact_force_max = _peak(3, "Greatest force on the pin [N].")
+
+    @property
+    def beats(self) -> tuple[float, ...]:
+        """Time of each engagement of the cycle in turn, from handoff to handoff [s]."""
+        times = () if self.motion is None else np.diff(self.motion.handoff_times, prepend=0.0)
+        return tuple(np.asarray(times).tolist())
+
+    @property
+    def beat_error(self) -> float:
+        """Greatest minus least of the beats [s]."""
+        return max(self.beats) - min(self.beats) if self.beats else _NAN
+
+    @property
+    def blow_max(self) -> float:
+        """Greatest energy lost in an impact of the cycle [J].
+
+        It is all that both bodies lose during the impulse. Friction along the wall is part of it,
+        and mostly the greater part.
+        """
+        return _NAN if self.motion is None else float(self.motion.impacts.energy.max(initial=0.0))
+
+    @property
+    def energy_residual(self) -> float:
+        """Energy unaccounted for, as a share of the work [-].
+
+        If it is above 1e-6, `status` becomes NOT_CONVERGED.
+        """
+        if self.motion is None:
+            return _NAN
+        residual, rtol = self.motion.ledger.residual, self.motion.rtol
+        status, message = judged(self.status, self.message, residual, rtol)
+        vars(self).update(status=status, message=message)
+        return residual
+
+    @property
+    def reversal_angles(self) -> tuple[float, ...]:
+        """Pin reversals, from dead centre [rad]."""
+        if self.motion is None:
+            return ()
+        turned, cell = self.motion.reversals, self.motion.escapement.mechanism.cell_angle
+        return tuple((turned.theta - turned.engagement * cell).tolist())
+
+    @property
+    def last_reversal_angle(self) -> float:
+        """The last pin reversal, from dead centre [rad]; NaN where there is none."""
+        return max(self.reversal_angles, default=_NAN)
+
+    def as_dict(self) -> dict[str, Any]:
+        """All figures by name, with the published average after the mean."""
+        return {name: getattr(self, name) for name in _NAMES}
+
+
+_NAMES = (*FIGURES, "beats", "reversal_angles", "status", "message")
+
+
+def fall_times(motion: Motion, start: float, cycle: Motion) -> tuple[float, float]:
+    """`rise_time_63` and `rise_time_98` [s] of a motion.
+
+    They are the times at which |v - v_terminal|/|v_0 - v_terminal| has fallen to 1/e and to
+    0.02. At time 0 it is 1, at each handoff v is the speed there, and in between its
+    logarithm is linear in time. v_terminal is the speed at the same handoff of the terminal
+    cycle; with imperfect parts each handoff of a cycle has its own. Motions do not cross, so the
+    deviation falls from handoff to handoff; if it rises, the first time counts. Values below 1e-9
+    count as 1e-9, because their digits are lost.
+
+    Parameters
+    ----------
+    motion : Motion
+        The motion, from its start on.
+    start : float
+        Speed at the first pin entry [rad/s].
+    cycle : Motion
+        The terminal cycle: one engagement, or all of a pattern.
+
+    Returns
+    -------
+    float, float
+        0 where the motion starts at the terminal speed, to within the motion's rtol; NaN
+        where it ends too early.
+    """
+    terminal = np.append(cycle.handoff_velocities[-1], cycle.handoff_velocities)
+    speeds = np.append(start, motion.handoff_velocities)
+    # the terminal cycle begins as it ends
+    turns = np.arange(speeds.size - 1) % (terminal.size - 1) + 1
+    deviation = np.abs(speeds - terminal[np.append(0, turns)])
+    if deviation[0] <= motion.rtol * terminal[0]:
+        return 0.0, 0.0
+    depth = -np.log(np.maximum(deviation / deviation[0], LEAST_RATIO))
+    times = np.append(0.0, motion.handoff_times)
+    return _passed(-math.log(FALL_63), depth, times), _passed(-math.log(FALL_98), depth, times)
+
+
+def _passed(level: float, depth: FloatArray, times: FloatArray) -> float:
+    """Time at which a depth, linear between given times, first reaches a level; or NaN."""
+    below = np.flatnonzero(depth >= level)
+    if not below.size:
+        return _NAN
+    two = slice(below[0] - 1, below[0] + 1)
+    return float(np.interp(level, depth[two], times[two]))
+
+
+def read_cycle(cycle: Motion, base: Figures) -> Figures:
+    """Terminal figures from a cycle that starts at the terminal speed: one engagement, or all
+    of a pattern.
+    """
+    speeds = np.concatenate([cycle.extrema.theta_dot, cycle.at([0.0, cycle.end_time]).theta_dot])
+    period = float(cycle.end_time / cycle.handoff_times.size)
+    return replace(
+        base,
+        velocity_max=float(speeds.max()),
+        velocity_min=float(speeds.min()),
+        velocity_mean=float(cycle.escapement.mechanism.cell_angle / period),
+        period=period,
+        handoff_velocity=float(cycle.handoff_velocities[-1]),
+        motion=cycle,
+    )
+
+
+def read_transient(motion: Motion, figures: Figures) -> tuple[float, float]:
+    """Rise and settling time [s] of a motion that has reached its terminal cycle.
+
+    A time is NaN where the motion is too short to show it.
+    """
+    extrema = motion.extrema
+    terminal = np.where(extrema.maximum, figures.velocity_max, figures.velocity_min)
+    extremes, size = _extremes(extrema), len(motion.escapement.meetings)
+    if size > 1:
+        # each engagement of a pattern converges to its own extremes, those of the last round
+        kinds = np.array([extrema.engagement % size, extrema.maximum])
+        last = extremes[extrema.engagement[extremes] >= motion.handoff_times.size - size]
+        final = np.full((size, 2), _NAN)
+        final[tuple(kinds[:, last])] = extrema.theta_dot[last]
+        terminal = final[tuple(kinds)]
+    error = np.abs(extrema.theta_dot / terminal - 1.0)
+    risen = np.nonzero(error <= RISE_BAND)[0]
+    unsettled = np.nonzero(error[extremes] > SETTLING_BAND)[0]
+    settled = extremes[unsettled[-1] + 1 :] if unsettled.size else extremes
+    return (
+        float(extrema.time[risen[0]]) if risen.size else _NAN,
+        float(extrema.time[settled[0]]) if settled.size else _NAN,
+    )
+
+
+def transient_length(contraction: float, start: float) -> int:
+    """Number of cycles after which the deviation is far below the settling band.
+
+    `start` is the initial over the terminal speed. Each cycle multiplies the deviation of w by
+    the contraction.
+    """
+    rate = math.log(min(max(contraction, 1e-4), 1.0 - 1e-12))
+    return 8 + math.ceil((math.log(1e-4) - 2.0 * math.log(max(start, 1.0))) / rate)
+
+
+def _extremes(extrema: Extrema) -> np.ndarray:
+    """Indices of the extrema that are the greatest or the least of their engagement.
+
+    Other extrema converge to other limits and are not comparable with the terminal extremes. An
+    extremum on a handoff belongs to the engagement that begins there.
+    """
+    heights = np.where(extrema.maximum, extrema.theta_dot, -extrema.theta_dot)
+    order = np.lexsort((-heights, extrema.maximum, extrema.engagement))
+    kinds = np.column_stack([extrema.engagement, extrema.maximum])[order]
+    return np.sort(order[np.unique(kinds, axis=0, return_index=True)[1]])
+
+
+def find_peaks(motion: Motion) -> list[float]:
+    """Greatest accelerations of driver and follower, contact moment and force of a motion.
+
+    They are magnitudes over all pieces, one-sided at their boundaries. The force is NaN
+    without a crank radius.
+    """
+    # one engine computes them itself; the motion of the other is sampled
+    found = getattr(motion.trajectory, "peaks", None)
+    if found is None:
+        return _sampled_peaks(motion)
+    *others, force = found.max(axis=1).tolist()
+    crank = getattr(motion.escapement.mechanism, "crank_radius", None)
+    return [*others, _NAN if crank is None else force / crank]
+
+
+def _sampled_peaks(motion: Motion) -> list[float]:
+    """The same from states of the motion."""
+    names = ["theta_ddot", "phi_ddot", "contact_moment"]
+    if getattr(motion.escapement.mechanism, "crank_radius", None) is not None:
+        names.append("contact_force")
+    bounds = np.append(motion.trajectory.start, motion.end_time)
+    pieces = np.arange(bounds.size - 1)[:, None]
+    # The first grid is the same for all quantities. Later grids are separate for each quantity
+    # and lie between the neighbours of its greatest value so far, down to 1e-6 of a piece.
+    grid = _first_grid(motion, pieces, bounds)[None]
+    for size in (33, 33, 33, 0):
+        state = motion.within(pieces, grid)
+        columns = [getattr(state, name) for name in names]
+        values = np.abs([column[min(row, grid.shape[0] - 1)] for row, column in enumerate(columns)])
+        best = values.argmax(axis=-1, keepdims=True)
+        grid = np.broadcast_to(grid, values.shape)
+        low = np.take_along_axis(grid, np.maximum(best - 1, 0), axis=-1)[..., 0]
+        high = np.take_along_axis(grid, np.minimum(best + 1, grid.shape[-1] - 1), axis=-1)[..., 0]
+        if size:
+            grid = np.linspace(low, high, size, axis=-1)
+    tops = [
+        max(_vertex(line[max(i - 1, 0) : i + 2]) for line, (i,) in zip(lines, places, strict=True))
+        for lines, places in zip(values, best, strict=True)
+    ]
+    return tops if len(tops) == 4 else [*tops, _NAN]
+
+
+def _first_grid(motion: Motion, pieces: np.ndarray, bounds: np.ndarray) -> FloatArray:
+    """Times within each piece, close enough that no peak is missed; one row for each piece.
+
+    A light driver's acceleration peaks within an angle of sqrt(rho) of the ends of a
+    piece, and a slow driver passes much of the angle in little of the time. Hence the
+    times are even in time and in angle, and ever closer towards both ends.
+    """
+    ends = np.geomspace(_NEAREST, 0.25, 48)
+    shares = np.unique(np.concatenate([np.linspace(0.0, 1.0, 129), ends, 1.0 - ends]))
+    low, high = bounds[:-1, None], bounds[1:, None]
+    by_time = low + (high - low) * shares
+    theta = motion.within(pieces, by_time).theta
+    angles = theta[:, :1] + (theta[:, -1:] - theta[:, :1]) * shares
+    by_angle = np.array(list(map(np.interp, angles, theta, by_time)))
+    return np.sort(np.concatenate([by_time, by_angle], axis=1), axis=1)
+
+
+def _vertex(values: np.ndarray) -> float:
+    """Height of the parabola through three even samples, the middle one the greatest."""
+    top = float(values.max())
+    if values.size < 3:
+        return top
+    bend = 2.0 * values[1] - values[0] - values[2]
+    rise = values[2] - values[0]
+    # rise^2 / (8 bend), but the square of a great force would overflow
+    return top + float(rise * (rise / (8.0 * bend))) if bend > 0.0 else top

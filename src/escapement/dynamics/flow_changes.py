@@ -1,0 +1,91 @@
+"""Where the direction of power in the trains of a motion changes."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from scipy.optimize import brentq
+
+from escapement.dynamics.trajectory import Events
+from escapement.mechanisms.protocol import FloatArray
+
+_SAMPLES = 129
+"""Places of a piece at which the torque in a train is evaluated."""
+_ROUNDING = 1e-9
+
+
+@dataclass(frozen=True, repr=False)
+class FlowChanges(Events):
+    """Changes of the direction of power in trains.
+
+    train : "barrel" or "load_train". forward : whether power flows on towards the load from then.
+    """
+
+    train: np.ndarray
+    forward: np.ndarray
+
+
+def flow_changes_of(motion: Any) -> FlowChanges:
+    """Every change of sign, in the order of time, of the torque in either train.
+
+    The torque is T - I_b theta_ddot for a barrel and M + I_l phi_ddot for a load train, with
+    numbers referred to driver and follower. If a sign changes from one piece of the motion to the
+    next, as at a pin reversal, the change is at the boundary. Two changes between neighbouring
+    places of 129 in a piece are missed.
+    """
+    trains = [n for n in ("barrel", "load_train") if getattr(motion.escapement, n) is not None]
+    found = sorted(row for train in trains for row in _changes(motion, train))
+    columns = [np.array(column) for column in zip(*found, strict=True)] or [np.empty(0)] * 6
+    time, engagement, theta, speed, names, forward = columns
+    return FlowChanges(engagement, time, theta, speed, names, forward)
+
+
+def _changes(motion: Any, train: str) -> Iterator[tuple[float, int, float, float, str, bool]]:
+    """Time, engagement, angle and speed of each change in one train, its name and sense."""
+    trajectory = motion.trajectory
+    ends = np.append(trajectory.start[1:], motion.end_time)
+    before = 0.0
+    for piece, (start, end) in enumerate(
+        zip(trajectory.start.tolist(), ends.tolist(), strict=True)
+    ):
+        if not end > start:
+            continue
+        times = np.linspace(start, end, _SAMPLES)
+        values = _passed(motion, piece, times, train)
+        # values of the size of rounding have no sign
+        clear = np.flatnonzero(np.abs(values) > _ROUNDING * np.abs(values).max())
+        last = -1
+        for i in clear.tolist():
+            if values[i] * before < 0.0:
+                time = start
+                if last >= 0:
+                    own = motion, piece, train
+                    time = brentq(_at, times[last], times[i], args=own, xtol=1e-300)
+                state = motion.within(np.array([piece]), np.array([time]))
+                place = float(state.theta[0]), float(state.theta_dot[0])
+                yield time, int(trajectory.engagement[piece]), *place, train, bool(values[i] > 0.0)
+            before, last = float(values[i]), i
+
+
+def _passed(motion: Any, piece: int, times: FloatArray, train: str) -> FloatArray:
+    """Torque in a train at times within a piece [N m], referred to the driver or the follower.
+
+    It is positive where power flows on towards the load.
+    """
+    state = motion.within(np.full(times.size, piece), times)
+    seen, own = motion.escapement.seen, getattr(motion.escapement, train)
+    if train == "load_train":
+        # at a handoff rounding decides the sign of the follower's speed
+        way = np.where(state.phi_dot < -_ROUNDING * np.abs(state.theta_dot), -1.0, 1.0)
+        return np.asarray(seen["load_torque"] + way * own.inertia * own.ratio**2 * state.phi_ddot)
+    curve, turned = motion.escapement.curve, state.theta - motion.at(0.0).theta
+    torque = seen["torque"] if curve is None else curve(turned)
+    way = np.where(state.theta_dot < 0.0, -1.0, 1.0)
+    return np.asarray(way * (torque - own.inertia / own.ratio**2 * state.theta_ddot))
+
+
+def _at(time: float, motion: Any, piece: int, train: str) -> float:
+    return float(_passed(motion, piece, np.array([time]), train)[0])

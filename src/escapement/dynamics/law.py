@@ -1,0 +1,350 @@
+"""The equation of motion, dimensionless.
+
+The units of inertia, torque and time are the follower's inertia I_f, the driving torque and
+sqrt(I_f/torque). Lengths are in the unit of the mechanism's path, such as the crank radius. A
+`Scene` holds the mechanism's path and these dimensionless numbers:
+
+    rho           driver's inertia over the follower's
+    T             torque of the drive, linear between given driver angles
+    mu            friction of each side, mu_plus and mu_minus
+    load, bearing load torque, and constant torque of the driver's bearing
+    c_d, c_f      drag of driver and follower that grows with the square of the speed
+    nu_d, nu_f    viscous drag of driver and follower
+    r_p           radius of the pin, whose body turns by beta per driver radian
+    b_d, b_f      torque of friction in each journal over the contact force
+    delta         distance of the slot's centre line from the follower's axis, in the sense of phi
+
+With w = theta_dot^2 and the side s = +1 or -1 of the slot that carries the force, the drive D
+and the resistance F of the follower are
+
+    D = pull - c_d w - nu_d sqrt(w),                            pull = T - bearing
+    F = k w + load + nu_f g sqrt(w),                            k = g' + c_f g |g|
+
+The pin is at the distance R from the follower's axis and moves along the slot at V = u R per
+driver radian. The sliding speed v of the contact, the lever arm h of the contact force and the
+effective ratio p are
+
+    v = V + s r_p (g - beta),    h = R - sign(v) mu (r_p + s delta) - s b_f sign(g)
+    p = g + c,                   c = s (mu |v| + b_d + b_f |g|)/h
+    (rho + g p) theta_ddot = D - p F
+
+The moment with which the contact turns the follower, after the friction of the pin and of the
+follower's journal is subtracted, is
+
+    N h = X/(rho + g p),         X = rho F + g D
+
+An ideal pin has c = s mu |u|. A mesh of efficiency eta has p = g eta^(-s), because power that
+flows back is multiplied by eta. That is the same law with |u| = g, mu_+ = 1/eta - 1 and
+mu_- = 1 - eta. In a dwell the follower is locked, so that g, u and g' are zero.
+
+With load = 0 the law of an ideal pin is Meyer's eq. 1-18/1-19, where his S is s sign(sin theta).
+An engine integrates the functions of this file over time (`net_torque` divided by
+`reduced_inertia`) or over the driver angle (`energy_rates`); `painleve` finds where
+J_s = rho + g p vanishes.
+"""
+
+import numpy as np
+
+from escapement.dynamics.torque import REST, gap_of_places, is_undriven
+from escapement.mechanisms.path import Path
+from escapement.mechanisms.slotted import pose_at
+from escapement.model.scene import Scene
+from escapement.numerics.jit import inner_jit, jit
+
+LOSSES = (
+    *("friction", "driver_bearing", "follower_bearing", "driver_drag", "follower_drag"),
+    *("barrel", "load_train"),
+)
+"""Where work is lost: in the slot or the mesh, in the bearings, to the air or to oil, in trains."""
+# A force below this share of its terms may vanish near by, and is looked at a little behind [rad].
+_SMALL, _BEHIND = 1e-6, 1e-7
+# Where a mesh stops, g and g' of a table are rounding errors below this.
+_TABLE_ROUNDING = 1e-9
+
+
+@inner_jit(allocates=True, inlined=True)
+def scene_of(scene_tuple):
+    """The scene that belongs to the nested tuples of `model.scene.scene_tuple`."""
+    path = scene_tuple[0]
+    return Scene(Path(path[0], path[1]), *scene_tuple[1:])
+
+
+@inner_jit
+def signed_loss(side, scene):
+    """The signed friction s mu_s of the side that carries the force."""
+    return scene.mu_plus if side > 0.0 else -scene.mu_minus
+
+
+@inner_jit
+def is_ideal(scene):
+    """Whether the pin is thin and slides towards the axis, and the journals have no friction."""
+    plain = scene.pin == 0.0 and scene.driver_journal == 0.0 and scene.follower_journal == 0.0
+    return plain and (scene.path.table or scene.path.numbers[10] == 0.0)
+
+
+@inner_jit
+def is_viscous(scene):
+    """Whether there is drag proportional to the speed, which makes the law nonlinear in w."""
+    return scene.driver_viscous > 0.0 or scene.follower_viscous > 0.0
+
+
+@inner_jit
+def is_drag_free(scene):
+    """Whether there is no drag, neither of air nor of oil."""
+    return scene.driver_drag + scene.follower_drag == 0.0 and not is_viscous(scene)
+
+
+@jit
+def is_lossless(scene):
+    """Whether no loss grows with the speed: every engagement then adds the same energy."""
+    losses = scene.mu_plus + scene.driver_journal + scene.follower_journal
+    trains = scene.barrel_efficiency == scene.load_train_efficiency == 1.0
+    return losses == 0.0 and is_drag_free(scene) and trains
+
+
+@inner_jit
+def sign_of(value, known=0.0):
+    """Sign of a value, or the `known` sign, which continues |value| smoothly beyond its zero."""
+    return known if known != 0.0 else np.copysign(1.0, value)
+
+
+@inner_jit
+def slide_at(g, u, radius, side, scene):
+    """Sliding speed v per driver radian of the contact point along the wall."""
+    return radius * u + side * scene.pin * (g - scene.path.numbers[9])
+
+
+@inner_jit
+def grip(g, u, radius, side, scene, way=0.0, turn=0.0):
+    """Sliding speed |v| per driver radian, and lever h of the contact force.
+
+    `way` and `turn` are the signs of v and g, if they are known; see `sign_of`.
+    """
+    if is_ideal(scene):
+        return sign_of(u, way) * radius * u, radius
+    slide = slide_at(g, u, radius, side, scene)
+    way, turn = sign_of(slide, way), sign_of(g, turn)
+    arm = scene.pin + side * scene.path.numbers[10]
+    lever = radius - side * signed_loss(side, scene) * way * arm
+    return way * slide, lever - side * turn * scene.follower_journal
+
+
+@inner_jit
+def bend(g, u, radius, side, scene, way=0.0, turn=0.0):
+    """What friction adds to the effective ratio, c = p - g; signs are as in `grip`."""
+    friction = signed_loss(side, scene)
+    # in a dwell u and R are given as zero
+    if is_ideal(scene) or radius == 0.0:
+        return friction * sign_of(u, way) * u
+    slide, lever = grip(g, u, radius, side, scene, way, turn)
+    lost = scene.driver_journal + scene.follower_journal * sign_of(g, turn) * g
+    return (friction * slide + side * lost) / lever
+
+
+@inner_jit
+def dragged_slope(g, dg, scene, turn=0.0):
+    """k = g' + c_f g |g|."""
+    return dg + scene.follower_drag * (g * sign_of(g, turn) * g)
+
+
+@inner_jit
+def root_of(w, scene):
+    """Speed sqrt(w) if viscous drag needs it, otherwise 0."""
+    return np.sqrt(max(w, 0.0)) if is_viscous(scene) else 0.0
+
+
+@inner_jit
+def drive(pull, w, root, scene):
+    """D: torque of the drive minus the driver's drag at the squared speed w; see `root_of`."""
+    return pull - scene.driver_drag * w - scene.driver_viscous * root
+
+
+@inner_jit
+def drive_sign(pull, w, scene):
+    """1 if the driver gains speed where there is no contact force, -1 if it loses speed."""
+    return np.sign(drive(pull, w, root_of(w, scene), scene))
+
+
+@inner_jit
+def resistance(g, k, w, root, scene):
+    """F: moment of the follower's inertia at constant speed, of its load and its drag."""
+    return k * w + scene.load + scene.follower_viscous * g * root
+
+
+@inner_jit
+def contact(g, k, pull, w, root, scene):
+    """X = N h (rho + g p): its sign is the side of the slot that carries the force.
+
+    It depends neither on the side itself nor on losses that grow with the contact force, so
+    the side is explicit and unique below the Painleve limit. The pin changes sides where it is
+    zero; at constant driver speed F = 0 takes its place, which is Filemon's pin reversal.
+    """
+    return scene.rho * resistance(g, k, w, root, scene) + g * drive(pull, w, root, scene)
+
+
+@inner_jit
+def net_torque(g, c, k, pull, w, root, scene):
+    """Torque that is left to accelerate the driver, J_s theta_ddot = D - p F."""
+    return drive(pull, w, root, scene) - (g + c) * resistance(g, k, w, root, scene)
+
+
+@inner_jit
+def reduced_inertia(g, c, scene):
+    """J_s = rho + g p; it vanishes at the Painleve limit."""
+    return scene.rho + g * (g + c)
+
+
+@inner_jit
+def free_gain(angle, pull, w, scene):
+    """Increase of w over a small angle while the driver turns without the follower."""
+    return 2.0 * angle * drive(pull, w, root_of(w, scene), scene) / scene.rho
+
+
+@jit
+def left_by_blow(scene):
+    """Share of the driver's speed that is left where a pin strikes a follower at rest.
+
+    The blow is plastic, on the side s = +1, with friction: the follower takes the angular impulse
+    P = I_d I_f g theta_dot/(I_d + I_f g p), and the driver loses p P. The pin strikes where the
+    engagement begins; after the blow the follower has the speed that the pin prescribes there.
+    """
+    g, c, _k = bent_pose(scene.edges[0], 1.0, scene)
+    return scene.rho / reduced_inertia(g, c, scene)
+
+
+@inner_jit
+def energy_rates(g, c, k, pull, inverse_inertia, dtheta_dx, root, scene):
+    """Coefficients of dE/dx = A - B E for E = (rho + g^2) w, twice the kinetic energy.
+
+    With J = rho + g^2 + g c
+
+        A = 2 theta' [(D - g M) - c (rho M + g D)/J]
+        B = 2 theta'/J {c rho k/(rho + g^2) + c_d + [1 + g c/(rho + g^2)] c_f g^2 |g|}
+
+    where D and M are the torques of drive, `pull`, and load that do not depend on w. Both are
+    written in c, so that without a loss B is exactly zero and A is exact. Viscous drag is
+    linear about the speed `root`, sqrt(w) = root/2 + w/(2 root): it adds to both D and M, and
+    to c_d and k.
+
+    Parameters
+    ----------
+    inverse_inertia : 1/(rho + g^2).
+    dtheta_dx : theta', the driver angle by the panel's coordinate x.
+    root : speed about which viscous drag is linear; 0 without it.
+
+    Returns
+    -------
+    A, B, amplification
+        `amplification` is (rho + g^2)/J. It is large near the Painleve limit, where J is a
+        difference of nearly equal terms, and multiplies the rounding error of A and B.
+    """
+    torque, load, drag = pull, scene.load, scene.driver_drag
+    air = scene.follower_drag * (g * g * abs(g))
+    if root > 0.0:
+        half = 0.5 * root
+        torque -= scene.driver_viscous * half
+        load += scene.follower_viscous * g * half
+        drag += scene.driver_viscous * (0.5 / root)
+        shear = scene.follower_viscous * g * (0.5 / root)
+        k += shear
+        air += shear * g
+    amplification = 1.0 / (1.0 + g * c * inverse_inertia)
+    twice = 2.0 * dtheta_dx
+    lost = c * (scene.rho * load + g * torque) * amplification * inverse_inertia
+    gain = twice * ((torque - g * load) - lost)
+    bent = c * scene.rho * k * inverse_inertia
+    decay = twice * inverse_inertia * ((bent + drag) * amplification + air)
+    return gain, decay, amplification
+
+
+@inner_jit
+def losses_per_angle(g, u, radius, k, pull, w, side, scene, way=0.0, turn=0.0):
+    """Contact force N, and the work lost per driver angle in each of `LOSSES` but the trains."""
+    ratio = sign_of(g, turn) * g
+    root = np.sqrt(max(w, 0.0))
+    force = slot = at_driver = at_follower = 0.0
+    if radius > 0.0:
+        slide, lever = grip(g, u, radius, side, scene, way, turn)
+        moment = contact(g, k, pull, w, root_of(w, scene), scene)
+        moment /= reduced_inertia(g, bend(g, u, radius, side, scene, way, turn), scene)
+        force = moment / lever
+        # with the given sign of N they stay smooth if a trial step of a solver passes a reversal
+        slot = signed_loss(side, scene) * slide * force
+        at_driver = side * scene.driver_journal * force
+        at_follower = side * scene.follower_journal * ratio * force
+    drag = scene.driver_drag * w + scene.driver_viscous * root
+    air = scene.follower_drag * w * ratio + scene.follower_viscous * root
+    return force, slot, at_driver + scene.bearing, at_follower, drag, g * g * air
+
+
+@inner_jit
+def ends_alike(g_in, g_out, rho):
+    """Whether rho + g^2 is the same at both ends of an engagement, except for a table's rounding.
+
+    Without friction each engagement then adds the same energy, and no speed is terminal.
+    Meyer's published cells are the only ones that end with another g than they begin with.
+    """
+    return abs((g_out - g_in) * (g_out + g_in)) <= 1e-12 * (rho + g_out * g_out)
+
+
+@inner_jit
+def side_at(theta, g, k, pull, slope, w, before, scene):
+    """Side that carries the force just behind a driver angle where a piece begins: +1 or -1.
+
+    It is the sign of X, as a limit from behind: X vanishes at the pin entry if the driver is at
+    rest without a load, and at dead centre if there is no torque. Where it is small it is also
+    evaluated a little behind, to where the driver turns free. Where a mesh stops, g and g' are
+    both zero, or rounding errors of a table, and the side stays what it was `before`.
+
+    Parameters
+    ----------
+    theta : driver angle [rad].
+    g, k, pull, w : there.
+    slope : of the pull behind it.
+    before : side before it; +1 at an entry, where the driver is about to push the follower.
+    """
+    value = contact(g, k, pull, w, root_of(w, scene), scene)
+    size = scene.rho * w + abs(pull)
+    if abs(value) <= _SMALL * size:
+        g, _u, dg, _radius = pose_at(scene.path, theta + _BEHIND)
+        k, w = dragged_slope(g, dg, scene), max(w + free_gain(_BEHIND, pull, w, scene), 0.0)
+        behind = contact(g, k, pull + slope * _BEHIND, w, root_of(w, scene), scene)
+        value = settled(value, behind, _BEHIND, gap_of_places(scene))
+        if value == 0.0:
+            value = behind
+        if scene.path.table and max(abs(value), abs(behind)) <= _TABLE_ROUNDING * size:
+            value = before
+    return 1.0 if value >= 0.0 else -1.0
+
+
+@inner_jit
+def settled(value, other, way, gap):
+    """A value at a place, or 0 where it has another sign closer to it than `gap` [rad].
+
+    `other` is the value at the distance `way` [rad], and has the sign that counts then.
+    """
+    near = abs(value) * way <= gap * abs(other - value)
+    return 0.0 if near and value * other <= 0.0 else value
+
+
+@inner_jit
+def bent_pose(theta, side, scene):
+    """g, c and k at a driver angle while the side s carries the force; all are 0 in a dwell."""
+    if side == 0.0:
+        return 0.0, 0.0, 0.0
+    g, u, dg, radius = pose_at(scene.path, theta)
+    return g, bend(g, u, radius, side, scene), dragged_slope(g, dg, scene)
+
+
+@jit
+def rest_speed(theta, side, scene):
+    """Driver speed at which a motion counts as at rest: 0, unless viscous drag alone acts on it.
+
+    With viscous drag and nothing that drives it the driver would slow down for ever. It counts as
+    at rest once the kinetic energy of both bodies is that of a driver with the squared speed
+    `REST`; the energy falls, so it never becomes faster again.
+    """
+    if not (is_viscous(scene) and is_undriven(theta, scene)):
+        return 0.0
+    g = bent_pose(theta, side, scene)[0]
+    return np.sqrt(REST * scene.rho / (scene.rho + g * g))

@@ -1,0 +1,50 @@
+"""All figures of merit, each with its unit and a description.
+
+`figures_of_merit` computes them from a motion; reports, studies, files and plots use these names.
+"""
+
+from typing import NamedTuple
+
+from escapement.base.units import unit_name
+
+
+class Result(NamedTuple):
+    """A number of every case: its kind of unit, its description, and its type in a file."""
+
+    kind: str
+    long_name: str
+    dtype: str = "<f8"
+
+    @property
+    def units(self) -> str:
+        """UDUNITS spelling of its unit in SI."""
+        return unit_name(self.kind, "SI")
+
+
+FIGURES = {
+    "velocity_max": Result("speed", "largest driver velocity of the terminal cycle"),
+    "velocity_min": Result("speed", "smallest driver velocity of the terminal cycle"),
+    "velocity_mean": Result("speed", "mean driver velocity of the terminal cycle"),
+    "velocity_average_published": Result("speed", "mean of largest and smallest driver velocity"),
+    "period": Result("time", "period of one engagement of the terminal cycle"),
+    "beat_error": Result("time", "longest minus shortest engagement of the terminal cycle"),
+    "blow_max": Result("energy", "energy lost in the greatest impact, its friction included"),
+    "rise_time": Result("time", "time of the first velocity extremum within 2 % of terminal"),
+    "rise_time_63": Result("time", "time in which the handoff velocity's deviation falls to 1/e"),
+    "rise_time_98": Result("time", "time in which the handoff velocity's deviation falls to 0.02"),
+    "settling_time": Result("time", "time from which every engagement's extremes are within 1 %"),
+    "handoff_velocity": Result("speed", "driver velocity at the terminal handoff"),
+    "contraction": Result("ratio", "factor by which an engagement shrinks a deviation"),
+    "critical_friction": Result("ratio", "friction at and above which no motion exists"),
+    "uniqueness_friction": Result("ratio", "friction at and above which the motion is not unique"),
+    "jam_margin": Result("ratio", "1 - friction/critical friction"),
+    "last_reversal_angle": Result("angle", "last pin reversal, from dead centre"),
+    "acceleration_max": Result("acceleration", "greatest driver acceleration"),
+    "follower_acceleration_max": Result("acceleration", "greatest follower acceleration"),
+    "contact_moment_max": Result("torque", "greatest moment on the follower"),
+    "contact_force_max": Result("force", "greatest force on the pin"),
+    "energy_residual": Result("ratio", "energy unaccounted for, as a share of the work"),
+}
+"""Scalar figures of merit in the order in which they are reported."""
+TRANSIENT = ("rise_time", "rise_time_63", "rise_time_98", "settling_time")
+"""Figures that depend on the start of the motion."""

@@ -1,0 +1,354 @@
+"""The Painleve limit: the friction at which the equation of motion loses its solution.
+
+Where the reduced inertia J_s = rho + g p_s vanishes the rigid problem has two solutions or
+none. The side in question is the one that holds the follower back, s = -1. After dead centre,
+where the force changes to this side, there is no solution beyond the limit. Before it the motion
+on the side s = +1 goes on, but another one exists as well. For an ideal pin the limits of both
+halves are equal, and known in closed form.
+"""
+
+from typing import Any
+
+import numpy as np
+
+from escapement.dynamics.law import grip, is_ideal, sign_of, slide_at
+from escapement.dynamics.train_losses import FLOWS, in_flow, is_lossy, scene_in_flow
+from escapement.mechanisms.protocol import FloatArray, Mechanism
+from escapement.mechanisms.slotted import (
+    circle,
+    pose_at,
+    slide_change,
+    transmission,
+    transmission_at,
+)
+from escapement.model.escapement import Escapement, Inertia
+from escapement.model.natural import slid
+from escapement.model.scene import Scene
+from escapement.numerics.chebyshev import zeros
+from escapement.numerics.jit import as_python, inner_jit, jit
+from escapement.numerics.roots import newton_in_bracket
+
+GOLDEN = 0.6180339887498949
+_LIMITS = "painleve.limits"
+
+
+@jit
+def painleve_ratio(path, theta, rho):
+    """Friction at which the reduced inertia vanishes at `theta`, or inf."""
+    g, u, _dg = transmission_at(path, theta)
+    product = abs(g * u)
+    return (rho + g * g) / product if product > 0.0 else np.inf
+
+
+@inner_jit
+def _stationary(g1, g2, rho, end):
+    """g between 0 and `end` at which (rho + g^2)/(|g| |u|) is stationary on the circle.
+
+    It is a root of the cubic in `critical_friction`. The cubic is negative at 0 and positive at
+    g1 and g2, one of which is `end`, so Newton's method in this bracket cannot fail.
+    """
+    total, product = g1 + g2, g1 * g2
+    low, high = min(0.0, end), max(0.0, end)
+    g = 0.5 * end
+    for _ in range(200):
+        value = ((total * g + 4.0 * rho - 2.0 * product) * g - 3.0 * rho * total) * g
+        value += 2.0 * rho * product
+        slope = (3.0 * total * g + 8.0 * rho - 4.0 * product) * g - 3.0 * rho * total
+        guess, low, high = newton_in_bracket(g, value, slope, low, high, end > 0.0)
+        if abs(guess - g) <= 1e-15 * abs(g):
+            break
+        g = guess
+    return g
+
+
+@jit
+def painleve_limit(path, rho, entry, exit_):
+    """Least painleve_ratio over the engagement, and a driver angle that has it."""
+    if path.table:
+        return np.inf, entry
+    limit, angle = painleve_ratio(path, entry, rho), entry
+    at_exit = painleve_ratio(path, exit_, rho)
+    if at_exit < limit:
+        limit, angle = at_exit, exit_
+    c = path.numbers
+    g1, g2 = circle(path)
+    for end in (g1, g2):
+        g = _stationary(g1, g2, rho, end)
+        # solve g = (G0 + G1 x)/(L0 + L1 x) for x, the squared sine of the half angle
+        x = (g * c[1] - c[3]) / (c[4] - g * c[2])
+        if not 0.0 < x <= 1.0:
+            continue
+        turn = np.arcsin(np.sqrt(x)) / abs(c[0])
+        for theta in (-turn, turn):
+            place = min(max(theta, entry), exit_)
+            # the angle lies outside the engagement by more than rounding
+            if abs(place - theta) > 1e-15 * abs(theta):
+                continue
+            # |u| comes from the circle: with a light driver the minimum lies so close to the
+            # exit that no double for the angle gives g to enough digits
+            ratio = (rho + g * g) / (abs(g) * np.sqrt((g1 - g) * (g - g2)))
+            if ratio < limit:
+                limit, angle = ratio, place
+    return limit, angle
+
+
+@jit
+def margin(theta, scene):
+    """J_s h_s for s = -1, (rho + g^2) h - |g| h |c|; neither factor may vanish."""
+    g, u, _dg, radius = pose_at(scene.path, theta)
+    slide, lever = grip(g, u, radius, -1.0, scene)
+    lost = scene.mu_minus * slide + scene.driver_journal + scene.follower_journal * abs(g)
+    return (scene.rho + g * g) * lever - abs(g) * lost
+
+
+@inner_jit
+def least_lever(scene, exit_):
+    """Least lever of the contact force on the side s = +1, over the engagement that ends there."""
+    radius = min(pose_at(scene.path, 0.0)[3], pose_at(scene.path, exit_)[3])
+    arm = scene.pin + abs(scene.path.numbers[10])
+    return radius - scene.mu_plus * arm - scene.follower_journal
+
+
+@inner_jit
+def nearness(moment, slope, journal):
+    """One over the least mu at which moment - slope mu - journal sqrt(1 + mu^2) vanishes.
+
+    It is infinite where the moment of a body does not exceed the friction of a journal, and not
+    positive where there is no such mu. With mu = tan x, moment cos x - slope sin x = journal.
+    """
+    b, c = slope / moment, journal / moment
+    if not abs(c) < 1.0:
+        return np.inf
+    return (b + c * np.sqrt(1.0 + b * b - c * c)) / (1.0 - c * c)
+
+
+@inner_jit
+def _nearness_at(theta, way, scene):
+    """`nearness` of the friction at which `margin` vanishes at an angle; `way` is the sign of v."""
+    g, u, _dg, radius = pose_at(scene.path, theta)
+    inertia, ratio, share = scene.rho + g * g, abs(g), np.hypot(1.0, scene.mu_minus)
+    driver, follower = scene.driver_journal / share, scene.follower_journal / share
+    slide = way * slide_at(g, u, radius, -1.0, scene)
+    slope = ratio * slide + inertia * way * (scene.pin - scene.path.numbers[10])
+    journal = ratio * (driver + ratio * follower) - inertia * sign_of(g) * follower
+    return nearness(inertia * radius, slope, journal)
+
+
+@inner_jit
+def _nearest(low, high, scene):
+    """The greatest `_nearness_at` between two angles that v keeps its sign between, and its angle.
+
+    There it has one maximum, inside or at an end, which golden section finds.
+    """
+    g, u, _dg, radius = pose_at(scene.path, 0.5 * (low + high))
+    way = np.copysign(1.0, slide_at(g, u, radius, -1.0, scene))
+    a, b = low, high
+    x, y = b - GOLDEN * (b - a), a + GOLDEN * (b - a)
+    at_x, at_y = _nearness_at(x, way, scene), _nearness_at(y, way, scene)
+    while b - a > 1e-12:
+        if at_x > at_y:
+            b, y, at_y = y, x, at_x
+            x = b - GOLDEN * (b - a)
+            at_x = _nearness_at(x, way, scene)
+        else:
+            a, x, at_x = x, y, at_y
+            y = a + GOLDEN * (b - a)
+            at_y = _nearness_at(y, way, scene)
+    return max(at_x, at_y), 0.5 * (a + b)
+
+
+@jit
+def friction_limit(scene, low, high):
+    """Least friction at which `margin` vanishes between two driver angles, and the angle.
+
+    If the lever of the other side vanishes at less friction, that is the limit, and the angle is
+    NaN. The limit does not depend on the friction of the scene; below it margin and lever are
+    positive.
+    """
+    entry, exit_ = scene.edges[0], scene.edges[-1]
+    change = slide_change(scene.path, scene.pin, -1.0, entry, exit_)
+    if not low < change < high:
+        change = high
+    most, angle = _nearest(low, change, scene)
+    if change < high:
+        behind, place = _nearest(change, high, scene)
+        if behind > most:
+            most, angle = behind, place
+    radius = min(pose_at(scene.path, 0.0)[3], pose_at(scene.path, exit_)[3])
+    arm = scene.pin + abs(scene.path.numbers[10])
+    lever = nearness(radius, arm, scene.follower_journal / np.hypot(1.0, scene.mu_minus))
+    if lever > most:
+        most, angle = lever, np.nan
+    return 1.0 / most if most > 0.0 else np.inf, angle
+
+
+@inner_jit
+def beyond_painleve(scene):
+    """Whether friction reaches the Painleve limit for any direction of power in the trains."""
+    if not is_lossy(scene):
+        return _beyond(scene)
+    count = 0
+    for i in range(FLOWS):
+        count += _beyond(in_flow(scene, float(i)))
+    return count > 0
+
+
+@inner_jit
+def _beyond(scene):
+    """Whether friction is at or above the Painleve limit of a scene.
+
+    (rho + g^2)/|g| is at least 2 sqrt(rho), and |u| is at most the radius of the circle that
+    (g, u) runs on. This bound settles most scenes. For most others the stationary g on the circle
+    is enough, without its driver angle. A mechanism without slots has no such limit, because J_s
+    = rho + g^2 eta is positive.
+    """
+    if scene.path.table:
+        return False
+    if not is_ideal(scene):
+        return scene.mu_minus >= friction_limit(scene, 0.0, scene.edges[-1])[0]
+    # Where g > 0, J may vanish on the side s = -1. One of Meyer's published cells also has g < 0,
+    # where J may vanish for s = +1, but its pins have one mu and the limit there is higher.
+    mu, rho = scene.mu_minus, scene.rho
+    g1, g2 = circle(scene.path)
+    if mu * abs(g1 - g2) < 4.0 * np.sqrt(rho) * (1.0 - 1e-12):
+        return False
+    if g2 < 0.0 < g1:
+        # g rises from 0 at entry to g1 at dead centre, so the stationary g is passed
+        g = _stationary(g1, g2, rho, g1)
+        # the friction over its limit, mu |g u|/(rho + g^2)
+        share = mu * g * np.sqrt((g1 - g) * (g - g2)) / (rho + g * g)
+        if abs(share - 1.0) > 1e-9:
+            return share > 1.0
+    return mu >= painleve_limit(scene.path, rho, scene.edges[0], scene.edges[-1])[0]
+
+
+def critical_friction(mechanism: Mechanism, inertia: Inertia) -> float:
+    """Painleve limit: least friction at which no motion exists [-].
+
+    There J_s reaches zero after dead centre. At or above it the rigid-body problem has no
+    solution or two. The load torque does not move it. Minimum over the engagement of
+    (rho + g^2)/(|g| |u|); on a slotted path u^2 = (g1 - g)(g - g2), so the
+    stationary points are roots of the cubic
+
+        S g^3 + (4 rho - 2 P) g^2 - 3 rho S g + 2 rho P = 0,  S = g1 + g2, P = g1 g2,
+
+    which for the external Geneva is T g^3 + (T + 2 rho) g^2 - 3 rho T g - rho T = 0
+    with T = tan^2(pi/n). For pins with a radius, and with friction in the journals, the friction
+    at which the product of reduced inertia and lever vanishes has a closed form at each driver
+    angle, and its minimum is found numerically.
+
+    Returns
+    -------
+    float
+        The limit; infinite where the pin never slides under force.
+    """
+    return friction_limits(Escapement(mechanism, inertia, torque=1.0))[0]
+
+
+def friction_limits(escapement: Escapement) -> tuple[float, float]:
+    """Frictions at which motion ceases to exist, and at which it ceases to be unique [-].
+
+    For an ideal pin the two are equal. With a roller they are frictions inside the roller.
+    """
+    kept = escapement.kept
+    if _LIMITS not in kept:
+        scenes = _flows_of(escapement)
+        if all(as_python(is_ideal)(scene) for scene in scenes):
+            ends = [(scene.path, scene.rho, scene.edges[0], scene.edges[-1]) for scene in scenes]
+            kept[_LIMITS] = (min(painleve_limit(*row)[0] for row in ends),) * 2
+        else:
+            kept[_LIMITS] = _limit(escapement, before=False), _limit(escapement, before=True)
+    found: tuple[float, float] = kept[_LIMITS]
+    return found
+
+
+def _flows_of(escapement: Escapement) -> list[Scene]:
+    """The scenes of an escapement, each for every direction of power through lossy trains."""
+    if not as_python(is_lossy)(escapement.scene):
+        return [*escapement.scenes]
+    return [scene_in_flow(scene, float(i)) for scene in escapement.scenes for i in range(FLOWS)]
+
+
+def _limit(escapement: Escapement, before: bool) -> float:
+    """Least friction at which the margin vanishes before or after a dead centre."""
+    limits = [
+        friction_limit(scene, *((scene.edges[0], 0.0) if before else (0.0, scene.edges[-1])))[0]
+        for scene in _flows_of(escapement)
+    ]
+    return slid(vars(escapement.mechanism), float(min(limits)))
+
+
+def critical_angle(mechanism: Mechanism, inertia: Inertia, friction: float) -> float:
+    """First driver angle of a cell where `friction` meets the Painleve limit.
+
+    Returns
+    -------
+    float
+        Angle from dead centre [rad]; NaN when friction is below the limit.
+    """
+    rho = inertia.driver / inertia.follower
+    path, breaks = mechanism.path, mechanism.breaks
+    limit, angle = painleve_limit(path, rho, breaks[0], breaks[-1])
+    if friction < limit:
+        return float("nan")
+    if painleve_ratio(path, breaks[0], rho) <= friction:
+        return breaks[0]
+
+    def reduced_inertia(theta: FloatArray) -> FloatArray:
+        found = transmission(path, theta)
+        # over the friction, which may be as great as a double
+        return np.asarray((rho + found.g**2) / friction - np.abs(found.g * found.u))
+
+    # if the function only touches zero, rounding may leave no root
+    return float(min(zeros(reduced_inertia, breaks), default=angle))
+
+
+def painleve_message(escapement: Escapement) -> str | None:
+    """Why no motion can be computed, or None below the limit."""
+    limit, friction = friction_limits(escapement)[0], escapement.friction
+    if friction < limit:
+        return None
+    scenes, count = _flows_of(escapement), len(escapement.scenes)
+    if len(scenes) == 1 and as_python(is_ideal)(scenes[0]):
+        angle, k = (
+            critical_angle(escapement.mechanism, escapement.without_trains.inertia, friction),
+            0,
+        )
+    else:
+        ends = ((k, scene, scene.edges[-1]) for k, scene in enumerate(scenes))
+        places = ((x, k, scene) for k, scene, end in ends for x in np.linspace(0.0, end, 2001))
+        found = ((x, k) for x, k, scene in places if not margin(x, scene) > 0.0)
+        angle, k = next(found, (0.0, 0))
+    wheel: Any = escapement.mechanism
+    where = f" of pin {k % wheel.pins} in slot {k % wheel.slots}" if count > 1 else ""
+    return (
+        f"friction {friction:g} is at or above the Painleve limit {limit:.6g}, first met "
+        f"{np.degrees(angle):.3f} degrees from dead centre{where}: no unique rigid motion exists"
+        f"{_remedy(escapement)}"
+    )
+
+
+def _remedy(escapement: Escapement) -> str:
+    """Which option gives an answer beyond the limit, if one does."""
+    if len(escapement.scenes) > 1 or escapement.curve is not None:
+        return ""
+    if not hasattr(escapement.mechanism, "clearance"):
+        return "; jam_rule gives an approximation"
+    rule = "jam_rule without the clearance" if escapement.contact else "jam_rule"
+    return f"; give stiffness and damping for compliant contact, or {rule} for an approximation"
+
+
+def uniqueness_note(escapement: Escapement) -> str | None:
+    """The message for a motion that is not unique; None for all others."""
+    if all(as_python(is_ideal)(scene) for scene in escapement.scenes):
+        return None
+    if escapement.contact == "compliant":
+        # with compliant contact there is one motion
+        return None
+    limit = friction_limits(escapement)[1]
+    if escapement.friction < limit:
+        return None
+    return (
+        f"a second motion is possible, because friction {escapement.friction:g} is at "
+        f"or above the limit of uniqueness {limit:.6g}: a blow before dead centre could jam the pin"
+    )

@@ -1,0 +1,159 @@
+"""The torque of the drive, linear between knots, over the driver angle turned.
+
+A constant torque has one knot. A spring has two: the full torque at the start of the motion,
+and none where it is spent. Beyond the last knot the torque stays, unless the knots repeat. In
+natural units the greatest torque is 1.
+
+`Scene.torque` holds the angle after which n knots repeat, or 0, then the angles of the knots
+[rad], ascending, and then the torques.
+"""
+
+import numpy as np
+
+from escapement.model.scene import Scene
+from escapement.numerics.jit import inner_jit, jit
+
+# Where nothing drives it a driver of this squared speed, in units of torque/I_f, is at rest.
+REST = 1e-6
+# Knots of the torque, and breaks or events as close to one [rad], are at one place.
+KNOT_GAP = 1e-9
+# Without knots breaks and events so close together [rad] are.
+SAME_PLACE = 1e-12
+
+
+@inner_jit
+def knots_of(scene):
+    """Number of knots."""
+    return scene.torque.size // 2
+
+
+@inner_jit
+def is_constant(scene):
+    """Whether the torque is the same at all angles."""
+    return scene.torque.size == 3
+
+
+@inner_jit
+def gap_of_places(scene):
+    """Distance up to which breaks and events are at one place [rad]."""
+    return SAME_PLACE if is_constant(scene) else KNOT_GAP
+
+
+@inner_jit
+def cell_of(scene):
+    """Driver angle of a cell, dwell included."""
+    return scene.edges[-1] - scene.edges[0] + scene.dwell
+
+
+@inner_jit(inlined=True)
+def cell_after(turned, scene):
+    """The scene in the cell after a driver angle turned."""
+    return Scene(scene.path, scene.edges, scene.dwell, scene.torque, turned, *scene[5:])
+
+
+@inner_jit
+def _lap(turned, scene):
+    """Angle at which the knots that repeat start again before an angle turned, or 0."""
+    period = scene.torque[0]
+    return np.floor((turned - scene.torque[1]) / period) * period if period > 0.0 else 0.0
+
+
+@inner_jit
+def _first_behind(turned, scene):
+    """Index of the first knot after an angle; the number of knots if there is none."""
+    low, high = 0, knots_of(scene)
+    while low < high:
+        middle = (low + high) // 2
+        if scene.torque[1 + middle] <= turned:
+            low = middle + 1
+        else:
+            high = middle
+    return low
+
+
+@jit
+def torque_after(turned, scene):
+    """Torque after an angle turned since the start, and its slope by the angle."""
+    if is_constant(scene):
+        return scene.gain * scene.torque[2], 0.0
+    count = knots_of(scene)
+    angles, torques = scene.torque[1 : 1 + count], scene.torque[1 + count :]
+    turned -= _lap(turned, scene)
+    k = _first_behind(turned, scene)
+    if k == 0 or k == count:
+        return scene.gain * torques[max(k - 1, 0)], 0.0
+    slope = (torques[k] - torques[k - 1]) / (angles[k] - angles[k - 1])
+    torque = torques[k - 1] + slope * (turned - angles[k - 1])
+    return scene.gain * torque, scene.gain * slope
+
+
+@inner_jit
+def torque_at(theta, scene):
+    """Torque at a driver angle of the cell after `scene.turned`, and its slope by the angle."""
+    return torque_after(scene.turned + (theta - scene.edges[0]), scene)
+
+
+@jit
+def next_knot(theta, end, scene):
+    """Driver angle of the first knot after `theta` in the cell, or the end if that is nearer."""
+    if is_constant(scene):
+        return end
+    start = scene.turned - scene.edges[0]
+    turned = start + theta + KNOT_GAP
+    lap = _lap(turned, scene)
+    k = _first_behind(turned - lap, scene)
+    if k == knots_of(scene):
+        return end
+    place = lap + scene.torque[1 + k] - start
+    return place if place < end - KNOT_GAP else end
+
+
+@inner_jit
+def last_knot(theta, start, scene):
+    """Driver angle of the last knot before `theta`, or the start if that is nearer."""
+    if is_constant(scene):
+        return start
+    shift = scene.turned - scene.edges[0]
+    turned = shift + theta - KNOT_GAP
+    lap = _lap(turned, scene)
+    k = _first_behind(turned - lap, scene)
+    place = lap + scene.torque[k] - shift
+    return place if k > 0 and place > start + KNOT_GAP else start
+
+
+@inner_jit
+def has_knot(scene):
+    """Whether a knot lies inside the cell after `scene.turned`."""
+    end = scene.edges[-1] + scene.dwell
+    return next_knot(scene.edges[0], end, scene) < end
+
+
+@jit
+def is_spent(theta, scene):
+    """Whether no torque is left after a driver angle of the cell, as with a spent spring."""
+    torque, slope = torque_at(theta + KNOT_GAP, scene)
+    return torque <= 0.0 and slope == 0.0
+
+
+@inner_jit
+def _held(torque, scene):
+    """Whether the bearing holds a torque of the drive."""
+    # a scene of one flow of power has the loss of the barrel's train in its gain already
+    passed = scene.barrel_efficiency if scene.flow < 0.0 else 1.0
+    return passed * torque <= scene.bearing
+
+
+@inner_jit
+def is_held(theta, scene):
+    """Whether the bearing holds a driver that is at rest at a driver angle of the cell."""
+    return _held(torque_at(theta, scene)[0], scene)
+
+
+@jit
+def is_undriven(theta, scene):
+    """Whether the torque after a driver angle of the cell stays at no more than the bearing holds.
+
+    Nothing drives the mechanism there, as after the spring is spent.
+    """
+    torque, slope = torque_at(theta + KNOT_GAP, scene)
+    return slope == 0.0 and _held(torque, scene)

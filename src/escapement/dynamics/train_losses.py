@@ -1,0 +1,175 @@
+"""Gear trains that lose power: their effect depends on the direction of the power.
+
+The barrel delivers the torque q = T - I_b theta_ddot. Where q > 0 the driver receives eta q;
+where the driver drives the barrel, the torque on it is q/eta. The train after the follower
+requires z = M + I_l phi_ddot. Where z > 0 the follower supplies z/eta_l; where the train drives
+the follower, it receives eta_l z. With the factors e_b = eta or 1/eta, and e_l = 1/eta_l or
+eta_l, each combination is an escapement without trains, of driver inertia I_d + e_b I_b, torque
+e_b T, follower inertia I_f + e_l I_l and load e_l M: see `in_flow`. The combination that holds is
+the one whose q and z have the signs that it assumes. theta_ddot is the root of one function that
+is continuous, linear between the places where a sign changes, and increasing below the Painleve
+limit of every combination; therefore exactly one combination holds, and theta_ddot does not jump
+where it changes.
+
+Inertias and torques are referred to the driver and the follower, in natural units; those of a
+`Scene` include the trains as if nothing were lost.
+"""
+
+import numpy as np
+
+from escapement.dynamics.law import bent_pose, contact, net_torque, reduced_inertia, root_of
+from escapement.dynamics.torque import torque_at
+from escapement.model.scene import Scene
+from escapement.numerics.jit import inner_jit, jit
+
+UNKNOWN = -1.0
+"""The flow of a scene that includes both trains as if nothing were lost."""
+FLOWS = 4
+"""Combinations of signs: 1 is added where q < 0, and 2 where z < 0."""
+
+
+@inner_jit
+def is_lossy(scene):
+    """Whether a train of a scene loses power."""
+    # with clearance a scene holds 1/eta where a body goes back
+    return scene.barrel_efficiency != 1.0 or scene.load_train_efficiency != 1.0
+
+
+@inner_jit
+def factors(flow, scene):
+    """e_b and e_l of a flow."""
+    back, given = flow == 1.0 or flow == 3.0, flow >= 2.0
+    barrel, train = scene.barrel_efficiency, scene.load_train_efficiency
+    return 1.0 / barrel if back else barrel, train if given else 1.0 / train
+
+
+@inner_jit
+def weight(scene):
+    """Follower inertia of a scene of one flow, divided by that of its original scene."""
+    if scene.flow == UNKNOWN:
+        return 1.0
+    return 1.0 + (factors(scene.flow, scene)[1] - 1.0) * scene.load_train
+
+
+@inner_jit(inlined=True)
+def in_flow(scene, flow):
+    """The scene of one flow, by its number, as if there were no trains.
+
+    Its unit of inertia is that of its own follower, but its unit of time that of the original
+    scene: torques and moments from `dynamics` have to be multiplied by `weight`.
+    """
+    barrel, train = factors(flow, scene)
+    unit = 1.0 / (1.0 + (train - 1.0) * scene.load_train)
+    return Scene(
+        scene.path, scene.edges, scene.dwell, scene.torque, scene.turned,
+        unit * (scene.rho + (barrel - 1.0) * scene.barrel), scene.mu_plus, scene.mu_minus,
+        unit * train * scene.load, unit * scene.bearing, unit * scene.driver_drag,
+        unit * scene.follower_drag, unit * scene.driver_viscous, unit * scene.follower_viscous,
+        scene.pin, scene.driver_journal, scene.follower_journal, unit * barrel, flow,
+        scene.barrel, scene.barrel_efficiency, scene.load_train, scene.load_train_efficiency,
+    )  # fmt: skip
+
+
+@jit(allocates=True)
+def scene_in_flow(scene, flow):
+    """As `in_flow`, for Python."""
+    return in_flow(scene, flow)
+
+
+@inner_jit
+def through_trains(g, dg, rate, torque, w, scene):
+    """q and z, the torques that reach the trains, at a driver acceleration; `torque` is T."""
+    load = scene.load
+    if scene.flow != UNKNOWN:
+        load *= weight(scene) / factors(scene.flow, scene)[1]
+    return torque - scene.barrel * rate, load + scene.load_train * (g * rate + dg * w)
+
+
+@inner_jit
+def _misses(flow, q, z):
+    """How far q and z violate the signs of a flow."""
+    back, given = flow == 1.0 or flow == 3.0, flow >= 2.0
+    return max(q if back else -q, z if given else -z, 0.0)
+
+
+@jit
+def flow_at(theta, side, w, scene):
+    """The flow at a driver angle while the side s carries the force, 0 in a dwell."""
+    torque, best, least, held = torque_at(theta, scene)[0], 0.0, np.inf, False
+    for i in range(FLOWS):
+        flow = float(i)
+        here = in_flow(scene, flow)
+        g, c, k = bent_pose(theta, side, here)
+        pull = torque_at(theta, here)[0] - here.bearing
+        inertia = reduced_inertia(g, c, here)
+        if not inertia > 0.0:
+            # beyond the Painleve limit of this flow it would need a force of the other sign
+            continue
+        root = root_of(w, here)
+        rate = net_torque(g, c, k, pull, w, root, here) / inertia
+        dg = k - here.follower_drag * (g * abs(g))
+        q, z = through_trains(g, dg, rate, torque, w, scene)
+        missed = _misses(flow, q, z)
+        # beyond the limit two may have the right signs, one of them without a force on this side
+        pressed = side * contact(g, k, pull, w, root, here) > 0.0
+        if missed < least or (missed == least and pressed and not held):
+            best, least, held = flow, missed, pressed
+    return best
+
+
+@inner_jit(inlined=True)
+def flowing(theta, side, w, scene):
+    """The scene of the flow at a driver angle; the scene itself if its trains lose nothing."""
+    return in_flow(scene, flow_at(theta, side, w, scene)) if is_lossy(scene) else scene
+
+
+@inner_jit
+def within_flow(g, k, rate, pull, w, scene):
+    """q and z, made positive while they have the signs of the flow of a scene.
+
+    `pull` is the torque of the drive minus that of the bearing, in this scene.
+    """
+    barrel = factors(scene.flow, scene)[0]
+    torque = (pull + scene.bearing) * weight(scene) / barrel
+    dg = k - scene.follower_drag * (g * abs(g))
+    q, z = through_trains(g, dg, rate, torque, w, scene)
+    back, given = scene.flow == 1.0 or scene.flow == 3.0, scene.flow >= 2.0
+    return -q if back else q, -z if given else z
+
+
+@inner_jit
+def shared(efficiency, flow):
+    """The factor e on the torque through a train: eta where the flow of power to the body that
+    moves is +1, 1/eta where it is -1, and in between near rest.
+    """
+    half = 0.5 * (1.0 / efficiency - efficiency)
+    return efficiency + half - flow * half
+
+
+@inner_jit
+def passed_on(own, far, torque, other, efficiency, way):
+    """Acceleration of a body that moves on its own with a train behind it, and the factor e.
+
+    The far shaft passes on q = T - I theta_ddot, of which the body receives e q.
+
+    Parameters
+    ----------
+    own, far : inertia of the body, and that of the far shaft I, referred to the body.
+    torque, other : T on the far shaft, referred to the body, and all torques on the body itself.
+    efficiency : eta.
+    way : sign of the body's speed, or a number between -1 and 1 that stands for it near rest.
+    """
+    share = shared(efficiency, way)
+    rate = (share * torque + other) / (own + share * far)
+    if torque - far * rate < 0.0:
+        share = shared(efficiency, -way)
+        rate = (share * torque + other) / (own + share * far)
+    return rate, share
+
+
+@inner_jit
+def train_losses(g, dg, rate, torque, w, scene):
+    """Work lost per driver angle in the barrel's train and in that of the load."""
+    barrel, train = factors(scene.flow, scene)
+    q, z = through_trains(g, dg, rate, torque, w, scene)
+    return (1.0 - barrel) * q, (train - 1.0) * z * g

@@ -1,0 +1,171 @@
+"""What an engine hands over: the pieces of a motion, and its events."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import ClassVar, Protocol, Self
+
+import numpy as np
+
+from escapement.base.text import Shown
+from escapement.mechanisms.protocol import FloatArray
+
+
+@dataclass(frozen=True, repr=False)
+class Events(Shown):
+    """Instants of one kind: arrays of one length.
+
+    engagement : index of the engagement, from 0.
+    time : [s].
+    theta : cumulative driver angle from the first dead centre [rad].
+    theta_dot : driver speed [rad/s].
+    """
+
+    _units: ClassVar[dict[str, str]] = {"time": "s", "theta": "rad", "theta_dot": "rad/s"}
+
+    engagement: np.ndarray
+    time: FloatArray
+    theta: FloatArray
+    theta_dot: FloatArray
+
+
+@dataclass(frozen=True, repr=False)
+class Extrema(Events):
+    """Extrema of the driver speed; `maximum` tells maxima from minima."""
+
+    maximum: np.ndarray
+
+
+@dataclass(frozen=True, repr=False)
+class Handoffs(Events):
+    """Handoffs from pin to pin; `theta_dot` is the driver speed with which the new pin begins.
+
+    kind : "overlap", "pick-up" (the driver turned free before it) or "strike".
+    speed_before : driver speed before the blow [rad/s], elsewhere the same as `theta_dot`.
+    impulse : angular impulse of the blow on the follower [N m s], 0 where there is none.
+    energy : what both bodies lose in the blow [J], friction along the wall included.
+    jump : by how much the follower jumps ahead from one pin to the other [rad].
+    clearance_needed : by how much the slot must be wider than the pin for that [m]; NaN
+        without a length.
+    """
+
+    _units: ClassVar[dict[str, str]] = {
+        **Events._units,
+        **{"speed_before": "rad/s", "impulse": "N m s", "energy": "J", "jump": "rad"},
+        "clearance_needed": "m",
+    }
+
+    kind: np.ndarray
+    speed_before: FloatArray
+    impulse: FloatArray
+    energy: FloatArray
+    jump: FloatArray
+    clearance_needed: FloatArray
+
+
+@dataclass(frozen=True, repr=False)
+class Impacts(Events):
+    """Blows between pin and slot; `theta_dot` is the driver speed behind each.
+
+    wall : +1 the wall that pushes the follower forward, -1 the one that holds it back; 0 where
+        the follower is stopped and locked after the exit of the pin.
+    speed_before : driver speed before the blow [rad/s].
+    approach_speed : speed with which pin and wall approach each other [m/s].
+    impulse : of the normal force [N s].
+    energy : what both bodies lose in the blow [J], friction along the wall included.
+    """
+
+    _units: ClassVar[dict[str, str]] = {
+        **Events._units,
+        **{"speed_before": "rad/s", "approach_speed": "m/s", "impulse": "N s", "energy": "J"},
+    }
+
+    wall: FloatArray
+    speed_before: FloatArray
+    approach_speed: FloatArray
+    impulse: FloatArray
+    energy: FloatArray
+
+
+class Trajectory(Protocol):
+    """The pieces of a motion, its events, and the driver's state within them.
+
+    One that is held as a whole inherits the rest from `Held`. Where the follower is free of the
+    driver, a trajectory gives more: `states_at(pieces, t)`, the whole `motion.State` at times
+    within pieces of these indices, in place of `states`; and `impacts`, `slide_changes` and
+    `load_work`, what the load takes over each piece [J]. Its `sign` is that of the wall that the
+    pin touches, 0 in a flight.
+    """
+
+    @property
+    def start(self) -> FloatArray:
+        """Start time of each piece [s]."""
+
+    @property
+    def engagement(self) -> np.ndarray:
+        """Engagement of each piece."""
+
+    @property
+    def sign(self) -> FloatArray:
+        """+1 or -1: side of the slot that carries the force; 0: follower locked."""
+
+    @property
+    def losses(self) -> FloatArray:
+        """Work lost over each piece in each of `dynamics.law.LOSSES` [J], shape (7, n)."""
+
+    @property
+    def reversals(self) -> Events:
+        """Every pin reversal."""
+
+    @property
+    def extrema(self) -> Extrema:
+        """Every extremum of the driver speed, corners at handoffs included."""
+
+    def states(self, pieces: np.ndarray, t: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Driver angles in the cell [rad] and speeds [rad/s] at times, each within a piece."""
+
+    def around(self, t: FloatArray) -> "Trajectory":
+        """A trajectory with the pieces that hold these times [s], perhaps without others."""
+
+    def parts(self) -> "Iterator[tuple[Trajectory, slice]]":
+        """Trajectories of some engagements each, one after the other, and which these are.
+
+        A short one is its only part.
+        """
+
+
+class Held:
+    """What trajectories share that are held as a whole, and know the states of one piece."""
+
+    def state(self, piece: int, t: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Driver angles in the cell [rad] and speeds [rad/s] at times within a piece."""
+        raise NotImplementedError
+
+    def states(self, pieces: np.ndarray, t: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """The same at times, each within a piece of its own."""
+        found = np.empty((2, t.size))
+        # each piece is asked once for all times within it
+        order = np.argsort(pieces, kind="stable")
+        firsts = np.flatnonzero(np.diff(pieces[order], prepend=-1))
+        for first, last in pairwise([*firsts.tolist(), t.size]):
+            chosen = order[first:last]
+            found[:, chosen] = self.state(pieces[chosen[0]], t[chosen])
+        return found[0], found[1]
+
+    def around(self, t: FloatArray) -> Self:
+        """All of it."""
+        return self
+
+    def parts(self) -> Iterator[tuple[Self, slice]]:
+        """All of it."""
+        yield self, slice(None)
+
+
+class NoTrajectory(Held):
+    """Trajectory of an escapement that has no motion: it consists of no pieces."""
+
+    start = sign = np.empty(0)
+    losses = np.empty((7, 0))
+    engagement = np.empty(0, dtype=int)
+    reversals = Events(engagement, start, start, start)
+    extrema = Extrema(engagement, start, start, start, maximum=np.empty(0, dtype=bool))

@@ -1,0 +1,190 @@
+"""The equation of motion in natural units, as numbers and as solve_ivp's right-hand side."""
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from escapement.dynamics import law as dynamics
+from escapement.dynamics import tables as tabulation
+from escapement.dynamics.law import scene_of
+from escapement.dynamics.tables import losses_at
+from escapement.dynamics.torque import torque_after, torque_at
+from escapement.dynamics.train_losses import flowing
+from escapement.mechanisms.protocol import FloatArray
+from escapement.mechanisms.slotted import pose_at
+from escapement.model.escapement import Escapement
+from escapement.model.scene import Scene, scene_tuple
+from escapement.numerics.jit import as_python, jit
+
+_GRID = 128
+"""Number of intervals in which the least share of the reduced inertia is searched for."""
+_FAR = 4.0 * np.pi
+"""Driver angle [rad], of any cell or more, over which a trial step may leave a piece."""
+
+
+@dataclass(frozen=True)
+class Law:
+    """The equation of motion of one scene, for use outside of kernels.
+
+    scene : the scene. plain : the same as `model.scene.scene_tuple` gives it, for kernels.
+    """
+
+    scene: Scene
+    plain: tuple[Any, ...]
+
+    @classmethod
+    def all_of(cls, escapement: Escapement) -> "list[Law]":
+        """The law of each engagement of the pattern of an escapement."""
+        return [cls(scene, scene_tuple(scene)) for scene in escapement.scenes]
+
+    @property
+    def is_steady(self) -> bool:
+        """Whether the torque is the same at all angles."""
+        return self.scene.torque.size == 3
+
+    @property
+    def is_table(self) -> bool:
+        """Whether the transmission comes from a table and not from a pin's path."""
+        return self.scene.path.table
+
+    @cached_property
+    def losses(self) -> np.ndarray:
+        """Indices of those of `dynamics.law.LOSSES` that this scene has."""
+        scene = self.scene
+        present = (
+            scene.mu_plus,
+            scene.driver_journal + scene.bearing,
+            scene.follower_journal,
+            scene.driver_drag + scene.driver_viscous,
+            scene.follower_drag + scene.follower_viscous,
+            scene.barrel_efficiency < 1.0,
+            scene.load_train_efficiency < 1.0,
+        )
+        return np.flatnonzero(present)
+
+    def loss_rates(self, theta: float, w: float, side: float) -> FloatArray:
+        """The losses that there are, per driver angle."""
+        table = np.empty((1 + len(dynamics.LOSSES), 1))
+        angle, turned = np.array([theta]), np.array([self.turned(theta)])
+        ahead, squared = np.zeros(1), np.array([w])
+        tabulation.tabulate_losses(self.scene, angle, ahead, turned, squared, side, table)
+        rates: FloatArray = table[1 + self.losses, 0]
+        return rates
+
+    def acceleration(self, theta: float, speed: float, side: float) -> float:
+        """Driver acceleration while the given side of the slot carries the force."""
+        return float(self.tabulate(np.array([theta]), np.array([speed**2]), side)[0][0])
+
+    def rest(self, theta: float, side: float) -> float:
+        """Driver speed at which a motion counts as at rest."""
+        return float(dynamics.rest_speed(theta, side, self.scene))
+
+    def turned(self, theta: Any) -> Any:
+        """Driver angle turned since the start of the motion, at one in the cell."""
+        return self.scene.turned + (theta - self.scene.edges[0])
+
+    def after(self, turned: float) -> "Law":
+        """The law in the cell after a driver angle turned."""
+        scene = self.scene._replace(turned=turned)
+        return Law(scene, scene_tuple(scene))
+
+    def along(self, theta: float) -> "Law":
+        """The law whose torque goes on beyond its knots as it is at a driver angle."""
+        turned = self.turned(theta)
+        torque, slope = torque_after(turned, self.scene)
+        ends = turned + np.array([-_FAR, _FAR])
+        line = [0.0, *ends, *(torque + slope * (ends - turned))] if slope else [0.0, 0.0, torque]
+        scene = self.scene._replace(torque=np.array(line))
+        return Law(scene, scene_tuple(scene))
+
+    def force(self, theta: float, w: float, side: float) -> float:
+        """A number with the sign of the contact force, whose zero is the pin reversal.
+
+        In a dwell (`side` is 0) there is no contact, and the number is 1.
+        """
+        return float(contact_at(theta, w, side, self.plain)) if side else 1.0
+
+    def signs(self, theta: float, side: float) -> tuple[float, float]:
+        """Signs of the sliding speed and of g; 0 for a table, in which they never change."""
+        if self.is_table:
+            return 0.0, 0.0
+        g, u, _dg, radius = pose_at(self.scene.path, theta)
+        slide = as_python(dynamics.slide_at)(g, u, radius, side, self.scene)
+        return float(np.sign(slide)), float(np.sign(g))
+
+    def side(self, theta: float, speed: float, before: float) -> float:
+        """Side of the slot, +1 or -1, that carries the force where a piece begins.
+
+        `before` is the side before it, and 0 where the follower was locked.
+        """
+        return float(side_from(theta, speed**2, before or 1.0, self.plain))
+
+    def tabulate(
+        self, theta: FloatArray, w: FloatArray, side: float
+    ) -> tuple[FloatArray, FloatArray]:
+        """Acceleration, and `force`, at many driver angles."""
+        table = np.empty((5, theta.size))
+        ahead = np.zeros(theta.size)
+        tabulation.tabulate(self.scene, theta, ahead, self.turned(theta), w, side, table)
+        return table[2], table[4] if side else np.ones(theta.size)
+
+
+@jit
+def least_share(scene):
+    """Least share of rho + g^2 that J_s keeps; near the Painleve limit it is near 0."""
+    least, low, high = 1.0, scene.edges[0], scene.edges[-1]
+    for i in range(_GRID + 1):
+        for side in (-1.0, 1.0):
+            theta = low + i * (high - low) / _GRID
+            g, c, _k = dynamics.bent_pose(theta, side, scene)
+            least = min(least, 1.0 + g * c / (scene.rho + g * g))
+    return least
+
+
+@jit(allocates=True)
+def contact_at(theta, w, side, plain):
+    """X at a driver angle; solve_ivp asks for it at every step."""
+    scene = flowing(theta, side, w, scene_of(plain))
+    g, _c, k = dynamics.bent_pose(theta, side, scene)
+    pull = torque_at(theta, scene)[0] - scene.bearing
+    return dynamics.contact(g, k, pull, w, dynamics.root_of(w, scene), scene)
+
+
+@jit(allocates=True)
+def side_from(theta, w, before, plain):
+    """Side of the slot that carries the force just behind a driver angle."""
+    scene = flowing(theta, 1.0, w, scene_of(plain))
+    g, _c, k = dynamics.bent_pose(theta, 1.0, scene)
+    torque, slope = torque_at(theta, scene)
+    return dynamics.side_at(theta, g, k, torque - scene.bearing, slope, w, before, scene)
+
+
+@jit(allocates=True)
+def slope(x, y, anchor, unit, side, way, turn, losses, plain):
+    """Derivative of y by x, in the units of a piece.
+
+    y = (angle from `anchor`, speed / unit, each of `losses` / unit^2), and x = time * unit; the
+    scene comes as `model.scene.scene_tuple` gives it. `way` and `turn` are as in
+    `dynamics.law.grip`. A trial step may pass the end of a piece, where |v| and |g| have corners
+    that would make the solver reject it; with the signs of the piece the law goes on smoothly.
+    """
+    scene = scene_of(plain)
+    out = np.empty(2 + losses.size)
+    w, theta = (unit * y[1]) ** 2, anchor + y[0]
+    scene = flowing(theta, side, w, scene)
+    g = u = k = c = radius = 0.0
+    if side != 0.0:
+        g, u, dg, radius = pose_at(scene.path, theta)
+        k = dynamics.dragged_slope(g, dg, scene, turn)
+        c = dynamics.bend(g, u, radius, side, scene, way, turn)
+    root = dynamics.root_of(w, scene)
+    out[0] = y[1]
+    pull = torque_at(theta, scene)[0] - scene.bearing
+    net = dynamics.net_torque(g, c, k, pull, w, root, scene)
+    out[1] = net / dynamics.reduced_inertia(g, c, scene) / unit**2
+    rates = losses_at(g, u, radius, k, pull, w, side, scene, way, turn)
+    for i in range(losses.size):
+        out[2 + i] = rates[1 + losses[i]] * y[1] / unit**2
+    return out

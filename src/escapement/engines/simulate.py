@@ -1,0 +1,256 @@
+"""`simulate` gives a motion, `terminal` the figures of merit of its terminal cycle."""
+
+import math
+from dataclasses import replace
+from functools import cache
+from importlib import import_module
+from typing import Any
+
+from escapement.base import validate
+from escapement.base.errors import InvalidValue
+from escapement.base.quantity import check_number, quantities
+from escapement.base.spoken import told
+from escapement.base.status import MESSAGES, Status
+from escapement.dynamics.figures_of_merit import Figures
+from escapement.dynamics.law import ends_alike, is_lossless
+from escapement.dynamics.motion import Motion, no_motion
+from escapement.dynamics.painleve import friction_limits, painleve_message, uniqueness_note
+from escapement.engines.solver import DEFAULT_ENGINE, Solver, choose_solver, solver_for
+from escapement.mechanisms.slotted import transmission_at
+from escapement.model.checks import MOST_UNEQUAL
+from escapement.model.escapement import Escapement, Run
+from escapement.numerics.jit import as_python
+
+LONGEST = {"energy": 10_000_000, "ivp": 10_000, "contact": 1_000_000}
+"""Greatest number of engagements in a motion. They take up to a gigabyte, and seconds, or with
+"ivp" a minute."""
+_FOLDERS = {
+    **{("energy", ""): "energy", ("ivp", ""): "ivp"},
+    **{("contact", law): f"contact.{law}" for law in ("rigid", "compliant")},
+}
+_FULL = "the figures are those of the full spring, whose torque falls as it runs down"
+_AT_START = "the figures are those of the torque at the start of the motion"
+_NO_START = "the torque curve begins with no torque, which has no cycle"
+_TOO_UNEQUAL = (
+    f"the numbers differ by a factor of more than {MOST_UNEQUAL:g}, whose square no double holds; "
+    "choose inertias, torques and a speed of similar size"
+)
+
+
+def simulate(
+    escapement: Escapement,
+    engagements: int | None = None,
+    *,
+    duration: float | None = None,
+    engine: str | None = None,
+    initial_speed: float = 0.0,
+    rtol: float | None = None,
+    atol: float | None = None,
+    method: str | None = None,
+    max_step: float | None = None,
+    solver: Solver | None = None,
+) -> Motion:
+    """Simulate an escapement from pin entry.
+
+    Parameters
+    ----------
+    escapement : Escapement
+        The escapement.
+    engagements : int, optional
+        Engagements to run, from 1 to ten million, with "ivp" to ten thousand and with
+        "contact" to a million.
+        Default 20, unless a duration is given.
+    duration : float, optional
+        Time to run instead [s], > 0 and of no more engagements than that.
+    engine : str, optional
+        "energy" (driver-angle domain, fast), "ivp" (SciPy's solve_ivp in the time domain, the
+        reference) or "contact" (clearance and compliant contact). By default the scene
+        chooses: "contact" where it has clearance or stiffness, else "energy".
+    initial_speed : float
+        Driver speed at pin entry [rad/s], >= 0.
+    rtol : float, optional
+        Relative error asked for in handoff times and speeds, in [1e-13, 1).
+        Default 1e-12 for "energy", 1e-10 for the others.
+    atol, method, max_step : optional
+        For "ivp" only, as in solve_ivp: absolute tolerance [rad, rad/s, J], method
+        (default "DOP853") and longest step [s].
+    solver : Solver, optional
+        Engine and tolerances as one value, in place of `engine` to `max_step`.
+
+    Returns
+    -------
+    Motion
+        Its `status` says whether it ran to its end. It is STALL if the drive cannot overcome load
+        and losses, and SPENT if the spring is spent and nothing moves; `end_time` is then the time
+        of the stop. Where nothing drives the mechanism, since the spring is spent or the torque
+        does not exceed that of the driver's bearing, bodies that hardly move count as at rest: at
+        a pin entry once their kinetic energy is at most that of a driver with a thousandth of the
+        speed sqrt(torque/I_f), with viscous drag anywhere. It is NOT_CONVERGED if the steps that
+        an engine takes at most are used up; the message then says how far it got.
+
+    Raises
+    ------
+    InvalidValue
+        When an argument breaks its rule.
+    """
+    solver = choose_solver(solver, engine, rtol, atol, method, max_step)
+    engine, settings = _settings(escapement, solver, initial_speed)
+    if engagements is not None and duration is not None:
+        raise InvalidValue(
+            "engagements and duration must not both be given, got "
+            f"{engagements!r} and {duration!r}; leave one out"
+        )
+    if duration is None:
+        count, most = quantities(Run)["engagements"], LONGEST[engine]
+        wanted = count.default if engagements is None else engagements
+        if type(wanted) is not int or not 1 <= wanted <= most:
+            wanted = validate.integer("engagements", wanted, 1, count.remedy, most)
+        engagements = wanted
+    else:
+        duration = check_number(Run, "duration", duration)
+    if why := _impossible(escapement, settings["initial_speed"]):
+        return no_motion(escapement, engine, settings["rtol"], why)
+    if duration is not None and engine == "ivp":
+        # the fast engine refuses too long a duration in a moment, the other after hours
+        start = {"initial_speed": settings["initial_speed"], "rtol": 1e-6}
+        fast = _engine(DEFAULT_ENGINE, "", "simulate")
+        fast(escapement, engagements=None, duration=duration, longest=LONGEST[engine], **start)
+    run = _engine(engine, escapement.contact, "simulate")
+    motion: Motion = run(escapement, engagements=engagements, duration=duration, **settings)
+    note = uniqueness_note(escapement) if motion.status is not Status.PAINLEVE else ""
+    motion.message = _joined(motion.message, note, escapement.assumed, escapement.idle)
+    return motion
+
+
+def _joined(message: str, *notes: str | None) -> str:
+    note = "; ".join(filter(None, notes))
+    if not note:
+        return message
+    return note if message == MESSAGES[Status.OK] else f"{message}; {note}"
+
+
+@cache
+def _engine(name: str, contact: str, task: str) -> Any:
+    """Function "simulate" or "terminal" of an engine, which is imported on first use."""
+    module = import_module(f"escapement.engines.{_FOLDERS[name, contact]}.{task}")
+    return getattr(module, task)
+
+
+def _settings(
+    escapement: Escapement, solver: Solver, initial_speed: float
+) -> tuple[str, dict[str, Any]]:
+    """The engine, and keyword arguments that both of its functions take."""
+    if not isinstance(escapement, Escapement):
+        raise validate.fail("escapement", "an Escapement", escapement, "see escapement.Escapement")
+    solver = solver_for(escapement.contact, solver)
+    speed = check_number(Run, "initial_speed", initial_speed)
+    return solver.engine or DEFAULT_ENGINE, {**solver.arguments, "initial_speed": speed}
+
+
+def _impossible(escapement: Escapement, speed: float) -> str:
+    """Why nothing can be computed: a pin misses its slot, or kernels would overflow; or ""."""
+    if misfit := getattr(escapement.mechanism, "misfit", ""):
+        return str(misfit)
+    # by the ratios of inertias, torques and speed
+    unequal = escapement.too_unequal or speed * escapement.time_unit >= MOST_UNEQUAL
+    return _TOO_UNEQUAL if unequal else ""
+
+
+def terminal(
+    escapement: Escapement,
+    *,
+    engine: str | None = None,
+    initial_speed: float = 0.0,
+    rtol: float | None = None,
+    atol: float | None = None,
+    method: str | None = None,
+    max_step: float | None = None,
+    solver: Solver | None = None,
+) -> Figures:
+    """Figures of merit: the terminal cycle, and how the motion gets there.
+
+    Parameters
+    ----------
+    escapement, engine, rtol, atol, method, max_step, solver :
+        As for `simulate`.
+    initial_speed : float
+        Driver speed at the first pin entry [rad/s]: rise and settling time depend on it,
+        and with a load whether the drive gets past where it would stall from rest.
+
+    Returns
+    -------
+    Figures
+        Their `status` is NO_TERMINAL where no loss grows with the speed, STALL when the drive
+        cannot carry the load, PAINLEVE at or above the limit. A figure that does not exist is NaN.
+        For a spring that runs down they belong to its full torque, and for a torque curve to its
+        first torque, as the message says.
+    """
+    solver = choose_solver(solver, engine, rtol, atol, method, max_step)
+    engine, settings = _settings(escapement, solver, initial_speed)
+    found = _terminal(escapement, engine, settings)
+    notes = escapement.assumed, escapement.idle
+    return replace(found, message=_joined(found.message, *notes)) if any(notes) else found
+
+
+def _terminal(escapement: Escapement, engine: str, settings: dict[str, Any]) -> Figures:
+    """As `terminal`, without notes on settings that have no effect or are not given."""
+    if why := _impossible(escapement, settings["initial_speed"]):
+        return Figures(status=Status.INVALID, message=why)
+    base = limits(escapement)
+    if escapement.curve is not None:
+        first = escapement.curve.torque[0]
+        if first == 0.0:
+            return replace(base, status=Status.STALL, message=_NO_START)
+        found = _terminal(escapement.held, engine, settings)
+        note = _FULL if escapement.spring_rate else _AT_START
+        return replace(found, message=_joined(found.message, note))
+    # the limit is decided before anything is integrated
+    contact = escapement.contact
+    if contact != "compliant" and (message := painleve_message(escapement)):
+        return replace(base, status=Status.PAINLEVE, message=message)
+    if why := _undriven(escapement):
+        return replace(base, status=Status.STALL, message=why)
+    struck = any(meeting.kind == "strike" for meeting in escapement.meetings)
+    if not (contact or struck) and is_lossless(escapement.scene) and _ends_alike(escapement):
+        # every engagement gains the same energy, so that one tells whether all stop, or none
+        # is steady
+        one = _engine(engine, "", "simulate")(escapement, engagements=1, duration=None, **settings)
+        status, message = one.status, one.message
+        if status is Status.OK:
+            mechanism = escapement.mechanism
+            pull = escapement.torque_unit - escapement.driver_bearing_torque
+            gain = pull * mechanism.cell_angle
+            carries = gain > escapement.load_work(mechanism.follower_step)
+            status = Status.NO_TERMINAL if carries else Status.STALL
+            message = MESSAGES[status]
+        return replace(base, status=status, message=message)
+    figures: Figures = _engine(engine, contact, "terminal")(escapement, base, **settings)
+    if limit := uniqueness_note(escapement):
+        figures = replace(figures, message=_joined(figures.message, limit))
+    return figures
+
+
+def _undriven(escapement: Escapement) -> str:
+    """Why a constant torque drives nothing, or ""."""
+    scene, held = escapement.scene, escapement.driver_bearing_torque
+    if scene.barrel_efficiency > scene.bearing:
+        return ""
+    reaches = scene.barrel_efficiency * escapement.torque_unit
+    return (
+        "nothing drives the mechanism: the torque that reaches the driver, "
+        f"{told(reaches, 'torque')}, does not exceed that of its bearing, {told(held, 'torque')}"
+    )
+
+
+def limits(escapement: Escapement) -> Figures:
+    """The figures that belong to an escapement whether it moves or not."""
+    critical, uniqueness = friction_limits(escapement)
+    margin = 1.0 - escapement.friction / critical if critical > 0.0 else -math.inf
+    return Figures(critical_friction=critical, uniqueness_friction=uniqueness, jam_margin=margin)
+
+
+def _ends_alike(escapement: Escapement) -> bool:
+    """Whether the reduced inertia is the same at pin entry and exit."""
+    path, breaks = escapement.mechanism.path, escapement.mechanism.breaks
+    entry, exit_ = (transmission_at(path, angle)[0] for angle in (breaks[0], breaks[-1]))
+    return bool(as_python(ends_alike)(entry, exit_, escapement.scene.rho))

@@ -1,0 +1,12 @@
+"""An escapement and its numbers, and the scene that engines see.
+
+Read `escapement` first, then `scene`.
+
+- `escapement`: what the user declares; `inputs` lists it, `numbers` reads and changes single
+  numbers
+- `train`, `torque_curve`, `negator`, `stiffness`: trains, torque over the driver angle, the torque
+  of
+  a constant-force spring, stiffness of a contact
+- `checks`: whether numbers fit together
+- `scene`, `natural`: the input of an engine, and its numbers in natural units
+"""

@@ -1,0 +1,110 @@
+"""Checks whether numbers of a model fit together, and whether they fit its mechanism."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
+
+from escapement.base import validate
+from escapement.base.lazy import Lazy
+from escapement.base.quantity import Declared, Quantity, Setting, declared, per_class, quantities
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import ArrayLike, NDArray
+else:
+    np = Lazy("numpy")
+
+MOST_UNEQUAL = 1e100
+"""Beyond this ratio of two numbers of a model the squares and products of kernels overflow."""
+
+
+def ratio_in_range(ratio: ArrayLike) -> NDArray[np.bool_]:
+    """Whether ratios of numbers of a model can be computed with."""
+    values = np.asarray(ratio)
+    return (values > 1.0 / MOST_UNEQUAL) & (values < MOST_UNEQUAL)
+
+
+RESISTANCES = (
+    *("load", "bearing", "driver_drag", "follower_drag", "driver_viscous", "follower_viscous"),
+    *("driver_journal", "follower_journal"),
+)
+"""Numbers of a `Scene` that resist the motion, besides friction in the slot."""
+
+
+def check_contact(contact: str, mechanism: Any, values: Mapping[str, Any]) -> None:
+    """Refuse clearance and stiffness for mechanisms whose contact cannot be computed.
+
+    contact : "", "rigid" or "compliant", as `Escapement.contact` says.
+    """
+    if not contact:
+        return
+    name = "stiffness" if contact == "compliant" else "clearance"
+    value = values[name] if contact == "compliant" else mechanism.clearance
+    if not hasattr(mechanism, "clearance"):
+        rule = "0 for a mechanism that is not a Geneva wheel"
+        raise validate.fail(name, rule, value, "choose geneva, or leave it out")
+    if not mechanism.perfect:
+        raise validate.fail(name, "0 with errors of the parts", value, "leave out one or the other")
+
+
+def check_trains(owner: Any, running_down: bool) -> None:
+    """Refuse trains that lose power where no engine computes them.
+
+    running_down : whether the torque of the drive may come to an end.
+    """
+    for place in ("barrel", "load_train"):
+        train = getattr(owner, place)
+        if train is None or train.efficiency == 1.0:
+            continue
+        name, value = f"{place}_efficiency", train.efficiency
+        if not getattr(owner.mechanism, "perfect", True):
+            raise validate.fail(name, "1 with errors of the parts", value, "leave out one of them")
+        if running_down and (owner.driver_viscous or owner.follower_viscous):
+            rule = "1 with viscous drag and a spring that runs down"
+            raise validate.fail(name, rule, value, "leave out one of them")
+
+
+@per_class
+def _numbers_of_contact(owner: type) -> list[Quantity]:
+    """Numbers that only mechanisms with slots have, or only those without."""
+    return [entry for entry in quantities(owner).values() if entry.slotted is not None]
+
+
+def check_losses(owner: Declared, meshed: bool) -> None:
+    """Refuse a loss that the mechanism cannot have: slots have friction, gears an efficiency."""
+    for entry in _numbers_of_contact(type(owner)):
+        value = getattr(owner, entry.key)
+        if value != entry.default and not entry.fits(meshed):
+            mechanism = "mechanism without a slot" if meshed else "slotted mechanism"
+            rule = f"{entry.default:g} for a {mechanism}"
+            raise validate.fail(entry.name, rule, value, f"give its {entry.instead}")
+
+
+@per_class
+def _dependent(owner: type) -> list[Setting]:
+    """Settings that have no effect without another one."""
+    return [entry for entry in declared(owner).values() if entry.needs]
+
+
+def idle_settings(owner: type, values: Mapping[str, Any]) -> str:
+    """Which settings have no effect, since another one is missing; "" if there are none.
+
+    owner : the class that declares them.
+    values : numbers, or arrays of those that vary, by name.
+    """
+    notes = []
+    for entry in _dependent(owner):
+        value = values.get(entry.name)
+        if value is None or (not hasattr(value, "any") and value == entry.default):
+            continue
+        # compliant walls have blows without clearance, too
+        enough = (entry.needs, "stiffness") if entry.needs == "clearance" else (entry.needs,)
+        if not any(_given(values.get(name)) for name in enough):
+            notes.append(f"{entry.name} has no effect without {entry.needs}")
+    return "; ".join(notes)
+
+
+def _given(value: Any) -> bool:
+    """Whether a number, or one of an array, is not 0."""
+    return bool(value.any() if hasattr(value, "any") else value)

@@ -1,0 +1,457 @@
+"""The problem as plain values: a mechanism, two inertias, losses and a drive."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from typing import Any, cast
+
+from escapement.base import validate
+from escapement.base.lazy import Lazy
+from escapement.base.quantity import Choice, Declared, Setting, declared, quantity, setting
+from escapement.base.spoken import told
+from escapement.mechanisms.checks import LENGTHS, check_lengths
+from escapement.mechanisms.path import Meeting, Path
+from escapement.mechanisms.protocol import FloatArray, Mechanism, checked, meetings_of
+from escapement.model.checks import (
+    MOST_UNEQUAL,
+    RESISTANCES,
+    check_contact,
+    check_losses,
+    check_trains,
+    idle_settings,
+)
+from escapement.model.natural import natural
+from escapement.model.scene import Joint, Scene
+from escapement.model.torque_curve import MOST_KNOTS, Torque, TorqueCurve
+from escapement.model.train import PLACES, Train, numbers_of_trains, seen, train_numbers, trains_of
+
+CONTACT_LAWS = ("linear", "hunt-crossley")
+np: Any = Lazy("numpy")  # importing it takes longer than the rest of help
+
+
+@dataclass(frozen=True, repr=False)
+class Inertia(Declared):
+    """Moments of inertia about the two axes.
+
+    Parameters
+    ----------
+    driver : float
+        Driver and everything that turns with it [kg m^2], > 0.
+    follower : float
+        Follower and everything that turns with it [kg m^2], > 0.
+    """
+
+    section = "inertia"
+
+    driver: float = field(metadata=quantity(
+        "moment of inertia of the driver", "inertia", exclusive=True, name="driver_inertia",
+        remedy="give the moment of inertia", note=" and what turns with it"
+    ))  # fmt: skip
+    follower: float = field(metadata=quantity(
+        "moment of inertia of the follower", "inertia", exclusive=True, name="follower_inertia",
+        remedy="give the moment of inertia", note=" and what turns with it"
+    ))  # fmt: skip
+
+    def __post_init__(self) -> None:
+        self.check_fields()
+
+
+def _bearing_friction(body: str) -> dict[str, Any]:
+    return quantity(
+        f"coefficient of friction of the {body}'s bearing", metavar="MU", slotted=True,
+        instead="driver_bearing_torque", remedy="give a coefficient of friction, 0 for none",
+        needs=f"{body}_bearing_radius",
+    )  # fmt: skip
+
+
+def _bearing_radius(body: str) -> dict[str, Any]:
+    return quantity(
+        f"radius of the {body}'s journal", "length", slotted=True,
+        instead="driver_bearing_torque", remedy="give the radius, 0 for none",
+        needs=f"{body}_bearing_friction",
+    )  # fmt: skip
+
+
+def _drag(body: str) -> dict[str, Any]:
+    return quantity(
+        f"drag of the {body} divided by the square of its speed", "drag", metavar="C",
+        remedy="give the drag torque divided by the square of the speed, 0 for none",
+    )  # fmt: skip
+
+
+def _viscous(body: str) -> dict[str, Any]:
+    return quantity(
+        f"viscous drag of the {body} divided by its speed", "viscous", metavar="C",
+        remedy="give the drag torque divided by the speed, 0 for none",
+    )  # fmt: skip
+
+
+@dataclass(frozen=True, repr=False)
+class Escapement(Declared):
+    """A mechanism with inertia and losses under a constant driving torque.
+
+    Parameters
+    ----------
+    mechanism : Mechanism
+        Geometry, for example `Geneva(slots=4)`.
+    inertia : Inertia
+        Moments of inertia [kg m^2].
+    torque : float or TorqueCurve
+        Torque on the driver [N m], > 0, at the start of the motion; constant unless there is a
+        spring rate. Meyer's "spring rate" K. A `TorqueCurve` gives it by the angle turned.
+    friction : float
+        Coefficient of friction between pin and slot [-], >= 0.
+    load_torque : float
+        Constant torque opposing the follower while it moves [N m], >= 0.
+    efficiency : float
+        Share of the power that gears pass on, in either direction [-], in [0.001, 1]. It replaces
+        friction in a mechanism without slots; a mechanism with slots has 1.
+    driver_bearing_friction, follower_bearing_friction : float
+        Coefficient of friction of the journals, which carry the contact force [-].
+    driver_bearing_radius, follower_bearing_radius : float
+        Radii of the journals [m]. The driver of a gear-driven wheel has none, because its
+        bearing carries the force of the mesh as well.
+    driver_bearing_torque : float
+        Torque of the driver's bearing that does not depend on the contact [N m].
+    driver_drag, follower_drag : float
+        Drag torque divided by the square of the speed, as in air [N m s^2/rad^2].
+    driver_viscous, follower_viscous : float
+        Drag torque divided by the speed, as in oil [N m s/rad].
+    spring_rate : float
+        Torque that a spring loses per driver angle turned since the start of the motion [N
+        m/rad], >= 0, until its torque is zero.
+    barrel : Train, optional
+        Train between a barrel and the driver. `torque` and `spring_rate` are then those of the
+        barrel, and the angles of a `TorqueCurve` its angles.
+    load_train : Train, optional
+        Train after the follower. `load_torque` then acts on its last shaft.
+
+    restitution : float
+        Ratio of the impulse of rebound to that of compression in a blow [-], in [0, 1).
+    stiffness : float
+        Force of a wall of the slot divided by the penetration of the pin [N/m]; 0 for rigid
+        bodies.
+    damping : float, optional
+        Force of a wall divided by the speed of penetration [N s/m]. By default linear walls have
+        critical damping, 2 sqrt(k m) with the stiffness k and m = I_d I_f/((I_d + I_f) r^2); 0 is
+        a wall without damping.
+    contact_law : str
+        "linear", or "hunt-crossley", whose force grows with the power 1.5 of the penetration.
+    slip_speed : float
+        Sliding speed below which the friction of a compliant contact fades [m/s].
+
+    Lengths can be given only if the mechanism has a size, `crank_radius` or `fixed_radius`.
+
+    Source: Meyer (1973), chapter I; all from the load torque on are extensions.
+    """
+
+    mechanism: Mechanism
+    inertia: Inertia
+    torque: float | TorqueCurve = field(metadata=setting(Torque(
+        long_name="driving torque", unit="torque", exclusive=True, metavar="M",
+        note=", or FILE.csv with driver angles turned and torques",
+        remedy="give the constant driving torque"
+    )))  # fmt: skip
+    friction: float = field(default=0.0, metadata=quantity(
+        "coefficient of friction between pin and slot", metavar="MU", slotted=True,
+        instead="efficiency", remedy="give a coefficient of friction, 0 for none"
+    ))  # fmt: skip
+    load_torque: float = field(default=0.0, metadata=quantity(
+        "load torque on the follower", "torque", remedy="give the opposing torque, 0 for none"
+    ))  # fmt: skip
+    efficiency: float = field(default=1.0, metadata=quantity(
+        "share of the power that the mesh passes on", metavar="E", slotted=False,
+        instead="friction", minimum=1e-3, maximum=1.0, note=", instead of friction",
+        remedy="give a share of 1, 1 for no loss"
+    ))  # fmt: skip
+    driver_bearing_friction: float = field(default=0.0, metadata=_bearing_friction("driver"))
+    driver_bearing_radius: float = field(default=0.0, metadata=_bearing_radius("driver"))
+    follower_bearing_friction: float = field(default=0.0, metadata=_bearing_friction("follower"))
+    follower_bearing_radius: float = field(default=0.0, metadata=_bearing_radius("follower"))
+    driver_bearing_torque: float = field(default=0.0, metadata=quantity(
+        "constant torque of the driver's bearing", "torque",
+        remedy="give the resisting torque, 0 for none"
+    ))  # fmt: skip
+    driver_drag: float = field(default=0.0, metadata=_drag("driver"))
+    follower_drag: float = field(default=0.0, metadata=_drag("follower"))
+    driver_viscous: float = field(default=0.0, metadata=_viscous("driver"))
+    follower_viscous: float = field(default=0.0, metadata=_viscous("follower"))
+    spring_rate: float = field(default=0.0, metadata=quantity(
+        "torque that the spring loses per driver angle", "rate", metavar="K",
+        remedy="give the loss of torque per angle, 0 for a constant torque"
+    ))  # fmt: skip
+
+    restitution: float = field(default=0.0, metadata=quantity(
+        "ratio of rebound impulse to compression impulse in an impact", maximum=1.0, below=True,
+        slotted=True, instead="efficiency", metavar="E", remedy="give a restitution, 0 for none",
+        needs="clearance"
+    ))  # fmt: skip
+    stiffness: float = field(default=0.0, metadata=quantity(
+        "force of a slot's wall divided by the penetration", "stiffness", slotted=True,
+        instead="efficiency", metavar="K", remedy="give the stiffness, 0 for rigid bodies"
+    ))  # fmt: skip
+    damping: float | None = field(default=None, metadata=quantity(
+        "force of a slot's wall divided by the speed of penetration", "damping", slotted=True,
+        instead="efficiency", metavar="D", remedy="give the damping, 0 for none", needs="stiffness",
+        note=", by default that of critical damping"
+    ))  # fmt: skip
+    contact_law: str = field(default=CONTACT_LAWS[0], metadata=setting(Choice(
+        long_name=f"force of a compliant contact: {', '.join(CONTACT_LAWS)}",
+        allowed=CONTACT_LAWS, slotted=True, instead="efficiency", metavar="NAME", needs="stiffness"
+    )))  # fmt: skip
+    slip_speed: float = field(default=0.0, metadata=quantity(
+        "sliding speed below which friction fades", "slip", slotted=True,
+        instead="efficiency", metavar="V", remedy="give the speed, 0 if the engine shall choose it",
+        needs="stiffness"
+    ))  # fmt: skip
+    barrel: Train | None = None
+    load_train: Train | None = None
+
+    def __post_init__(self) -> None:
+        checked(self.mechanism, perfect=False)
+        if not isinstance(self.inertia, Inertia):
+            remedy = "give Inertia(driver=..., follower=...)"
+            raise validate.fail("inertia", "an Inertia", self.inertia, remedy)
+        self.check_fields()
+        for place in PLACES:
+            if not isinstance(train := getattr(self, place), Train | None):
+                remedy = "give for example Train(ratio=5), or leave it out"
+                raise validate.fail(place, "a Train", train, remedy)
+        path: Any = self.mechanism.path
+        if not isinstance(path, Path):
+            remedy = "make it with two_vector_path or chebyshev_table"
+            raise validate.fail("mechanism.path", "a Path", path, remedy)
+        check_losses(self, path.table)
+        self._check_curve()
+        plain_crank = getattr(self.mechanism, "plain_crank", True)
+        check_lengths(vars(self), getattr(self.mechanism, "crank_radius", None), plain_crank)
+        check_trains(self, self.curve is not None)
+        check_contact(self.contact, self.mechanism, vars(self))
+
+    def _check_curve(self) -> None:
+        """Refuse a curve together with a spring rate, or with too many points in a cell."""
+        if isinstance(self.torque, TorqueCurve):
+            if self.spring_rate > 0.0:
+                remedy = "let its torque fall by itself"
+                raise validate.fail(
+                    "spring_rate", "0 with a torque curve", self.spring_rate, remedy
+                )
+            curve = self.torque.behind(self.barrel.ratio) if self.barrel else self.torque
+            most = curve.most_within(self.mechanism.cell_angle)
+            if most > MOST_KNOTS:
+                rule = f"a torque curve with at most {MOST_KNOTS} points in a cell"
+                raise validate.fail("torque", rule, most, "leave out points")
+
+    @cached_property
+    def curve(self) -> TorqueCurve | None:
+        """The torque over the driver angle turned, None where it is constant."""
+        if isinstance(self.torque, TorqueCurve):
+            return self.torque.behind(self.barrel.ratio) if self.barrel else self.torque
+        torque, rate = self.seen["torque"], self.seen["spring_rate"]
+        # a rate that changes no motion counts as 0
+        if rate > torque / MOST_UNEQUAL:
+            spent = max(torque / rate, 1.0 / MOST_UNEQUAL)
+            return TorqueCurve((0.0, spent), (torque, 0.0))
+        return None
+
+    @cached_property
+    def seen(self) -> dict[str, Any]:
+        """Its numbers by the names that studies use [SI], as driver and follower see them.
+
+        Without a train they are its own; of a torque curve the torque is the greatest.
+        """
+        own = self.inertia
+        values = {"driver_inertia": own.driver, "follower_inertia": own.follower, **vars(self)}
+        if isinstance(self.torque, TorqueCurve):
+            values["torque"] = self.torque.greatest
+        for name in LENGTHS:
+            values[name] = getattr(self.mechanism, name, None) or 0.0
+        return seen(values | numbers_of_trains(self))
+
+    @cached_property
+    def without_trains(self) -> Escapement:
+        """An escapement with the same motion and without trains; itself if it has none."""
+        if self.barrel is self.load_train is None:
+            return self
+        found, none = self.seen, cast(Any, dict.fromkeys(PLACES))
+        inertia = Inertia(found["driver_inertia"], found["follower_inertia"])
+        given = isinstance(self.torque, TorqueCurve)
+        torque: Any = self.curve if given else found["torque"]
+        numbers = {name: found[name] for name in ("load_torque", "spring_rate")}
+        return replace(self, inertia=inertia, torque=torque, **numbers, **none)
+
+    @property
+    def contact(self) -> str:
+        """Which law of contact it needs: "rigid" where there is clearance, "compliant" where
+        there is stiffness, "" where the pins fit their slots exactly.
+        """
+        if self.stiffness > 0.0:
+            return "compliant"
+        return "rigid" if getattr(self.mechanism, "clearance", 0.0) > 0.0 else ""
+
+    @property
+    def idle(self) -> str:
+        """Which settings have no effect, since another one is missing; "" if there are none."""
+        clearance = getattr(self.mechanism, "clearance", 0.0)
+        return idle_settings(type(self), vars(self) | {"clearance": clearance})
+
+    @property
+    def critical_damping(self) -> float:
+        """Damping with which bodies that only one wall connects just do not swing [N s/m].
+
+        It is 2 sqrt(k m) with the reduced mass of driver and follower at the crank radius r,
+        m = I_d I_f/((I_d + I_f) r^2).
+        """
+        wheel, seen = cast(Any, self.mechanism), self.seen
+        driver, follower = seen["driver_inertia"], seen["follower_inertia"]
+        reduced = driver / (driver + follower) * follower
+        return 2.0 * math.sqrt(self.stiffness * reduced) / float(wheel.crank_radius)
+
+    @property
+    def assumed(self) -> str:
+        """What is taken for a number of the contact that is not given; "" if all are given."""
+        if self.contact != "compliant" or not self._damps_critically:
+            return ""
+        damping = told(self.critical_damping, "damping")
+        return f"no damping is given: critical damping, {damping}, is taken"
+
+    @property
+    def _damps_critically(self) -> bool:
+        """Whether linear walls have the damping that they have by default."""
+        return self.damping is None and self.contact_law == CONTACT_LAWS[0]
+
+    @cached_property
+    def joint(self) -> Joint:
+        """The joint of pin and slot in natural units."""
+        wheel: Any = self.mechanism
+        length, clock = wheel.crank_radius, self.time_unit
+        unit = self.torque_unit / length**2
+        damping = self.critical_damping if self._damps_critically else self.damping or 0.0
+        return Joint(
+            play=0.5 * wheel.clearance / length,
+            restitution=self.restitution,
+            stiffness=self.stiffness / unit,
+            damping=damping / (unit * clock),
+            hertz=self.contact_law != CONTACT_LAWS[0],
+            slip=self.slip_speed * clock / length,
+        )
+
+    @property
+    def held(self) -> Escapement:
+        """The escapement with the torque of its start as a constant torque."""
+        if self.curve is None:
+            return self
+        torque = self.torque.torque[0] if isinstance(self.torque, TorqueCurve) else self.torque
+        return replace(self, torque=torque, spring_rate=0.0)
+
+    @cached_property
+    def meetings(self) -> tuple[Meeting, ...]:
+        """Its engagements: one that repeats itself, or with imperfect parts a pattern of them."""
+        return meetings_of(self.mechanism)
+
+    @cached_property
+    def scenes(self) -> tuple[Scene, ...]:
+        """The escapement as an engine sees it in each of its `meetings`."""
+        meshed = self.meetings[0].path.table
+        numbers: dict[str, Any]
+        numbers = {name: float(value) for name, value in natural(self.seen, meshed).items()}
+        torque = np.array([0.0, 0.0, 1.0]) if self.curve is None else self.curve.knots()
+        return tuple(Scene(*m[:3], torque, 0.0, **numbers) for m in self.meetings)
+
+    @cached_property
+    def scene(self) -> Scene:
+        """The escapement as an engine sees it in the first of its `meetings`."""
+        return self.scenes[0]
+
+    @cached_property
+    def too_unequal(self) -> bool:
+        """Whether the inertias and torques differ so much that kernels would overflow."""
+        # the square of the time unit is the ratio of inertia and torque
+        ratios = self.scene.rho, self.time_unit**2
+        greatest = max(*ratios, *(getattr(self.scene, name) for name in RESISTANCES))
+        return min(ratios) <= 1.0 / MOST_UNEQUAL or greatest >= MOST_UNEQUAL
+
+    @cached_property
+    def kept(self) -> dict[str, Any]:
+        """What engines derive from the scene and keep for their next call."""
+        return {}
+
+    def __getstate__(self) -> dict[str, Any]:
+        """Another process computes the scene and everything that depends on it again."""
+        derived = ("meetings", "scenes", "scene", "joint", "kept", "_begins", "seen")
+        return {key: value for key, value in vars(self).items() if key not in derived}
+
+    @cached_property
+    def time_unit(self) -> float:
+        """Natural unit of time, sqrt(I_f / torque) [s].
+
+        In this unit the motion depends only on the mechanism, friction and the ratios of
+        inertias, lengths, torques and drag: the torque changes only the unit of time.
+        """
+        return math.sqrt(self.seen["follower_inertia"] / self.torque_unit)
+
+    @property
+    def torque_unit(self) -> float:
+        """Natural unit of torque, the greatest torque on the driver [N m]."""
+        return float(self.seen["torque"])
+
+    def turned_before(self, engagement: Any) -> Any:
+        """Driver angle turned before an engagement [rad]; 0 where the torque is constant."""
+        return 0.0 if self.curve is None else self.angle_before(engagement)
+
+    def angle_before(self, engagement: Any) -> Any:
+        """Driver angle from the start of the motion to that of an engagement [rad]."""
+        begins = self._begins
+        angle = engagement * self.mechanism.cell_angle
+        return angle + (begins[engagement % begins.size] - begins[0]) if begins.size > 1 else angle
+
+    @cached_property
+    def _begins(self) -> FloatArray:
+        """Where its engagements begin, from the nominal dead centre of each [rad]."""
+        begins: FloatArray = np.array([m.late + m.edges[0] for m in self.meetings])
+        return begins
+
+    def drive_work(self, turned: Any) -> Any:
+        """Work of the drive from the start of the motion over a driver angle [J]."""
+        return self.torque_unit * turned if self.curve is None else self.curve.work(turned)
+
+    def load_work(self, turned: Any) -> Any:
+        """Work done against the load while the follower turns by angles [rad] [J]."""
+        return self.seen["load_torque"] * turned
+
+
+def model_settings() -> dict[str, Setting]:
+    """All declared numbers of an escapement without its mechanism, by their names in studies."""
+    return {**declared(Escapement), **declared(Inertia), **train_numbers()}
+
+
+def escapement_of(mechanism: Mechanism, values: Mapping[str, Any]) -> Escapement:
+    """The escapement with these values by the names of `model_settings` [SI].
+
+    Values that are None or missing have their default; errors are those of `Escapement`.
+    """
+    given = {name: value for name, value in values.items() if value is not None}
+    inertias = {entry.key: given.get(name) for name, entry in declared(Inertia).items()}
+    numbers = {name: given[name] for name in declared(Escapement) if name in given}
+    return Escapement(mechanism, Inertia(**inertias), **numbers, **trains_of(given))  # type: ignore[arg-type]
+
+
+@dataclass(frozen=True)
+class Run(Declared):
+    """Numbers of a run, which are not part of the escapement."""
+
+    initial_speed: float = field(default=0.0, metadata=quantity(
+        "driver speed at the first pin entry", "speed",
+        remedy="give the driver speed, 0 to start from rest"
+    ))  # fmt: skip
+    engagements: int = field(default=20, metadata=quantity(
+        "engagements to run", minimum=1, whole=True, axis=False, metavar="N",
+        remedy="give the number of engagements; the figures of merit need no long motion"
+    ))  # fmt: skip
+    duration: float | None = field(default=None, metadata=quantity(
+        "time to run", "time", exclusive=True, axis=False, note=", instead of engagements",
+        remedy="give the time to run"
+    ))  # fmt: skip

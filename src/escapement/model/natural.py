@@ -1,0 +1,88 @@
+"""The numbers of a scene in natural units, from the declared numbers of an escapement.
+
+The follower's inertia, the driving torque and the root of their ratio are the units of inertia,
+torque and time; the crank radius is that of length.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
+
+from escapement.base.lazy import Lazy
+
+if TYPE_CHECKING:
+    import numpy as np
+else:
+    np = Lazy("numpy")
+
+_SLOT = ("mu_plus", "mu_minus", "pin", "driver_journal", "follower_journal")
+"""Numbers of a `Scene` that belong to the contact."""
+
+
+def natural(values: Mapping[str, Any], meshed: bool) -> dict[str, Any]:
+    """Numbers of a `Scene` by their names, from numbers or arrays in SI.
+
+    Parameters
+    ----------
+    values : Mapping
+        What `Escapement` and `Inertia` declare, by the names that studies use [SI].
+    meshed : bool
+        Whether the losses of the mechanism are given by an efficiency, not by friction in a slot.
+    """
+    follower, torque = values["follower_inertia"], values["torque"]
+    found = {
+        "rho": values["driver_inertia"] / follower,
+        "load": values["load_torque"] / torque,
+        "bearing": values["driver_bearing_torque"] / torque,
+    }
+    none = 0.0 * found["load"]
+    found |= {"gain": none + 1.0, "flow": none - 1.0}
+    for name, far in (("barrel", -2.0), ("load_train", 2.0)):
+        # the far shaft of a barrel's train turns slower, that of the other one faster
+        ratio, inertia = values.get(f"{name}_ratio"), values.get(f"{name}_inertia")
+        share = none if ratio is None or inertia is None else inertia * ratio**far / follower
+        given = values.get(f"{name}_efficiency")
+        found |= {name: share, f"{name}_efficiency": none + (1.0 if given is None else given)}
+    for body in ("driver", "follower"):
+        found[f"{body}_drag"] = values[f"{body}_drag"] / follower
+        found[f"{body}_viscous"] = values[f"{body}_viscous"] / (follower * torque) ** 0.5
+    if meshed:
+        losses = 1.0 / values["efficiency"] - 1.0, 1.0 - values["efficiency"]
+        return found | dict(zip(_SLOT, (*losses, *(none,) * 3), strict=True))
+    friction, pin = rolling(values)
+    # without a length all radii are 0
+    length = np.where(np.asarray(values["crank_radius"]) > 0.0, values["crank_radius"], 1.0)
+    share = np.hypot(1.0, friction) / length
+    journals = (
+        values[f"{body}_bearing_friction"] * values[f"{body}_bearing_radius"] * share
+        for body in ("driver", "follower")
+    )
+    return found | dict(zip(_SLOT, (friction, friction, pin / length, *journals), strict=True))
+
+
+def rolling(values: Mapping[str, Any]) -> tuple[Any, Any]:
+    """Friction and radius of the body that touches the slot: the pin, or a roller on it.
+
+    A roller turns on the pin, and the friction then acts between the two. A massless roller that
+    rolls on the wall acts like a pin of its radius with less friction.
+    """
+    friction, pin, roller = values["friction"], values["pin_radius"], values["roller_radius"]
+    rolls = np.asarray(roller) > 0.0
+    if not rolls.any():
+        return friction, pin
+    q = pin / np.where(rolls, roller, np.inf) * friction / np.hypot(1.0, friction)
+    return np.where(rolls, q / np.sqrt(1.0 - q * q), friction), np.where(rolls, roller, pin)
+
+
+def slid(values: Mapping[str, Any], friction: float) -> float:
+    """Friction between a roller and its pin that has the effect of `friction` in the slot, see
+    `rolling`; without a roller `friction` itself. It is infinite if no friction has such an
+    effect.
+    """
+    roller = values.get("roller_radius")
+    if not roller:
+        return friction
+    q = friction / math.hypot(1.0, friction) * roller / values["pin_radius"]
+    return q / math.sqrt(1.0 - q * q) if q < 1.0 else math.inf

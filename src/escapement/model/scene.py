@@ -1,0 +1,96 @@
+"""The input of an engine: a few dimensionless numbers and a path.
+
+The follower's inertia I_f, the driving torque tau and the time sqrt(I_f/tau) are the units of
+inertia, torque and time; angles are in radians. Two escapements with equal scenes have the same
+motion except for the unit of time.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+from escapement.mechanisms.path import Path
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
+
+class Scene(NamedTuple):
+    """An escapement in natural units; the equation of motion is in `dynamics.law`.
+
+    path : transmission of the mechanism.
+    edges : driver angles [rad], shape (k,), ascending, from pin entry to pin exit; the motion
+        is smooth between neighbours except for pin reversals.
+    dwell : driver angle after the exit in which the follower is locked [rad].
+    torque : the torque of the drive, linear between knots, as `dynamics.torque` lays it out.
+    turned : driver angle turned before the current cell [rad].
+    rho : inertia ratio I_d/I_f.
+    mu_plus, mu_minus : loss on the side of the slot that drives the follower, and on the
+        other: a pin's coefficient of friction, or 1/eta - 1 and 1 - eta of a mesh.
+    load : load torque over driving torque.
+    bearing : constant torque of the driver's bearing over driving torque.
+    driver_drag, follower_drag : drag that grows with the square of the speed, divided by I_f.
+    driver_viscous, follower_viscous : viscous drag, over sqrt(I_f tau).
+    pin : radius of the pin, or of its roller, in the path's unit of length.
+    driver_journal, follower_journal : friction of the bearings over the force in the contact,
+        mu_b r_b sqrt(1 + mu^2), in the path's unit of length.
+    gain : factor on the torque; it is 1 except in `dynamics.train_losses`.
+    flow : directions of power through lossy trains, see `dynamics.train_losses`.
+    barrel, load_train : inertias of barrel and last shaft referred to driver and follower,
+        divided by I_f; rho and I_f contain them.
+    barrel_efficiency, load_train_efficiency : of their trains.
+    """
+
+    path: Path
+    edges: NDArray[np.float64]
+    dwell: float
+    torque: NDArray[np.float64]
+    turned: float
+    rho: float
+    mu_plus: float
+    mu_minus: float
+    load: float
+    bearing: float
+    driver_drag: float
+    follower_drag: float
+    driver_viscous: float
+    follower_viscous: float
+    pin: float
+    driver_journal: float
+    follower_journal: float
+    gain: float
+    flow: float
+    barrel: float
+    barrel_efficiency: float
+    load_train: float
+    load_train_efficiency: float
+
+
+class Joint(NamedTuple):
+    """The contact of pin and slot with clearance or compliance, in natural units.
+
+    play : half the difference between slot width and pin diameter, in crank radii r.
+    restitution : rebound impulse over the impulse of compression.
+    stiffness : stiffness of each wall, over torque/r^2; 0 for rigid walls.
+    damping : damping of each wall, over sqrt(I_f torque)/r^2.
+    hertz : whether the force grows with the power 1.5 of the penetration (Hunt and Crossley).
+    slip : sliding speed below which friction fades, over r/sqrt(I_f/torque).
+    """
+
+    play: float
+    restitution: float
+    stiffness: float
+    damping: float
+    hertz: bool
+    slip: float
+
+
+def scene_tuple(scene: Scene) -> tuple[Any, ...]:
+    """A scene as nested plain tuples, from which `dynamics.law.scene_of` rebuilds it in a kernel.
+
+    Numba takes half a microsecond to find out the type of a named tuple, a twentieth of a
+    simulation, so the kernels that Python calls often take plain tuples.
+    """
+    path, *rest = scene
+    return tuple(path), *rest

@@ -1,0 +1,167 @@
+"""The one decorator that compiles kernels.
+
+Numba keys its disk cache on the source file of the kernel alone. After a change of
+a callee in another file it would therefore load a stale copy. Here the cache lies in
+a directory named after a digest of every kernel source of the package instead, and of
+all that these sources import.
+"""
+
+import contextlib
+import hashlib
+import os
+import re
+import tempfile
+from functools import cache, partial
+from pathlib import Path
+from typing import Any
+
+import numba
+from numba.core.runtime import rtsys  # type: ignore[attr-defined]
+
+from escapement.base.notice import notice
+
+_IMPORT = re.compile(rb"^(?:from|import) +([\w.]+)(?: +import +(\([^)]*\)|[^\n]*))?", re.MULTILINE)
+
+
+def kernel_digest(package: Path) -> str:
+    """Digest of all files under `package` that compile kernels, and of the files they import.
+
+    Files that compile kernels name the `jit` or `by_address` import. A kernel is compiled with the
+    values of its globals, which may be constants and types of other files, and these may have
+    them from further ones; imports within functions bring no globals.
+
+    Parameters
+    ----------
+    package : Path
+        Root folder of the Python sources.
+
+    Returns
+    -------
+    str
+        16 hexadecimal digits, which differ whenever anything differs that a kernel can see.
+    """
+    texts = {x.relative_to(package).as_posix(): x.read_bytes() for x in package.rglob("*.py")}
+    seen = {name for name, text in texts.items() if b".jit import" in text or b"by_address" in text}
+    todo = list(seen)
+    while todo:
+        for name in _imported(texts[todo.pop()], package.name):
+            if name in texts and name not in seen:
+                seen.add(name)
+                todo.append(name)
+    digest = hashlib.sha256()
+    for name in sorted(seen):
+        digest.update(name.encode() + b"\0" + texts[name])
+    return digest.hexdigest()[:16]
+
+
+def _imported(text: bytes, package: str) -> list[str]:
+    """Files that a source with this text may import from its package at the top level."""
+    found = []
+    for module, names in _IMPORT.findall(text):
+        root, *parts = module.decode().split(".")
+        if root == package:
+            found.append("/".join(parts) or "__init__")
+            found += ["/".join([*parts, name]) for name in re.findall(r"\w+", names.decode())]
+    return [name + end for name in found for end in (".py", "/__init__.py")]
+
+
+@cache
+def _cache_directory() -> str | None:
+    """Folder of compiled kernels, or None where it cannot be written, as the notice will say."""
+    chosen = os.environ.get("NUMBA_CACHE_DIR") or os.environ.get("XDG_CACHE_HOME")
+    usual = Path(chosen or os.path.expanduser("~/.cache"))
+    try:
+        folder = usual / "escapement" / kernel_digest(Path(__file__).parents[1])
+        folder.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryFile(dir=folder):
+            return str(folder)
+    except OSError as error:
+        notice.lost = f"{usual / 'escapement'} ({error.strerror})"
+        return None
+
+
+def _watch_cache(dispatcher: Any) -> None:
+    """Announce that a kernel has to be compiled, and survive a cache that cannot be written.
+
+    Numba's own `load_overload` imports everything that compiling needs, such as SciPy's
+    linear algebra, which is a third of the time to a first result. Code that is loaded
+    needs only the runtime that allocates arrays.
+    """
+    store = dispatcher._cache
+    load = getattr(store, "_load_overload", store.load_overload)  # there may be no cache
+    save = store.save_overload
+
+    def load_or_say(signature: Any, context: Any) -> Any:
+        rtsys.initialize(context)
+        found = None
+        # if another process is writing the file, or a disk fails, the kernel is compiled
+        with contextlib.suppress(OSError):
+            found = load(signature, context)
+        if found is None:
+            notice.begin()
+        return found
+
+    def save_or_skip(signature: Any, data: Any) -> None:
+        # the kernel itself is ready, so that it works without a copy on disk
+        with contextlib.suppress(OSError):
+            save(signature, data)
+        notice.end()
+
+    store.load_overload = load_or_say
+    store.save_overload = save_or_skip
+
+
+_TRAITS: dict[str, dict[str, Any]] = {
+    "allocates": {"_nrt": True},
+    "reorders": {"fastmath": {"reassoc"}},
+    "inlined": {"inline": "always"},
+    "inner": {"no_cpython_wrapper": True},
+}
+"""Options of Numba by what `jit` calls them."""
+
+
+def jit(function: Any = None, **traits: bool) -> Any:
+    """Compile on the first call, keep the code on disk, and release the GIL while it runs.
+
+    Traits of a kernel, each given as True:
+
+    allocates : the kernel makes or returns arrays. In all others references are not
+        counted, which would cost two atomic operations for every array of every call,
+        as much as the work of a short kernel.
+    reorders : the kernel's sums may be reordered, so that they become vector code. No
+        other arithmetic is ever changed.
+    inlined : its code becomes part of every caller before types are inferred, so that it is not
+        compiled separately.
+    inner : only kernels call it, so no entry point for Python is compiled; these would take a
+        fifth of all time.
+
+    Division by zero follows IEEE 754 (`error_model="numpy"`), since kernels report
+    through a status code and never raise.
+    """
+    if function is None:
+        return partial(jit, **traits)
+    options: dict[str, Any] = {"nogil": True, "error_model": "numpy", "_nrt": False}
+    options["no_cfunc_wrapper"] = True  # nobody calls a kernel from C
+    for trait in traits:
+        options |= _TRAITS[trait]
+    folder = _cache_directory()
+    config: Any = numba.config
+    if config.DISABLE_JIT:
+        return numba.njit(**options)(function)
+    previous, config.CACHE_DIR = config.CACHE_DIR, folder or config.CACHE_DIR
+    try:
+        dispatcher = numba.njit(cache=folder is not None, **options)(function)
+    finally:
+        config.CACHE_DIR = previous
+    _watch_cache(dispatcher)
+    return dispatcher
+
+
+inner_jit = partial(jit, inner=True)
+"""`jit` of a kernel that is called by kernels alone."""
+
+
+def as_python(kernel: Any) -> Any:
+    """The Python function of a kernel, for calls that are shorter than entering compiled code."""
+    # if Numba is switched off, a kernel is that function itself
+    return getattr(kernel, "py_func", kernel)
