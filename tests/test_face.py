@@ -60,7 +60,7 @@ def test_a_type_checker_knows_every_public_name(checked):
     assert not [name for name, said in types.items() if said == "Any"]
     signature = types["simulate"]
     assert "escapement: escapement.model.escapement.Escapement" in signature
-    assert "solver: escapement.solver.Solver | None =" in signature
+    assert "solver: escapement.engines.solver.Solver | None =" in signature
     assert signature.endswith("-> escapement.motion.Motion")
     assert types["terminal"].endswith("-> escapement.dynamics.figures_of_merit.Figures")
     assert types["sweep"].endswith("-> escapement.study.result.Study")
