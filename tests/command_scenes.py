@@ -59,6 +59,31 @@ ERRORS = {
 }
 TOO_FAR = {"centre_distance_error": 1e-4, "tried": ["centre_distance_error"]}
 """Such a wheel is picked up late, which hides small errors of its slots."""
+SIZES = {
+    "geneva": [
+        {"slots": 6, "crank_diameter": 0.04, "pin_diameter": 0.0032, "roller_diameter": 0.0036},
+        {"slots": 6, "centre_distance": 0.04, "pin_diameter": 0.002},
+        {"slots": 6, "wheel_radius": 0.035, "pin_diameter": 0.002},
+        {"slots": 6, "wheel_diameter": 0.07, "pin_diameter": 0.002},
+    ],
+    "gear-driven": [
+        {"stations": 6, "lobes": 0, "curve": "epicycloid", "pins": 1, "fixed_diameter": 0.1,
+         "pin_diameter": 0.0032, "roller_diameter": 0.0036},
+    ],
+    "elliptical-planetary": [{"sun_diameter": 0.032, "planet_diameter": 0.018}],
+    "tabulated": [],
+}  # fmt: skip
+"""The same sizes as drawings give them."""
+
+
+def sized(kind, without=(), **others):
+    """Scenes of a command with the sizes of drawings, which are the only options to try there."""
+    for sizes in SIZES[kind]:
+        given = {name: x for name, x in sizes.items() if name not in without}
+        tried = [name for name in given if name.endswith(("_diameter", "_distance", "_radius"))]
+        yield {**given, **others, "tried": tried}
+
+
 IVP = {"engine": "ivp", "rtol": 1e-6, "atol": 1e-9, "method": "DOP853", "max_step": 0.01}
 SOLVER = [name for name in declared(Solver) if name != "engine"]
 BY_DEFAULT = ("engine", "method")
@@ -82,7 +107,10 @@ def motions(kind, length, **solver):
         scenes += [{**base, **ROLLER}]
     if kind == "tabulated":
         scenes.append({**DRIVE, **lost, **length, **EXACT})
-    return scenes
+    if kind == "geneva":
+        inside = {"slots": 6, "pins": 1, "internal": True, "crank_radius": 0.02}
+        scenes.append({**base, **inside, "tried": ["internal"]})
+    return [*scenes, *sized(kind, **DRIVE, **lost, **length)]
 
 
 def _run(kind):
@@ -121,6 +149,7 @@ def _mechanism(kind):
     if kind == "gear-driven":
         second = {"stations": 12, "lobes": 4, "curve": "epicycloid", "solution": 1}
         found.append({**second, "tried": ["solution"]})
+    found += sized(kind, **bodies)
     if kind != "tabulated":  # a table has no bodies to turn
         found.append({**WHEELS[kind], "angle": 10, "plot": "out.svg", "tried": ["angle"]})
     return found
@@ -132,14 +161,23 @@ def _export(kind):
     thick = {"pin_radius": 0.001, "clearance": 1e-4} if kind in ERRORS else {}
     wheel = {name: x for name, x in WHEELS[kind].items() if name != "unused_lobes"}
     fits = {"shaft_fit": 1e-5, "kerf": 1e-4} if kind == "elliptical-planetary" else FITS
-    return [{**wheel, **thick, **SHAFTS, **fits, **DISCS}]
+    scenes = [{**wheel, **thick, **SHAFTS, **fits, **DISCS}]
+    if kind == "geneva":
+        dwell = {"slots": 6, "pins": 1, "crank_radius": 0.02, "pin_radius": 0.001}
+        given = {"locking_radius": 0.0165, "least_wall": 0.02}
+        scenes.append({**dwell, "clearance": 1e-4, **given, "tried": [*given]})
+    if kind == "elliptical-planetary":
+        return scenes  # its sizes are tried elsewhere: rolling the teeth takes seconds
+    return [*scenes, *sized(kind, clearance=1e-4)]
 
 
 def _drive_torque(kind):
     case = {"speed": 10, "load_torque": 0.01, "follower_inertia": 1e-4, "efficiency": 0.9}
     case |= {"friction": 0.2} if kind in ERRORS else {}
     thin = [{n: x for n, x in one.items() if n != "pin_radius"} for one in _wheels(kind)[:1]]
-    return [{**one, **case} for one in (*thin, *([EXACT] if kind == "tabulated" else []))]
+    tables = [EXACT] if kind == "tabulated" else []
+    sizes = sized(kind, ("pin_diameter", "roller_diameter"), **case)
+    return [*({**one, **case} for one in (*thin, *tables)), *sizes]
 
 
 def _measure(kind):
@@ -207,6 +245,7 @@ ADDED = {
     **{"pin_angle_errors": "0,0.001", "crank_radius_errors": "0,1e-5", "friction": 0.25},
     **{"slot_angle_errors": "0,0,0,0,0,0.001", "slot_offsets": "0,0,0,0,0,1e-5"},
     **{"barrel_ratio": 3, "load_train_ratio": 3, "engine": "ivp", "method": "RK45"},
+    **{"least_wall": 1.0, "teeth": 25},
 }
 """What an option is given that a scene does not have; another number is small."""
 NOT_TRIED = {

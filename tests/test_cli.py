@@ -38,7 +38,7 @@ RUN_KEYS = {
 def test_help_names_what_the_solver_knows(command):
     words = command("run", "--help")[1].replace("(", " ").replace(",", " ").split()
     assert {*ENGINES, *METHODS} <= set(words)
-    assert {f"{rtol:g}" for rtol in DEFAULT_RTOL.values()} <= {w.strip(")") for w in words}
+    assert {f"{rtol:g}" for rtol in DEFAULT_RTOL.values()} <= {w.strip(");") for w in words}
 
 
 def table(command, *argv):
@@ -199,12 +199,9 @@ def test_run_writes_the_motion(command):
         np.testing.assert_allclose(data["contact_moment"], moments, rtol=1e-12)
 
 
-def test_a_motion_is_drawn_in_si(command, report):
+def test_a_motion_is_drawn_in_si_by_default(command, report):
     command(*RUN, "--engagements", "2", "-o", "m.h5")
-    code, out, err = command("plot", "m.h5", "--units", "in-lbf-s")
-    assert (code, out) == (2, "")
-    assert "--units must come with a study, got 'in-lbf-s'" in err
-    record = report("plot", "m.h5", "--units", "SI")
+    record = report("plot", "m.h5")
     told = {"units": "SI", "file": "m.h5"}
     assert record == {"inputs": told, "input": "m.h5", "holds": "motion", "output": "m.png"}
 
@@ -284,6 +281,7 @@ def test_what_strikes_from_outside_is_one_line(command, monkeypatch, error, code
         raise error
 
     monkeypatch.setattr("escapement.load_plan", strike)
+    Path("x.toml").touch()
     found, out, err = command("sweep", "x.toml")
     assert (found, out) == (code, "")
     assert err.startswith("escapement: error: ")

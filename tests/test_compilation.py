@@ -7,9 +7,11 @@ import subprocess
 import sys
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 import escapement
+from escapement.engines.energy import panels
 from escapement.numerics import jit
 
 PACKAGE = Path(escapement.__file__).parent
@@ -308,12 +310,32 @@ def test_the_cache_is_kept_where_it_was_asked_for(toy, tmp_path):
 
 
 def test_a_motion_of_the_fast_engine_runs_uncompiled(tmp_path):
-    """As Python, to the last figures; no kernel is written."""
+    """As Python, to the last figures, also with springs and torque curves; nothing is written."""
     cache = tmp_path / "cache"
-    code = DRIVE + "print(esc.simulate(timer, 1).handoff_times[0].hex())"
+    code = (
+        DRIVE
+        + """
+from dataclasses import replace
+curve = esc.TorqueCurve([0.0, 0.7, 1.6], [0.0113, 0.009, 0.0113], periodic=True)
+drives = timer, replace(timer, spring_rate=1e-3), replace(timer, torque=curve)
+print(*(esc.simulate(one, 1).handoff_times[0].hex() for one in drives))
+"""
+    )
     slow = run(code, NUMBA_DISABLE_JIT="1", NUMBA_CACHE_DIR=str(cache))
-    assert float.fromhex(slow) == pytest.approx(float.fromhex(run(code)), rel=1e-13)
+    found, wanted = ([*map(float.fromhex, text.split())] for text in (slow, run(code)))
+    assert found == pytest.approx(wanted, rel=1e-13)
+    assert len({*wanted}) == 3
     assert not list(cache.rglob("*.nb?"))
+
+
+def test_a_field_of_a_record_hides_no_attribute_of_it():
+    """Uncompiled, a field that is named like an attribute of NumPy's records could not be read."""
+    records = {name: x for name, x in vars(panels).items() if isinstance(x, np.dtype) and x.names}
+    assert {"PANEL", "SOLUTION", "WORKSPACE", "END"} <= records.keys()
+    hidden = [
+        name for record in records.values() for name in record.names if hasattr(np.record, name)
+    ]
+    assert not hidden
 
 
 def test_importing_costs_nothing():

@@ -33,7 +33,7 @@ def alike(a, b):
     if isinstance(a, list) and isinstance(b, list):
         return len(a) == len(b) and all(map(alike, a, b))
     if isinstance(a, float) and isinstance(b, float):
-        return math.isclose(a, b, rel_tol=1e-9, abs_tol=1e-12)
+        return math.isclose(a, b, rel_tol=1e-9, abs_tol=1e-12) or (a != a and b != b)
     return a == b
 
 
@@ -56,9 +56,6 @@ def outcome(command):
         for part in (record, record.get("motion") or {}):
             for key in ECHOES:
                 part.pop(key, None)
-        for figure in filter(lambda value: isinstance(value, dict), record.values()):
-            for key in ("first_indices", "total_indices"):  # their intervals are drawn at random
-                figure[key] = {name: ends[0] for name, ends in figure.get(key, {}).items()}
         drawn = [
             path for path in (WRITTEN.get(name), scene.get("plot"), scene.get("output")) if path
         ]
@@ -71,7 +68,8 @@ def verdict(action, scene, base, found):
     """What a changed option did: "acts", "refused", or what is wrong with it."""
     code, record, err = found
     if code in (0, 3):
-        same = record == base if action.dest in SOLVER else alike(record, base)
+        exact = record == base[1] if action.dest in SOLVER else alike(record, base[1])
+        same = exact and (action.dest not in WARNS or err == base[2])
         return "silent" if same else "acts"
     # a train is named by its place; or the option does not suit another one that is named
     names = {
@@ -92,10 +90,10 @@ def test_every_number_acts_or_is_refused(outcome, name, kind):
     options, scenes, wrong = options_of(name), scenes_of(name, kind), []
     acting = set()
     for k, scene in enumerate(scenes):
-        code, base, err = outcome(name, kind, scene)
-        assert code in (0, 3), err
-        assert alike(outcome(name, kind, scene)[1], base)
-        for option in scene.get("tried", options.keys() - {*BY_DEFAULT} - WARNS):
+        base = outcome(name, kind, scene)
+        assert base[0] in (0, 3), base[2]
+        assert alike(outcome(name, kind, scene)[1], base[1])
+        for option in scene.get("tried", options.keys() - {*BY_DEFAULT}):
             if (action := options.get(option)) is None:
                 continue
             told = verdict(action, scene, base, outcome(name, kind, changed(action, scene)))

@@ -201,7 +201,7 @@ def test_what_collides_is_refused_with_the_place(monkeypatch, tmp_path):
 
     disc = geneva.locking_disc(WHEEL).grown(4.5e-5 / 0.02)
     monkeypatch.setattr(geneva, "locking_disc", lambda *_: disc)
-    said = r"locking-disc and follower must not overlap, got 0\.0\d* mm at a .* mm from"
+    said = r"locking-disc and follower must not overlap, got 0\.0\d* mm at a .* mm\) from"
     with pytest.raises(InvalidValue, match=said):
         esc.export(WHEEL, tmp_path / "a.svg")
     assert not any(tmp_path.iterdir())

@@ -292,6 +292,10 @@ def test_a_pin_that_misses_its_slot_is_named(errors, words):
         assert outcome.status is Status.INVALID
         assert words in outcome.message
         assert "degrees behind the first dead centre" in outcome.message
+    own = timer(**errors)
+    for ask in (lambda: esc.critical_friction(own.mechanism, own.inertia), lambda: own.scenes):
+        with pytest.raises(esc.errors.InvalidValue, match=words):
+            ask()
 
 
 @pytest.mark.parametrize(

@@ -83,12 +83,17 @@ def test_indices_have_the_intervals_of_their_resamples():
     first, total = indices.sobol_indices(figure, 4, 256, 7)
     values = (weights @ asked[0]).reshape(6, 1, 256)
     values = values - values[:2].mean()
-    table = {"f_A": values[0], "f_B": values[1], "f_AB": values[2:]}
-    drawn = stats.sobol_indices(func=table, n=256).bootstrap(confidence_level=0.95)
+    given = {"f_A": values[0], "f_B": values[1], "f_AB": values[2:]}
+    table = stats.sobol_indices(func=given, n=256)
+    drawn = table.bootstrap(confidence_level=0.95)
     for found, other in ((first, drawn.first_order), (total, drawn.total_order)):
         ends = other.confidence_interval
         widths = np.ravel(ends.high - ends.low)
         assert sum(x.high - x.low for x in found) == pytest.approx(widths.sum(), rel=0.08)
+    for found, other in zip((first, total), (table.first_order, table.total_order), strict=True):
+        assert [x.value for x in found] == pytest.approx(np.ravel(other), rel=1e-12)
+    assert indices.sobol_indices(figure, 4, 256, 7) == (first, total)  # the seed decides
+    assert indices.sobol_indices(figure, 4, 256, 8)[0][0].low != first[0].low
 
 
 def test_engagements_that_do_not_repeat_have_the_interval_of_students_table():

@@ -2,6 +2,7 @@
 
 import re
 from html.parser import HTMLParser
+from pathlib import Path
 
 import pytest
 
@@ -106,3 +107,18 @@ def test_commands_write_reports(tmp_path, capsys):
     assert Page(path.read_text(encoding="utf-8")).open == []
     assert main([*words.split(), "--report", str(tmp_path / "a.pdf")]) == 2
     assert "must end in .html" in capsys.readouterr().err
+
+
+def test_a_report_gives_lists_in_both_systems(command):
+    """Each number of a list, as that of a single number: 1 mm is 0.0393701 in."""
+    Path("curve.csv").write_text("0,0.01\n2,0.02\n")
+    sizes = ["--slots", "4", "--crank-radius", "0.02", "--slot-offsets", "0,0,0,1e-5"]
+    drive = ["--torque", "curve.csv", "--driver-inertia", "3e-7", "--follower-inertia", "5e-6"]
+    code, _, err = command("run", *sizes, *drive, "--engagements", "2", "--report", "r.html")
+    assert code == 0, err
+    text = Path("r.html").read_text(encoding="utf-8")
+    for row in (
+        "<td>0, 0, 0, 1e-05 m</td><td>0, 0, 0, 0.000393701 in</td>",
+        "<td>0.01, 0.02 N m</td><td>0.0885075, 0.177015 in-lbf</td>",
+    ):
+        assert row in text

@@ -65,7 +65,9 @@ def test_tables_and_figures_fill_a_folder(reproduced, source, name, wrong, cells
     assert written == figures | {f"{name}.json", f"{name}.csv"}
     pictures = [path for path in folder.iterdir() if path.suffix == ".png"]
     assert all(path.read_bytes().startswith(b"\x89PNG") for path in pictures)
-    assert json.loads((folder / f"{name}.json").read_text("utf-8")) == reproduced[1][source]
+    record = json.loads((folder / f"{name}.json").read_text("utf-8"))
+    assert next(iter(record.items())) == ("inputs", reproduced[1]["inputs"])
+    assert record == {"inputs": record["inputs"]} | reproduced[1][source]
     rows = list(csv.DictReader((folder / f"{name}.csv").read_text("utf-8").splitlines()))
     assert (sum(bool(row.get("reason")) for row in rows), len(rows)) == (wrong, cells)
 

@@ -13,7 +13,7 @@ from escapement.base.errors import InvalidValue
 from escapement.base.status import Status
 from escapement.dynamics.motion import Motion
 from escapement.dynamics.painleve import critical_friction
-from escapement.engines.solver import METHODS
+from escapement.engines.solver import LOOSEST, METHODS
 from random_drives import drive
 
 BOTH = ("energy", "ivp")
@@ -312,3 +312,13 @@ def test_a_mechanism_of_ones_own_may_keep_its_path_in_any_array(engine):
 def test_a_path_that_is_none_is_refused(path):
     with pytest.raises(InvalidValue, match=r"mechanism\.path must be a Path"):
         esc.Escapement(Plain(path, 0.5), INERTIA, 0.01)
+
+
+def test_an_engagement_is_never_solved_less_accurately_than_the_help_says():
+    """A larger tolerance gives the same bits, and a smaller one gives others."""
+    found = [
+        esc.simulate(drive(), 1, rtol=rtol).handoff_times[0]
+        for rtol in (0.5, 1e-4, LOOSEST, 1e-3 * LOOSEST, 1e-13)
+    ]
+    assert found[0] == found[1] == found[2] != found[3]
+    assert found[0] == pytest.approx(found[-1], rel=LOOSEST)

@@ -252,7 +252,8 @@ def test_a_study_reads_a_curve_beside_it_and_keeps_its_points(command, tmp_path)
     assert code == 0, err
     found = json.loads(out)
     np.testing.assert_allclose(found["handoff_times"], expected.handoff_times, rtol=1e-12)
-    assert found["inputs"]["torque"].startswith("TorqueCurve(points=3")
+    assert found["inputs"]["torque_angles"] == [0.0, 10.0, 20.5]
+    assert found["inputs"]["torque"]["in-lbf-s"] == pytest.approx([0.1, 0.09, 0.04])
 
 
 def test_the_command_runs_a_spring_to_its_end(command):

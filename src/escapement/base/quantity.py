@@ -152,7 +152,7 @@ class Quantity(Setting):
             return validate.rational(label, value, self.remedy, self.maximum)
         if self.function and callable(value):
             return value
-        remedy = _with_unit(self.remedy, self.unit)
+        remedy = _with_unit(self.remedy, self.unit, self.system)
         number = validate.number(label, value, remedy)
         if not self._within(number):
             raise validate.fail(label, self.rule, value, remedy)
@@ -178,7 +178,7 @@ class Quantity(Setting):
         if self.whole and isinstance(value, float) and value.is_integer():
             value = int(value)
         if isinstance(value, str) and not (self.whole or self.fraction):
-            remedy = _with_unit(self.remedy, self.unit)
+            remedy = _with_unit(self.remedy, self.unit, self.system)
             number = units.measured(label, value, self.unit, self.system, remedy)
             if not self._within(number):
                 raise validate.fail(label, self.rule, value, remedy)
@@ -211,14 +211,13 @@ class Quantity(Setting):
 
 
 @cache
-def _with_unit(remedy: str, unit: str) -> str:
-    """A remedy that names its unit: "give the crank radius in m (in with units in-lbf-s)"."""
-    metric, other = (units.printed(unit, system) for system in units.SYSTEMS)
-    if not metric:
+def _with_unit(remedy: str, unit: str, system: str) -> str:
+    """A remedy that names its unit: "give the crank radius in m"."""
+    name = units.printed(unit, system)
+    if not name:
         return remedy
     what, comma, rest = remedy.partition(",")
-    inches = f" ({other} with units {units.SYSTEMS[1]})" if other != metric else ""
-    return f"{what} in {metric}{inches}{comma}{rest}"
+    return f"{what} in {'inches' if name == 'in' else name}{comma}{rest}"
 
 
 class Truth(Setting):

@@ -1,4 +1,4 @@
-"""Numbers in messages, in the system of units that the user chose."""
+"""The system of units that the user chose: messages, figures and reports give numbers in it."""
 
 from escapement.base.units import SYSTEMS, factor, printed
 
@@ -6,9 +6,14 @@ _system = SYSTEMS[0]
 
 
 def speak(system: str) -> None:
-    """Choose the system in which messages give numbers; the command line takes the user's."""
+    """Choose the system for messages, figures and reports; the command line takes the user's."""
     global _system
     _system = system
+
+
+def spoken() -> str:
+    """The system of messages, figures and reports; SI unless the command line chose another."""
+    return _system
 
 
 class Spoken(str):
@@ -17,7 +22,18 @@ class Spoken(str):
     __repr__ = str.__str__
 
 
-def told(value: float, quantity: str) -> Spoken:
+def told(value: float, quantity: str, figures: int = 6) -> Spoken:
     """An SI value with its unit in the system that messages speak: "0.002 m", "0.0787402 in"."""
     unit = printed(quantity, _system)
-    return Spoken(f"{value / factor(quantity, _system):.6g} {unit}".rstrip())
+    return Spoken(f"{value / factor(quantity, _system):.{figures}g} {unit}".rstrip())
+
+
+def drawn_unit() -> tuple[float, str]:
+    """The unit of lengths on drawings [m] and its name: millimetres, or inches."""
+    return (1e-3, "mm") if _system == SYSTEMS[0] else (factor("length", _system), "in")
+
+
+def on_drawing(length: float) -> Spoken:
+    """A length as drawings give it: "2 mm", "0.0787402 in"."""
+    size, unit = drawn_unit()
+    return Spoken(f"{length / size:.6g} {unit}")

@@ -32,10 +32,11 @@ _NAMES = {
     "density": ("kg m-3", "lbf s2 in-4"),
     "impulse": ("N s", "lbf s"),
     "mass": ("kg", "lbf s2 in-1"),
+    "energy": ("J", "in lbf"),
 }
 _COMMON = {
     "speed": "rad s-1", "acceleration": "rad s-2", "time": "s", "angle": "rad",
-    "degrees": "degree", "energy": "J", "ratio": "1",
+    "degrees": "degree", "ratio": "1",
 }  # fmt: skip
 
 _BASE = ("g", "m", "s", "rad")
@@ -149,6 +150,12 @@ def factor(quantity: str, system: str) -> float:
     """
     metric = "rad" if quantity == "degrees" else unit_name(quantity, SYSTEMS[0])
     return float(_size(unit_name(quantity, system))[0] / _size(metric)[0])
+
+
+@cache
+def ratio_of(unit: str, other: str) -> float:
+    """How many of another unit one unit is, both in UDUNITS spelling; 1 for the same unit."""
+    return float(_size(unit)[0] / _size(other)[0])
 
 
 def unit_name(quantity: str, system: str) -> str:

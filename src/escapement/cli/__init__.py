@@ -139,23 +139,22 @@ def program() -> NoReturn:
 
 def _dispatch(argv: Sequence[str]) -> int:
     """Understand the command and its arguments, then run the module that has it."""
-    from escapement.base import spoken, units
+    from escapement.base import spoken
+    from escapement.base.units import SYSTEMS
     from escapement.cli import _log, _waiting
     from escapement.cli._arguments import parser_of, understand_command
 
     try:
         command, parser = parser_of(understand_command(argv, COMMANDS))
         args = parser.understand(argv[1:])
-    except SystemExit:  # argparse ends so after help, or the version
-        return 0
-    if args.log is not None:
-        _log.start(args.log, argv)
-    spoken.speak(args.units or units.SYSTEMS[0])
-    try:
+        if args.log is not None:
+            _log.start(args.log, argv)
         with _waiting.shown(argv[0], quiet=getattr(args, "quiet", False)):
             code: int = command.execute(args)
+    except SystemExit:  # argparse ends so after help, or the version
+        return 0
     finally:
-        spoken.speak(units.SYSTEMS[0])
+        spoken.speak(SYSTEMS[0])
     return code
 
 

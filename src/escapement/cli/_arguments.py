@@ -17,7 +17,7 @@ from types import ModuleType
 from typing import Any, NoReturn
 
 from escapement import __version__
-from escapement.base import validate
+from escapement.base import spoken, validate
 from escapement.base.errors import EscapementError, InvalidValue
 from escapement.base.files import FILMS, FORMATS
 from escapement.base.quantity import Choice, Numbers, Quantity, Setting, Truth
@@ -78,6 +78,8 @@ class Parser(argparse.ArgumentParser):
                 remedy = validate.nearest(name, longer, f"see '{self.prog} --help'")
                 raise UsageError(f"unknown option {name!r}; {remedy}")
         args = self.parse_args(argv)
+        # whatever is wrong with a number is said in the user's units
+        spoken.speak(getattr(args, "units", None) or SYSTEMS[0])
         args.settings = self.settings
         # numbers are converted when --units is known, which may stand anywhere
         for name, value in vars(args).items():

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 from escapement.base.text import print_values, show, words
 from escapement.base.units import SYSTEMS, factor, printed
 from escapement.cli._arguments import Arguments
-from escapement.model.inputs import Input
+from escapement.model.inputs import Input, in_unit, in_words, inputs_of_curve, shortened
 
 if TYPE_CHECKING:
     from escapement.study.plan import StudyPlan
@@ -21,8 +21,6 @@ _NO_INPUTS = {
     *("resume", "quiet", "serve", "segments", "r12", "format"),
 }
 """Arguments that say where and how something is written."""
-_LONGEST = 12
-"""Values of a list that are told one by one."""
 
 
 def inputs_of_command(args: Arguments, known: Iterable[Input] = ()) -> list[Input]:
@@ -42,7 +40,7 @@ def inputs_of_command(args: Arguments, known: Iterable[Input] = ()) -> list[Inpu
             told = value if isinstance(value, bool | int | float | list | tuple) else str(value)
             kind = "ratio" if entry is None else entry.unit
             scale = factor(kind, args.units or SYSTEMS[0])
-            found[name] = _scaled(told, 1.0 / scale), kind
+            found[name] = in_unit(told, 1.0 / scale), kind
     return [(name, *rest) for name, rest in found.items()]
 
 
@@ -51,7 +49,7 @@ def as_record(inputs: Iterable[Input], system: str) -> dict[str, Any]:
     told: dict[str, Any] = {"units": system}
     for name, value, kind in inputs:
         alike = len({printed(kind, one) for one in SYSTEMS}) == 1
-        each = {one: _scaled(value, factor(kind, one)) for one in SYSTEMS}
+        each = {one: in_unit(value, factor(kind, one)) for one in SYSTEMS}
         told[name] = value if alike or isinstance(value, str) else each
     return told
 
@@ -65,11 +63,10 @@ def print_inputs(inputs: Iterable[Input], system: str) -> None:
         for other in others:
             # a number of another unit shows at once that it was typed in the wrong system
             if shown != printed(kind, other) and not isinstance(value, str):
-                shown += (
-                    f" = {show(_said(_scaled(value, factor(kind, other))))} {printed(kind, other)}"
-                )
+                there = in_words(in_unit(value, factor(kind, other)))
+                shown += f" = {show(there)} {printed(kind, other)}"
         unit = 1.0 if kind == "degrees" else factor(kind, system)
-        rows.append((words(name), _said(_scaled(value, unit)), shown))
+        rows.append((words(name), in_words(in_unit(value, unit)), shown))
     if rows:
         print_values(rows)
         print()
@@ -85,12 +82,15 @@ def of_plan(plan: "StudyPlan") -> Iterable[Input]:
     for name, value in plan.fixed_si.items():
         entry = entries.get(name)
         idle = value is None or (entry is not None and entry.idle(value))
-        if name not in varied and not idle:
-            yield name, value if isinstance(value, int | float) else str(value), unit_kind(name)
+        if name == "torque" and plan.curve is not None:
+            yield from inputs_of_curve(name, plan.curve)
+        elif name not in varied and not idle:
+            plain = isinstance(value, int | float | list | tuple)
+            yield name, value if plain else str(value), unit_kind(name)
     for along in plan.varied.values():
         for name in along:
             values = plan.parameters[name].to_si(along[name])
-            yield name, _shortened(values.tolist()), unit_kind(name)
+            yield name, shortened(values.tolist()), unit_kind(name)
 
 
 def of_wish(wish: Any) -> Iterable[Input]:
@@ -104,27 +104,3 @@ def of_wish(wish: Any) -> Iterable[Input]:
     yield "objectives", ", ".join(wish.objectives), "ratio"
     for name, ends in wish.bounds.items():
         yield f"{name}_bounds", [x if math.isfinite(x) else None for x in ends], BOUNDS[name].unit
-
-
-def _shortened(values: list[Any]) -> Any:
-    """A list of at most a dozen values; of more the ends and their number."""
-    if len(values) <= _LONGEST:
-        return values
-    return {"from": min(values), "to": max(values), "values": len(values)}
-
-
-def _said(value: Any) -> Any:
-    """A shortened list in words."""
-    if isinstance(value, dict):
-        return f"{show(value['from'])} to {show(value['to'])}, {value['values']} values"
-    return value
-
-
-def _scaled(value: Any, unit: float) -> Any:
-    """A value in SI, or each of several, in a unit; what is no number stays as it is."""
-    if isinstance(value, dict):
-        return {key: x if key == "values" else _scaled(x, unit) for key, x in value.items()}
-    if isinstance(value, list | tuple):
-        return [_scaled(one, unit) for one in value]
-    number = isinstance(value, int | float) and not isinstance(value, bool)
-    return value / unit if number and unit != 1.0 else value

@@ -23,7 +23,9 @@ from escapement.base.files import (
     file_format,
     write_file,
 )
+from escapement.base.spoken import speak
 from escapement.base.text import as_json, plain, print_columns, print_values, words
+from escapement.base.toml_file import read_toml
 from escapement.base.units import SYSTEMS, factor, printed
 from escapement.cli import _log, _waiting
 from escapement.cli._arguments import Arguments, UsageError
@@ -88,6 +90,14 @@ def tell(
         table()
     if message:
         note(message)
+
+
+def speak_as(args: Arguments, path: Path, what: str) -> None:
+    """Speak the units that a TOML file names, unless the user chose others."""
+    if args.units is None:
+        named = read_toml(path, what).get("units")
+        args.units = named if named in SYSTEMS else SYSTEMS[0]
+        speak(args.units)
 
 
 def print_json(record: Record) -> None:

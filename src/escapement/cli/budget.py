@@ -37,6 +37,7 @@ def execute(args: Arguments) -> int:
     from escapement.tolerance.budget import budget_of
 
     _output.check_wanted(args, file="OUT.h5")
+    _output.speak_as(args, args.config, "study file")
     plan, tables = load_tables(args.config, "limits")
     system = plan.configuration["units"]
     try:
@@ -45,17 +46,18 @@ def execute(args: Arguments) -> int:
         found = budget_of(plan, limits, **options)
     except InvalidValue as error:
         raise InvalidValue(f"{args.config}: {error}") from None
+    if plan.unused:
+        _output.note(plan.unused)
     picture = _output.drawn(args.plot, lambda plots: plots.plot_budget(found))
     report = _output.reported(args, plan.built(plan.fixed_si), found)
     picture()
     report()
-    shown = args.units = args.units or system
-    record = {name: _record(scatter, name, shown) for name, scatter in found.figures.items()}
+    record = {name: _record(scatter, name, args.units) for name, scatter in found.figures.items()}
     ends = [(f"{name}_limits", x, unit_kind(name)) for name, x in limits.items()]
     known = [*_inputs.of_plan(plan), *ends, ("indices", args.indices or 0, "ratio")]
     extra = {"size": found.size, "seed": found.seed, "failed": list(found.failed)}
     told = {**record, **extra, "message": found.message}
-    _output.tell(args, told, lambda: _print(found, shown), "", known)
+    _output.tell(args, told, lambda: _print(found, args.units), "", known)
     return SOME_FAILED if found.failed.value else 0
 
 

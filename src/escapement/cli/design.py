@@ -5,7 +5,7 @@ from typing import Any
 
 import escapement as esc
 from escapement.base.files import write_file
-from escapement.base.spoken import speak
+from escapement.base.spoken import on_drawing
 from escapement.base.text import as_csv, print_columns, words
 from escapement.base.units import printed
 from escapement.cli import SOME_FAILED, _arguments, _inputs, _output
@@ -33,12 +33,12 @@ def configure(parser: Parser) -> None:
 
 def execute(args: Arguments) -> int:
     """Search, write and draw what was asked for, print the designs."""
+    from escapement.inverse_design.search import FOIL
     from escapement.inverse_design.wish import BOUNDS, load_wish
 
     _output.check_wanted(args, file="FILE.csv")
-    wish, system = load_wish(args.wish)
-    shown = args.units = args.units or system
-    speak(shown)
+    _output.speak_as(args, args.wish, "wish")
+    wish, shown = load_wish(args.wish)[0], args.units
     found = esc.design(wish, count=args.count or 40)
     known = [*_inputs.of_wish(wish), ("count", args.count or 40, "ratio")]
     kinds = {**_CHOSEN, **{name: entry.unit for name, entry in BOUNDS.items()}}
@@ -70,7 +70,8 @@ def execute(args: Arguments) -> int:
 
     message = f"{len(lines)} designs, from {found.tried} points tried"
     if foil := sum(not one.can_be_cut for one in found.designs):
-        message += f"; {foil} of them cannot be cut: a disc or a wall is thinner than 0.1 mm"
+        thin = f"a disc or a wall is thinner than {on_drawing(FOIL)}"
+        message += f"; {foil} of them cannot be cut: {thin}"
     _output.tell(args, {"designs": record, "message": message}, table_of_designs, message, known)
     return 0
 

@@ -41,6 +41,7 @@ _SIZES = 1e-3, 2.0  # parts beyond these were probably typed in another unit [m]
 _LENGTHS = ("width", "height", "wall", "least_gap", "gap", "x", "y")
 _INERTIAS = ("driver_inertia", "follower_inertia")
 _KINDS = dict.fromkeys(_LENGTHS, "length") | dict.fromkeys(_INERTIAS, "inertia")
+_KINDS["mass"] = "mass"
 
 
 def configure(parser: Parser) -> None:
@@ -108,7 +109,7 @@ def _summary(
         size = {"width": part.size.real, "height": part.size.imag, "wall": part.wall.width}
         rows.append({"part": part.name, **size, "holes": len(part.holes)})
         if discs:
-            rows[-1]["mass_kg"] = part.mass(**discs)
+            rows[-1]["mass"] = part.mass(**discs)
     record["parts"] = rows
     record["least_gaps"] = [
         {
@@ -126,9 +127,12 @@ def _warning(args: Arguments, mechanism: Any, fits: Fits, rows: list[dict[str, A
     if not (mechanism.meshed or getattr(mechanism, "clearance", fits.clearance)):
         told.append("the slots are as wide as the pins; give a --clearance to make them")
 
+    unit = printed("length", args.units)
+    example = "12 mm" if args.units == "SI" else "0.5 in"
+
     def length(size: float) -> str:
         shown = _output.in_units(size, "length", args.units)
-        return f"{shown:.3g} {printed('length', args.units)}"
+        return f"{shown:.3g} {unit}"
 
     least = _arguments.typed(args, _WALLS).get("least_wall", max(_LEAST_WALL, fits.kerf))
     thin = [f"{row['part']} {length(row['wall'])}" for row in rows if row["wall"] <= least]
@@ -141,10 +145,9 @@ def _warning(args: Arguments, mechanism: Any, fits: Fits, rows: list[dict[str, A
     for row in rows:
         across = max(row["width"], row["height"])
         if not _SIZES[0] <= across <= _SIZES[1]:
-            unit = printed("length", args.units)
             told.append(
                 f"{row['part']} is {length(across)} across; a length without a unit is in {unit}: "
-                "write for example '12 mm'"
+                f"write for example '{example}'"
             )
             break
     return "; ".join(f"warning: {text}" for text in told)

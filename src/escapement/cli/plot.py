@@ -14,7 +14,7 @@ from escapement.cli import _output
 from escapement.cli._arguments import Arguments, Parser, UsageError
 from escapement.cli.sweep import in_system, parse_selection
 
-UNITS = "units of a study (default: those of the file); motions are drawn in SI"
+UNITS = "units of the figure (default: those of a study; SI for a motion)"
 
 
 def configure(parser: Parser) -> None:
@@ -45,9 +45,8 @@ def execute(args: Arguments) -> int:
     holds, gaps, moving, units = "motion", "", is_motion(args.file), SYSTEMS[0]
     _output.check_output(path, args.file, pictures=FORMATS + FILMS if moving else FORMATS)
     if moving:
-        given = {"--select": args.select, "--result": args.result, "--units": args.units}
-        for option, value in given.items():
-            if value not in (None, "SI"):
+        for option, value in {"--select": args.select, "--result": args.result}.items():
+            if value is not None:
                 raise UsageError(
                     f"{option} must come with a study, got {value!r} and a motion; leave it out"
                 )
@@ -60,6 +59,7 @@ def execute(args: Arguments) -> int:
             study = study.at(**parse_selection(args.select or "", units))
         except InvalidValue as error:
             raise UsageError(f"--select, of {args.file}: {error}") from None
+        args.units = args.units or units
         study = in_units(study, args.units)
         wanted = args.result and [name.strip() for name in args.result.split(",")]
         _output.draw(path, lambda plots: plots.plot_study(study, wanted))
@@ -85,14 +85,14 @@ def _gaps(study: "esc.Study", results: Iterable[str]) -> str:
     return told and f"some of the {study.cases} cases leave gaps in the figure: {told}"
 
 
-def in_units(study: "esc.Study", system: str | None) -> "esc.Study":
-    """A study in another unit system; None leaves it."""
+def in_units(study: "esc.Study", system: str) -> "esc.Study":
+    """A study in a unit system; its file says in which unit each of its numbers is."""
     from escapement.study.plan import unit_kind
 
     axes, sampled, results = dict(study.axes), dict(study.sampled), dict(study.results)
-    own, units = study.configuration.get("units", "SI"), dict(study.units)
+    units = dict(study.units)
     for values in (axes, sampled, results):
         for name in values:
-            scale, units[name] = in_system(unit_kind(name), own, system)
+            scale, units[name] = in_system(unit_kind(name), units[name], system)
             values[name] = values[name] * scale
     return replace(study, axes=axes, sampled=sampled, results=results, units=units)

@@ -46,6 +46,7 @@ def execute(args: Arguments) -> int:
 
     several = args.source == ALL
     records: dict[str, Any] = {}
+    inputs = {"inputs": as_record(inputs_of_command(args), args.units or SYSTEMS[1])}
     with _output.folder(args.output):
         for source in SOURCES if several else (args.source,):
             set_stage(source)
@@ -53,19 +54,24 @@ def execute(args: Arguments) -> int:
                 print("\n")
             # files of two sources could have the same name
             folder = args.output / source if args.output and several else args.output
-            records[source] = _reproduce(source, folder, args)
+            records[source] = _reproduce(source, folder, args, inputs)
     if args.json:
-        inputs = as_record(inputs_of_command(args), args.units or SYSTEMS[1])
-        _output.print_json({"inputs": inputs} | (records if several else records[args.source]))
+        _output.print_json(inputs | (records if several else records[args.source]))
     return 0
 
 
-def _reproduce(source: str, folder: Path | None, args: Arguments) -> dict[str, Any]:
-    """Recompute one source, and write and print the results; returns its record."""
+def _reproduce(
+    source: str, folder: Path | None, args: Arguments, inputs: dict[str, Any]
+) -> dict[str, Any]:
+    """Recompute one source, and write and print the results; returns its record.
+
+    `inputs` are what the JSON begins with.
+    """
     with _output.folder(folder):
         made = import_module(f"escapement.sources.{source}").reproduce(args.units)
         if folder is not None:
-            for suffix, text in {".json": as_json(made.record), ".csv": as_csv(made.table)}.items():
+            texts = {".json": as_json(inputs | made.record), ".csv": as_csv(made.table)}
+            for suffix, text in texts.items():
                 replace_file(folder / (made.name + suffix), [text.encode()])
             for name, plot in made.panels().items():
                 esc.plots.save(plot(), folder / f"{name}.{args.format or FORMATS[0][1:]}")

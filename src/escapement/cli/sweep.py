@@ -11,7 +11,7 @@ from escapement.base.errors import InputFileError, InvalidValue
 from escapement.base.quantity import Quantity
 from escapement.base.status import Status
 from escapement.base.text import print_columns, words
-from escapement.base.units import SYSTEMS, factor, spelt, unit_name
+from escapement.base.units import SYSTEMS, ratio_of, spelt, unit_name
 from escapement.cli import SOME_FAILED, _arguments, _inputs, _log, _output
 from escapement.cli._arguments import Arguments, Parser, UsageError
 
@@ -45,6 +45,7 @@ def execute(args: Arguments) -> int:
     """Run the study, then show a dozen of its cases."""
     from escapement.study.tables import check_format
 
+    _output.speak_as(args, args.config, "study file")
     plan = esc.load_plan(args.config)
     if args.workers is not None and args.scheduler not in (None, "local"):
         raise UsageError(
@@ -59,8 +60,8 @@ def execute(args: Arguments) -> int:
         plan.check_mechanism()
     except InvalidValue as error:
         raise InvalidValue(f"{args.config}: {error}") from None
-    if plan.idle:
-        _output.note(plan.idle)
+    for told in filter(None, (plan.idle, plan.unused)):
+        _output.note(told)
     tally = _run(plan, path, args)
     cases, units = some_cases(plan, path, args.units)
 
@@ -73,7 +74,6 @@ def execute(args: Arguments) -> int:
 
     sizes = dict(zip(plan.dimensions, plan.shape, strict=True))
     record = {"output": str(path), "axes": sizes} | tally._asdict() | {"some_cases": cases}
-    args.units = args.units or plan.configuration["units"]
     _output.tell(args, record, table, known=_inputs.of_plan(plan))
     if tally.failed:
         _output.note(
@@ -106,13 +106,12 @@ def _run(plan: "StudyPlan", path: Path, args: Arguments) -> "Tally":
 
 
 def some_cases(
-    plan: "StudyPlan", path: Path, units: str | None
+    plan: "StudyPlan", path: Path, units: str
 ) -> tuple[list[dict[str, Any]], dict[str, str]]:
     """At most a dozen cases of a study file, spread evenly over every dimension.
 
     Only these cases are read, and the first five of their results, so that a large file takes no
-    longer. Numbers are in `units`, or in the study's units if that is None. The unit of every
-    column is returned as well.
+    longer. Numbers are in `units`, a system; the unit of every column is returned as well.
     """
     import numpy as np
 
@@ -121,10 +120,9 @@ def some_cases(
     from escapement.study.tables import is_table, read_rows
 
     along = [{name: values} | plan.varied[name] for name, values in plan.dimensions.items()]
-    own = plan.configuration["units"]
     shown = [name for name in plan.results if name != "status"][:_RESULTS]
     names = [*(name for columns in along for name in columns), *shown, "status"]
-    scaled = {name: in_system(unit_kind(name), own, units) for name in names}
+    scaled = {name: in_system(unit_kind(name), plan.unit(name), units) for name in names}
     cases, places = [], spread(plan.shape, _ROWS)
     if is_table(path):
         numbers = [int(np.ravel_multi_index(place, plan.shape)) for place in places]
@@ -144,14 +142,11 @@ def some_cases(
     return cases, {name: unit for name, (_, unit) in scaled.items()}
 
 
-def in_system(kind: str, own: str, system: str | None) -> tuple[float, str]:
-    """Factor that brings numbers of a kind of unit from a system into another, and the unit.
-
-    `system` None leaves them in their `own`.
-    """
-    system = system or own
-    scale = factor(kind, own) / factor(kind, system)
-    return 1 if scale == 1.0 else scale, unit_name(kind, system)  # a whole number stays whole
+def in_system(kind: str, unit: str, system: str) -> tuple[float, str]:
+    """Factor that brings numbers of a kind from their unit into a system, and the unit there."""
+    wanted = unit_name(kind, system)
+    scale = 1.0 if unit == wanted else ratio_of(unit, wanted)
+    return 1 if scale == 1.0 else scale, wanted  # a whole number stays whole
 
 
 def spread(shape: tuple[int, ...], most: int) -> list[tuple[int, ...]]:

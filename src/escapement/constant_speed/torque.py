@@ -206,7 +206,7 @@ def inertia_ratio(follower_inertia: float, speed: float, load_torque: Load) -> f
     """
     name, rule = "load_torque", "constant for an inertia ratio F"
     if callable(load_torque):
-        raise validate.fail(name, rule, load_torque, "give a number in N m")
+        raise validate.fail(name, rule, load_torque, "give a constant one")
     load = validate.positive(name, load_torque, "without a load there is no inertia ratio F")
     return follower_inertia * speed * speed / load
 

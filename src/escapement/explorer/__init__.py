@@ -18,6 +18,7 @@ from typing import Any
 
 from escapement.base import validate
 from escapement.base.quantity import Choice, Setting, Truth, declared
+from escapement.base.spoken import spoken
 from escapement.base.status import Status
 from escapement.base.units import SYSTEMS, factor, printed
 from escapement.dynamics.motion import Motion
@@ -164,6 +165,7 @@ def systems() -> dict[str, Any]:
 
 def filled(mode: str, lead: str, data: Mapping[str, Any], served: str = "") -> str:
     """The page with its data; `served` is HTML that only the page of a server has."""
+    told = json.dumps({**data, "units": spoken()}, ensure_ascii=False, allow_nan=False)
     modules = [*MODULES[:-1], *(SERVED if served else ()), MODULES[-1]]
     parts = {
         "MODE": f"{mode} served" if served else mode,
@@ -173,7 +175,7 @@ def filled(mode: str, lead: str, data: Mapping[str, Any], served: str = "") -> s
         "SERVED": served,
         "STYLE": read("page.css"),
         # no text in the data may end its script element
-        "DATA": json.dumps(data, ensure_ascii=False, allow_nan=False).replace("<", "\\u003c"),
+        "DATA": told.replace("<", "\\u003c"),
         "SCRIPT": "\n".join(_MODULE.sub("", read(f"{name}.js")) for name in modules),
     }
     return re.sub(rf"/\*({'|'.join(parts)})\*/", lambda mark: parts[mark[1]], read("page.html"))

@@ -24,7 +24,7 @@ let events = [];
 let kept = null;
 let time = 0;
 let playing = false;
-let units = "SI";
+let { units } = data;
 /** The connection to the package if the page is served. */
 let server = null;
 const picture = new Picture(byId("picture"));
@@ -225,6 +225,7 @@ function readAddress() {
 function connectDesign() {
   fields.lay(data.groups);
   for (const name of Object.keys(systems)) byId("units").append(element("option", { value: name, textContent: name }));
+  byId("units").value = units;
   byId("units").addEventListener("change", (event) => {
     units = event.target.value;
     refresh();

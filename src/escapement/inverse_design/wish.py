@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 from escapement.base import units, validate
@@ -203,17 +203,16 @@ def wish_of(content: dict[str, Any]) -> tuple[Wish, str]:
     if not isinstance(bounds, dict):
         raise validate.fail("bounds", "a table", bounds, "write [bounds] on a line of its own")
     validate.known_keys(bounds, BOUNDS, "in [bounds]")
-    known = {**NUMBERS, **RANGES}
-    given = {name: _in_si(known.get(name), value, system) for name, value in content.items()}
-    found = {name: _in_si(BOUNDS[name], value, system) for name, value in bounds.items()}
+    given = {name: _in_si(NUMBERS | RANGES, name, x, system) for name, x in content.items()}
+    found = {name: _in_si(BOUNDS, name, x, system) for name, x in bounds.items()}
     return Wish(**given, bounds=found), system
 
 
-def _in_si(entry: Quantity | None, value: Any, system: str) -> Any:
-    """A value of a file, or each of a list, in SI."""
-    if entry is None:
+def _in_si(entries: Mapping[str, Quantity], name: str, value: Any, system: str) -> Any:
+    """A value of a file, or the ends of a range, in SI; checked as the user wrote it."""
+    if name not in entries:
         return value
-    if isinstance(value, list):
-        return [_in_si(entry, x, system) for x in value]
-    number = units.measured(entry.name, value, entry.unit, system, _NUMBER)
-    return validate.number(entry.name, number, _NUMBER) * units.factor(entry.unit, system)
+    entry = replace(entries[name], system=system)
+    if isinstance(value, list) and name not in NUMBERS:
+        return [entry.to_si(x) for x in _ends(entry, name, value)]
+    return entry.to_si(entry.read(name, value))

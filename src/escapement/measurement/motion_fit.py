@@ -10,10 +10,10 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from escapement.base import validate
+from escapement.base import spoken, validate
 from escapement.base.lazy import Lazy
 from escapement.base.text import Shown, words
-from escapement.base.units import SYSTEMS, printed
+from escapement.base.units import factor
 from escapement.measurement import residual_tests
 from escapement.measurement.motion_task import is_share, task_of
 from escapement.measurement.readings import Readings
@@ -100,11 +100,12 @@ class MotionFit(Shown):
     @property
     def verdict(self) -> Verdict:
         """Whether the model explains the motion, and the estimates with their intervals."""
+        units = [factor(unit_kind(name), spoken.spoken()) for name in self.parameters]
         found = [
-            f"{words(name)} {value:.4g} ({100.0 * self.confidence:g} % interval "
-            f"{low:.4g} to {high:.4g}{_unit(name)})"
-            for name, value, (low, high) in zip(
-                self.parameters, self.values, self.intervals, strict=True
+            f"{words(name)} {value / unit:.4g} ({100.0 * self.confidence:g} % interval "
+            f"{low / unit:.4g} to {spoken.told(high, unit_kind(name), 4)})"
+            for name, value, (low, high), unit in zip(
+                self.parameters, self.values, self.intervals, units, strict=True
             )
         ]
         told = f" with {' and '.join(found)}; all other numbers are as given" if found else ""
@@ -188,11 +189,6 @@ def fit_motion(
     )  # fmt: skip
     vars(fit)["message"] = "; ".join(_remarks(fit, readings))
     return fit
-
-
-def _unit(name: str) -> str:
-    unit = printed(unit_kind(name), SYSTEMS[0])
-    return "" if unit in ("", "1") else f" {unit}"
 
 
 def _remarks(fit: MotionFit, readings: Readings) -> Iterator[str]:

@@ -2,6 +2,7 @@
 
 import math
 
+from escapement.base import spoken
 from escapement.base.errors import InvalidValue
 
 _DOUBTFUL = 10.0  # a ratio of times beyond this means a torque that is wrong a hundred times
@@ -32,7 +33,8 @@ def check_unit(name: str, ratio: float, told: str, torque: float | None = None) 
         guess = f", which may be {unit} taken as s"
     right = "correct the numbers of the escapement"
     if torque is not None:
-        right = f"give the escapement a torque of about {torque / ratio**2:.2g} N m"
+        needed = spoken.told(torque / ratio**2, "torque", 2)
+        right = f"give the escapement a torque of about {needed}"
     raise InvalidValue(
         f"{name} must be of the order of the design's, got {told}; check the unit of the "
         f"times{guess}, or, if it is right, {right}"

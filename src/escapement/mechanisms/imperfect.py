@@ -117,7 +117,9 @@ class ImperfectWheel(Wheel):
 
     @cached_property
     def meetings(self) -> tuple[Meeting, ...]:
-        """The engagements of its pattern."""
+        """The engagements of its pattern; InvalidValue if a pin cannot drive its slot."""
+        if self.misfit:
+            raise InvalidValue(self.misfit)
         return pattern.meetings_of(self.pattern)  # type: ignore[no-any-return]
 
     def follower_angle(self, theta: ArrayLike) -> FloatArray:
@@ -156,8 +158,6 @@ class ImperfectWheel(Wheel):
         With it come which angles these are, their numbers of engagements, and the angles from
         where its pin crosses the line of centres; those behind the exit are in the dwell.
         """
-        if self.misfit:
-            raise InvalidValue(self.misfit)
         rows, size, cell = self.meetings, len(self.meetings), self.cell_angle
         starts = np.array([row.late + row.edges[0] for row in rows])
         # the last engagement that has begun is near the one of perfect parts

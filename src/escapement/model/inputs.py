@@ -5,12 +5,15 @@ from fractions import Fraction
 from typing import Any
 
 from escapement.base.quantity import Numbers, declared
+from escapement.base.text import show
 from escapement.model.escapement import Escapement
 from escapement.model.torque_curve import TorqueCurve
 from escapement.model.train import numbers_of_trains, train_numbers
 
 Input = tuple[str, Any, str]
 """A name, a value in SI and its kind of unit."""
+_LONGEST = 12
+"""Values of a list that are told one by one."""
 
 
 def inputs_of(escapement: Escapement) -> Iterator[Input]:
@@ -39,7 +42,40 @@ def inputs_of_settings(owner: Any, meshed: bool) -> Iterator[Input]:
         if isinstance(entry, Numbers):
             # errors are listed if there are any; the angles of a table are too many
             value = [*value] if value and not entry.required else None
-        told = value is not None and not entry.idle(value)
-        if told and entry.fits(meshed):
-            told = isinstance(value, Fraction | TorqueCurve)
-            yield name, str(value) if told else value, "ratio" if told else entry.unit
+        if value is None or entry.idle(value) or not entry.fits(meshed):
+            continue
+        if isinstance(value, TorqueCurve):
+            yield from inputs_of_curve(name, value)
+        else:
+            exact = isinstance(value, Fraction)
+            yield name, str(value) if exact else value, "ratio" if exact else entry.unit
+
+
+def inputs_of_curve(name: str, curve: TorqueCurve) -> Iterator[Input]:
+    """As `inputs_of`, of a torque curve."""
+    yield f"{name}_angles", shortened([*curve.angle]), "angle"
+    yield name, shortened([*curve.torque]), "torque"
+
+
+def shortened(values: list[Any]) -> Any:
+    """A list of at most a dozen values; of more the ends and their number."""
+    if len(values) <= _LONGEST:
+        return values
+    return {"from": min(values), "to": max(values), "values": len(values)}
+
+
+def in_unit(value: Any, unit: float) -> Any:
+    """A value in SI, or each of several, in a unit; what is no number stays as it is."""
+    if isinstance(value, dict):
+        return {key: x if key == "values" else in_unit(x, unit) for key, x in value.items()}
+    if isinstance(value, list | tuple):
+        return [in_unit(one, unit) for one in value]
+    number = isinstance(value, int | float) and not isinstance(value, bool)
+    return value / unit if number and unit != 1.0 else value
+
+
+def in_words(value: Any) -> Any:
+    """A shortened list in words; any other value as it is."""
+    if isinstance(value, dict):
+        return f"{show(value['from'])} to {show(value['to'])}, {value['values']} values"
+    return value

@@ -3,7 +3,7 @@
 Datasets are named as in `escapement.Motion`: `t` with every column of `State` over it;
 `handoff_times` with `handoff_velocities`; `reversal_*` and `extremum_*`; `piece_*`, the
 spans in which one side of the slot carries the force. The first of each group is its
-dimension scale. Torque and force are in the user's units, all else is in SI.
+dimension scale. Torque, force and energy are in the user's units, all else is in SI.
 """
 
 import json
@@ -21,7 +21,7 @@ from escapement.base.errors import EscapementError, InputFileError
 from escapement.base.files import MOTIONS, check_target, file_format, pending_hdf5, write_file
 from escapement.base.status import Status
 from escapement.base.text import csv_lines
-from escapement.base.units import factor
+from escapement.base.units import SYSTEMS, factor, ratio_of, unit_name
 from escapement.dynamics.motion import Motion
 from escapement.dynamics.trajectory import Events, Extrema
 from escapement.dynamics.variables import (
@@ -75,7 +75,7 @@ def write_motion(
     path : path
         File to create; its suffix is one of `files.MOTIONS`.
     units : str
-        Unit system of torque and force in the file, "SI" or "in-lbf-s".
+        Unit system of torques, forces and energies in the file, "SI" or "in-lbf-s".
     force : bool
         Replace an existing file, once the new one is complete.
     progress : callable, optional
@@ -242,7 +242,11 @@ def _read(hdf5: Any) -> Motion:
         return simulate(escapement, duration=attributes["end_time"], **start)
     groups = [
         # files of the first versions hold only the loss in friction
-        {key: hdf5[prefix + key][()] for key in columns if key not in LOST or prefix + key in hdf5}
+        {
+            key: _in_si(hdf5[prefix + key], column[0])
+            for key, column in columns.items()
+            if key not in LOST or prefix + key in hdf5
+        }
         for _, prefix, columns in GROUPS
     ]
     handoffs, reversals, extrema, pieces = groups
@@ -261,6 +265,12 @@ def _read(hdf5: Any) -> Motion:
         **attributes,
         **handoffs,
     )
+
+
+def _in_si(dataset: Any, kind: str) -> Any:
+    """The values of a dataset, which says in which unit it has them."""
+    own, wanted = dataset.attrs.get("units"), unit_name(kind, SYSTEMS[0])
+    return dataset[()] if own in (None, wanted) else ratio_of(str(own), wanted) * dataset[()]
 
 
 def _at_starts(hdf5: Any, start: FloatArray, end: float) -> FloatArray:

@@ -10,6 +10,7 @@ import numpy as np
 from escapement.base import validate
 from escapement.base.errors import InvalidValue
 from escapement.base.files import CUTS, AnyPath, file_format, write_file
+from escapement.base.spoken import on_drawing
 from escapement.outlines.curves import Curve
 from escapement.outlines.fits import Fits
 from escapement.outlines.interference import Nearest, least_gaps
@@ -108,10 +109,10 @@ def drawn(
     for pair in gaps[:1]:
         if pair.gap < -_TOUCH:
             raise InvalidValue(
-                f"{pair.names[0]} and {pair.names[1]} must not overlap, got {-1e3 * pair.gap:.4f} "
-                f"mm at a driver angle of {math.degrees(pair.theta):.3f} degrees, at "
-                f"({1e3 * pair.place.real:.3f}, {1e3 * pair.place.imag:.3f}) mm from the "
-                "follower's axis; choose another clearance, thinner pins or thinner shafts"
+                f"{pair.names[0]} and {pair.names[1]} must not overlap, got "
+                f"{on_drawing(-pair.gap)} at a driver angle of {math.degrees(pair.theta):.3f} "
+                f"degrees, at ({on_drawing(pair.place.real)}, {on_drawing(pair.place.imag)}) from "
+                "the follower's axis; choose another clearance, thinner pins or thinner shafts"
             )
     unit = _INCH if inches else _MILLIMETRE
     sheet = lay_out(parts_of(mechanism, fits), fits.kerf, 1.0 / unit, segments)

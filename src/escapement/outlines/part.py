@@ -72,11 +72,11 @@ class Part(NamedTuple):
             deep, place = outside(others, np.array([centre]))
             room, radius = -float(deep[0]), abs(complex(hole.corners[0]) - centre)
             if len(hole.corners) == 2 and not radius < room:
-                x, y = 1e3 * place[0].real, 1e3 * place[0].imag
+                x, y = (told(size, "length") for size in (place[0].real, place[0].imag))
                 raise InvalidValue(
                     f"a hole of the {self.name} must have a radius of less than "
                     f"{told(room, 'length')}, got {told(radius, 'length')}: it reaches what is cut "
-                    f"at ({x:.4f}, {y:.4f}) mm; choose a thinner shaft or pin, or a larger wheel"
+                    f"at ({x}, {y}); choose a thinner shaft or pin, or a larger wheel"
                 )
 
 

@@ -6,10 +6,10 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from escapement.base.text import words
-from escapement.base.units import factor, printed
+from escapement.base.units import factor
 from escapement.dynamics.merit_table import FIGURES
 from escapement.plots import style
-from escapement.plots.style import finished, scaled
+from escapement.plots.style import finished, readable
 
 if TYPE_CHECKING:
     from escapement.tolerance.budget import Budget
@@ -54,7 +54,7 @@ def plot_budget(found: "Budget", figure: str | None = None) -> Figure:
     system = found.study.configuration["units"]
     values = found.study.results[name] * factor(kind, system)
     kept = values[np.isfinite(values)]
-    scale, unit = scaled(printed(kind, "SI"), kept)
+    scale, unit = readable(kind, kept)
     right.hist(kept * scale, bins=60, color=style.GREY)
     right.axvline(scatter.nominal * scale, color=style.BLUE, label="nominal")
     if scatter.limits and scatter.inside:

@@ -6,9 +6,8 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from escapement.base.text import words
-from escapement.base.units import printed
 from escapement.plots import style
-from escapement.plots.style import finished, scaled
+from escapement.plots.style import finished, readable
 
 if TYPE_CHECKING:
     from escapement.inverse_design.search import Designs
@@ -37,7 +36,7 @@ def plot_designs(found: "Designs") -> Figure:
     columns, labels = [], []
     for name in names:
         values = np.array([one.values[name] for one in found.designs])
-        scale, unit = scaled(printed(BOUNDS[name].unit, "SI"), values)
+        scale, unit = readable(BOUNDS[name].unit, values)
         columns.append(scale * values)
         labels.append((words(name), unit))
     wheels = [one.timer.mechanism for one in found.designs]

@@ -7,6 +7,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from escapement.base import validate
+from escapement.base.spoken import on_drawing
 from escapement.mechanisms import Geneva
 from escapement.outlines import Disc, arc
 from escapement.outlines.geneva import GenevaOutline
@@ -194,5 +195,5 @@ def _draw_scale(ax: Axes, outline: GenevaOutline) -> None:
     """A bar one crank radius long, with the radius where it is known."""
     (left, _, bottom, _), radius = _extent(outline), outline.mechanism.crank_radius
     place = (left + 0.15, bottom + 0.5 * _MARGIN * _size(outline))
-    text = "crank radius" if radius is None else f"crank radius {1e3 * radius:.4g} mm"
+    text = "crank radius" if radius is None else f"crank radius {on_drawing(radius)}"
     drawing.length(ax, place, 1.0, text)

@@ -12,7 +12,7 @@ from escapement.base import validate
 from escapement.dynamics.motion import Motion
 from escapement.mechanisms.protocol import FloatArray
 from escapement.plots import style
-from escapement.plots.style import finished, scaled
+from escapement.plots.style import finished, readable, scaled
 
 _CROWDED = 30  # with more handoffs, lines of full height would make the figure grey
 _ROOM = 0.02  # free space beyond the end, as a share of the motion's length
@@ -117,13 +117,13 @@ def plot_contact_moment(motion: Motion, ax: Axes | None = None, *, legend: bool 
     Returns
     -------
     Axes
-        Time [s] and moment [N m], with the prefixes that suit. Below zero,
-        shaded, the follower drives the pin; in a dwell there is no contact.
+        Time [s] and moment [N m, on the command line in the user's units], with the prefixes
+        that suit. Below zero, shaded, the follower drives the pin; in a dwell there is no contact.
     """
     times, moments = _moments(motion)
     ax = ax or style.new_axes(style.TWO_COLUMN, 3.0)
     factor, unit = scaled("s", times)
-    prefix, moment_unit = scaled("N m", moments)
+    prefix, moment_unit = readable("torque", moments)
     x, y = times * factor, moments * prefix
     ax.axhline(0.0, **style.ZERO)
     ax.plot(x, y, color=style.BLUE, lw=1.1, label="contact moment")

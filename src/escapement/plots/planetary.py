@@ -6,6 +6,7 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from escapement.base import validate
+from escapement.base.spoken import drawn_unit
 from escapement.mechanisms import EllipticalPlanetary
 from escapement.outlines import arc
 from escapement.outlines.gears import EllipticalOutline
@@ -35,7 +36,7 @@ def plot_planetary(
     *,
     legend: bool = True,
 ) -> Axes:
-    """Planetary drive with elliptical gears to scale, in millimetres.
+    """Planetary drive with elliptical gears to scale; the axes count millimetres.
 
     Parameters
     ----------
@@ -72,10 +73,12 @@ def plot_planetary(
     drawing.arrow(ax, arc(distance, angle + 0.1, angle + 0.4, 21))
     drawing.arrow(ax, arc(0.42e3 * mechanism.sun_radius, behind + 0.9, behind - 0.9, 31))
     # the bar has the greatest round length below half the centre distance
-    power = 10.0 ** np.floor(np.log10(0.5 * distance))
-    length = float(max(step for step in (1.0, 2.0, 5.0) if step * power <= 0.5 * distance) * power)
+    size, unit = drawn_unit()
+    most = 0.5 * mechanism.centre_distance / size
+    power = 10.0 ** np.floor(np.log10(most))
+    length = float(max(step for step in (1.0, 2.0, 5.0) if step * power <= most) * power)
     place = (box[0] + 0.04 * distance, box[2] + _MARGIN * distance)
-    drawing.length(ax, place, length, f"{length:g} mm")
+    drawing.length(ax, place, 1e3 * size * length, f"{length:g} {unit}")
     if legend:
         style.legend_above(ax, 2, _LETTERS)
     if own and legend:

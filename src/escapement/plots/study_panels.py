@@ -23,7 +23,7 @@ from escapement.plots.style import LINE, number_text
 
 _FEW = 15  # a line with at most this many points has a marker on each
 _LEVELS = 7  # approximate number of contours of a map
-_PLAIN = (1e-3, 1e4)  # between these a number is printed without a power of ten
+_SMALL, _GREAT = 1e-3, 1e4  # between these a number is printed without a power of ten
 _MOST_TICKS = 10  # up to this many whole numbers along an axis each get a tick
 NARROW = 24
 """Characters of a label that fit below a third of a page."""
@@ -47,7 +47,7 @@ def draw_lines(ax: Axes, table: StudyTable, line: int = LINE) -> list[Line2D]:
     are the ends of a band.
     line : characters of a label that fit below the panel.
     """
-    check_number(table.results, table.values[0])
+    check_number(table.results, table.first_values)
     x, drawn = table.x, list[Line2D]()
     for look, column in zip(style.LOOKS, _columns_drawn(table), strict=False):
         value = table.lines.values[column].item()
@@ -110,8 +110,8 @@ def draw_map(ax: Axes, table: StudyTable, bar: Literal["right", "top"]) -> list[
     check_number(table.results, table.values)
     x, y = table.x, table.lines
     # contours and cells have the first axis along the columns
-    z = np.ma.masked_invalid(table.values[0].T)
-    cells = table.results[0] in STEPPED or x.whole or y.whole
+    z = np.ma.masked_invalid(table.first_values.T)
+    cells = table.first in STEPPED or x.whole or y.whole
     count, darkest = (2 * _LEVELS, 0.95) if cells else (_LEVELS, 0.7)  # black can be read on 0.7
     levels = _levels(float(z.min()), float(z.max()), count)
     colours = ListedColormap(matplotlib.colormaps["Blues"](np.linspace(0.05, darkest, 256)))
@@ -124,8 +124,8 @@ def draw_map(ax: Axes, table: StudyTable, bar: Literal["right", "top"]) -> list[
         filled: Any = ax.pcolormesh(_edges(x), _edges(y), z, cmap=colours, norm=norm)
         filled.set_rasterized(True)
         # a cell of a whole number is shown to its ends
-        ends = [(_edges(it) if it.whole else it.values)[[0, -1]] for it in (x, y)]
-        ax.set(xlim=ends[0], ylim=ends[1])
+        across, along = ((_edges(it) if it.whole else it.values)[[0, -1]] for it in (x, y))
+        ax.set(xlim=across, ylim=along)
     else:
         filled = ax.contourf(x.values, y.values, z, levels, cmap=colours, norm=norm)
         inside = levels[(levels > z.min()) & (levels < z.max())]
@@ -140,7 +140,7 @@ def draw_map(ax: Axes, table: StudyTable, bar: Literal["right", "top"]) -> list[
     if np.ma.is_masked(z):
         found.append(Patch(linewidth=0.6, label="no result", **hatched))
     if sides := _jumps(table):
-        text = f"jump: {STEPPED[table.results[0]]}"
+        text = f"jump: {STEPPED[table.first]}"
         text = textwrap.fill(text, LINE if bar == "right" else 2 * LINE)
         jumps = LineCollection(sides, colors=style.BLACK, lw=0.8, label=text, rasterized=True)
         ax.add_collection(jumps)
@@ -224,9 +224,9 @@ def dress_axis(ax: Axes, which: Literal["x", "y"], along: Parameter, line: int =
         ax.set(**{f"{which}scale": "log"})
         locator = ticker.LogLocator(subs=(1.0, 2.0, 5.0) if last < 1e2 * first else (1.0,))
         axis.set_minor_formatter(ticker.NullFormatter())
-        if first >= _PLAIN[0] and last <= _PLAIN[1]:
+        if first >= _SMALL and last <= _GREAT:
             axis.set_major_formatter(ticker.StrMethodFormatter("{x:g}"))
-    elif (most := max(-first, last)) > 0.0 and not 10.0 * _PLAIN[0] < most < _PLAIN[1]:
+    elif (most := max(-first, last)) > 0.0 and not 10.0 * _SMALL < most < _GREAT:
         # at the end of the axis a power of ten would overlap the label
         power = 3 * int(np.floor(np.log10(most) / 3.0))
         axis.set_major_formatter(lambda value, _: f"{value / 10.0**power:g}")

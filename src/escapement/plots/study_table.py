@@ -86,6 +86,16 @@ class StudyTable(NamedTuple):
     unit: str
     note: str
 
+    @property
+    def first(self) -> str:
+        """Name of the first result."""
+        return self.results[0]
+
+    @property
+    def first_values(self) -> FloatArray:
+        """Values of the first result, over both parameters."""
+        return np.asarray(self.values[0])
+
     def jumps(self, axis: int) -> NDArray[np.bool_]:
         """Whether values and their next along an axis of `values` are not to be joined.
 
@@ -143,16 +153,24 @@ def tabulate(study: Study, results: Sequence[str], x: str | None = None) -> Stud
         for name, values in zip(results, found, strict=True)
     ]
     values, periods = np.concatenate(found), np.concatenate(in_periods)
-    factor, unit = scaled(study.units.get(results[0], ""), values)
+    first = results[0]
+    factor, unit = scaled(study.units.get(first, ""), values)
     shown = {name: parameter(study, name, study.axes[name][index]) for name, index in kept.items()}
     at = (_fixed(shown[name], study.axes[name].size) for name in kept if name not in (x, lines))
     fixed = ", ".join(at)
     status = study.results.get("status", np.zeros(study.shape))
     notes = [fixed[:1].upper() + fixed[1:], _unanswered(status[np.ix_(*kept.values())])]
     note = "\n".join(textwrap.fill(line, _WIDEST) for line in notes if line).replace(_HARD, " ")
-    across = Parameter("", "", np.zeros(1)) if lines is None else shown[lines]
-    name = printed_name(study, results[0])
-    return StudyTable(results, shown[x], across, factor * values, periods, name, unit, note)
+    return StudyTable(
+        results=results,
+        x=shown[x],
+        lines=Parameter("", "", np.zeros(1)) if lines is None else shown[lines],
+        values=factor * values,
+        periods=periods,
+        name=printed_name(study, first),
+        unit=unit,
+        note=note,
+    )
 
 
 def chosen(study: Study, names: Sequence[str] | None, usual: Sequence[str] = ()) -> list[str]:
@@ -180,8 +198,8 @@ def available(study: Study, names: Iterable[str]) -> list[StudyTable]:
         When there is none.
     """
     tables = [tabulate(study, [name]) for name in names if name in study.results]
-    check_number(names, [table.values[0] for table in tables])
-    return [table for table in tables if np.isfinite(table.values[0]).any()]
+    check_number(names, [table.first_values for table in tables])
+    return [table for table in tables if np.isfinite(table.first_values).any()]
 
 
 def check_number(names: Iterable[str], values: ArrayLike) -> None:

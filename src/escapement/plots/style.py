@@ -22,7 +22,8 @@ from matplotlib.patheffects import withStroke
 from numpy.typing import ArrayLike
 
 from escapement.base import validate
-from escapement.base.units import spelt
+from escapement.base.spoken import spoken
+from escapement.base.units import factor, spelt, unit_name
 
 BLACK, GREY, LIGHT_GREY = "#000000", "#5f5f5f", "#b8b8b8"
 BLUE, VERMILLION, GREEN = "#0072B2", "#D55E00", "#009E73"
@@ -219,6 +220,14 @@ def scaled(unit: str, values: ArrayLike) -> tuple[float, str]:
         return 1.0, spelt(unit)
     steps = min(max(math.ceil(-math.log10(largest) / 3.0), 0), len(names) - 1)
     return 1000.0**steps, names[steps]
+
+
+def readable(kind: str, values: ArrayLike) -> tuple[float, str]:
+    """As `scaled`, for values in SI of a kind of unit, in the system that the user chose."""
+    own, system = np.asarray(values, dtype=float), spoken()
+    unit = factor(kind, system)
+    prefix, name = scaled(unit_name(kind, system), own / unit)
+    return prefix / unit, name
 
 
 def superscript(power: int) -> str:

@@ -11,13 +11,14 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from escapement import plots
+from escapement.base.spoken import spoken
 from escapement.base.text import show, words
 from escapement.base.units import SYSTEMS, factor, printed
 from escapement.dynamics.figures_of_merit import Figures
 from escapement.dynamics.merit_table import FIGURES
 from escapement.dynamics.motion import Motion
 from escapement.model.escapement import Escapement
-from escapement.model.inputs import inputs_of
+from escapement.model.inputs import in_unit, in_words, inputs_of
 from escapement.reports.assumptions import ALWAYS, left_out
 
 if TYPE_CHECKING:
@@ -67,11 +68,15 @@ def of_inputs(escapement: Escapement, initial_speed: float) -> str:
     for name, value, kind in [*inputs_of(escapement), ("initial_speed", initial_speed, "speed")]:
         told = [name.replace("_", " ")]
         for system in SYSTEMS:
-            number = isinstance(value, float)
-            shown = show(value / factor(kind, system) if number else value)
+            shown = show(in_words(in_unit(value, factor(kind, system))))
             told.append(f"{shown} {printed(kind, system)}".strip())
         rows.append(told)
     return table(("", *SYSTEMS), rows)
+
+
+def _unit(kind: str) -> str:
+    """A kind of unit in the system that the user chose."""
+    return printed(kind, spoken())
 
 
 def of_figures(figures: Figures) -> str:
@@ -80,8 +85,8 @@ def of_figures(figures: Figures) -> str:
     for name in _TOLD:
         value = float(getattr(figures, name))
         if math.isfinite(value) and (value != 0.0 or name not in ("beat_error", "blow_max")):
-            kind = FIGURES[name]
-            rows.append([words(name), value, printed(kind.kind, "SI"), kind.long_name])
+            kind, name_of = FIGURES[name].kind, FIGURES[name].long_name
+            rows.append([words(name), value / factor(kind, spoken()), _unit(kind), name_of])
     return table(("", "value", "unit", "meaning"), rows)
 
 
@@ -96,16 +101,19 @@ def of_budget(budget: Budget) -> str:
                 f"{100.0 * scatter.inside.value:.1f} % of {budget.size} cases lie within the "
                 f"limits; with 95 % confidence the share is {low:.1f} to {high:.1f} %."
             ))  # fmt: skip
-        ends = [*(scatter.quantiles[share] for share in (0.05, 0.95))]
+        kind = FIGURES[name].kind
+
+        def shown(*values: float, size: float = factor(kind, spoken())) -> list[float]:
+            return [value / size for value in values]
+
         spread = [
-            ("nominal", scatter.nominal, "", ""),
-            ("mean, with its 95 % interval", *scatter.mean),
-            ("one case of twenty lies below", *ends[0]),
-            ("one case of twenty lies above", *ends[1]),
-            ("worst case", "", scatter.worst.low, scatter.worst.high),
+            ("nominal", *shown(scatter.nominal), "", ""),
+            ("mean, with its 95 % interval", *shown(*scatter.mean)),
+            ("one case of twenty lies below", *shown(*scatter.quantiles[0.05])),
+            ("one case of twenty lies above", *shown(*scatter.quantiles[0.95])),
+            ("worst case", "", *shown(scatter.worst.low, scatter.worst.high)),
         ]
-        unit = printed(FIGURES[name].kind, "SI")
-        parts.append(table((unit, "value", "from", "to"), spread))
+        parts.append(table((_unit(kind), "value", "from", "to"), spread))
         rows = [
             (words(key), f"{100.0 * share:.1f} %", scatter.balanced.get(key))
             for key, share in scatter.contributions.items()

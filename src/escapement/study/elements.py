@@ -10,7 +10,9 @@ from collections.abc import Mapping
 from typing import Any
 
 from escapement.base import validate
+from escapement.base.errors import InvalidValue
 from escapement.base.quantity import Numbers, Quantity, Setting
+from escapement.mechanisms.checks import IMPERFECT
 
 Content = Mapping[str, Any]
 
@@ -37,11 +39,22 @@ def part_lists(
         if isinstance(table := content.get(name), Mapping)
     }
     for name, entry in settings.items():
-        if not isinstance(entry, Numbers) or name not in counts:
+        if not isinstance(entry, Numbers):
+            continue
+        sample, factor = tables.get("sample", {}), f"{name}_factor"
+        scaled = factor in tables.get("sweep", ()) or factor in sample
+        if name not in counts:
+            if scaled and name in IMPERFECT:
+                raise InvalidValue(
+                    f"{factor} must come with a fixed number of parts under [mechanism], got none; "
+                    "give it, or leave the factor out"
+                )
             continue
         names = [f"{name}_{i}" for i in range(counts[name])]
-        sample, factor = tables.get("sample", {}), f"{name}_factor"
-        if factor in tables.get("sweep", ()) or factor in sample:
+        given = tables.get("mechanism", {}).get(name)
+        nominal = [0.0] * len(names) if given is None else [*entry.read(entry.label, given)]
+        if scaled:
+            _check_length(entry, nominal, len(names))
             found[factor] = Quantity(
                 long_name=f"factor on the {entry.long_name}", minimum=-math.inf, default=1.0,
                 remedy="give the factor, 1 for the list as it is", name=factor, key=factor,
@@ -57,11 +70,9 @@ def part_lists(
         if not any(one in tables.get(where, ()) for where in ("sweep", "sample") for one in names):
             continue
         del found[name]
-        nominal = [0.0] * len(names)
-        if name in tables.get("mechanism", {}):
-            nominal = [*entry.read(entry.label, tables["mechanism"].pop(name))] or nominal
-        if len(nominal) != len(names):
-            raise validate.fail(entry.label, f"{len(names)} numbers long", nominal, entry.remedy)
+        tables.get("mechanism", {}).pop(name, None)
+        nominal = nominal or [0.0] * len(names)
+        _check_length(entry, nominal, len(names))
         for i, (one, value) in enumerate(zip(names, nominal, strict=True)):
             found[one] = Quantity(
                 long_name=f"{entry.long_name}, number {i}", unit=entry.unit, minimum=-math.inf,
@@ -69,6 +80,11 @@ def part_lists(
                 default=value, system=entry.system,
             )  # fmt: skip
     return {**content, **tables}, found
+
+
+def _check_length(entry: Numbers, nominal: list[float], count: int) -> None:
+    if len(nominal) not in (0, count):
+        raise validate.fail(entry.label, f"{count} numbers long", nominal, entry.remedy)
 
 
 def joined(name: str, values: Mapping[str, Any]) -> Any:

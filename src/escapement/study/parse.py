@@ -109,12 +109,8 @@ def parse_plan(configuration: Mapping[str, Any], mechanism: Mechanism | None = N
     solver = Solver(**{name: _SOLVER[name].read(name, value) for name, value in given.items()})
     fixed = _fixed(configuration, settings)
     varied, forms, fingerprint = _varied(configuration, parameters, fixed)
-    for name in (name for along in varied.values() for name in along):
-        form = forms.get("sample", {}).get(name)
-        # a nominal value around which a sample lies is still part of the study; any other
-        # fixed value is replaced by its axis or its distribution
-        if not isinstance(form, dict) or WIDTHS.isdisjoint(form):
-            fixed.pop(name, None)
+    replaced = [name for along in varied.values() for name in along if _replaces(name, forms)]
+    fixed = {name: value for name, value in fixed.items() if name not in replaced}
     title = _title(configuration, machine["kind"], varied)
     plain: dict[str, Any] = {"title": title, "units": system, "mechanism": machine}
     plain |= _results(configuration)
@@ -127,8 +123,11 @@ def parse_plan(configuration: Mapping[str, Any], mechanism: Mechanism | None = N
     si = {name: settings[name].to_si(value) for name, value in fixed.items()}
     fixed_si = dict.fromkeys(settings) | si
     plain |= forms
-    drawn = varied, solver, fingerprint
-    plan = StudyPlan(plain, build, meshed, parameters, fixed_si, *drawn, curve)
+    plan = StudyPlan(
+        configuration=plain, build=build, meshed=meshed, parameters=parameters, fixed_si=fixed_si,
+        varied=varied, solver=solver, fingerprint=fingerprint, curve=curve,
+        replaced=tuple(name for name in replaced if _is_given(settings[name], configuration)),
+    )  # fmt: skip
     solver = solver_for("any" if plan.contact else "", solver)
     solver = solver if solver.engine else replace(solver, engine=DEFAULT_ENGINE)
     plain["solver"], plan = solver.given, replace(plan, solver=solver)
@@ -141,6 +140,20 @@ def parse_plan(configuration: Mapping[str, Any], mechanism: Mechanism | None = N
             "shorten an axis"
         )
     return plan
+
+
+def _replaces(name: str, forms: Mapping[str, Any]) -> bool:
+    """Whether an axis or a distribution takes the place of a number's fixed value.
+
+    A nominal value around which a sample lies is still part of the study.
+    """
+    form = forms.get("sample", {}).get(name)
+    return not isinstance(form, dict) or WIDTHS.isdisjoint(form)
+
+
+def _is_given(entry: Setting, configuration: Mapping[str, Any]) -> bool:
+    """Whether a study gives a fixed value of a setting."""
+    return entry.key in _table(configuration, entry.section)
 
 
 def _check_lengths(plan: StudyPlan, values: Mapping[str, Any]) -> None:

@@ -88,6 +88,8 @@ class StudyPlan(Shown):
         Fingerprint of the numbers drawn for a sample; "" if nothing was drawn.
     curve : TorqueCurve, optional
         The torque over the driver angle in SI; `fixed_si` has its first value.
+    replaced : tuple of str
+        Numbers that were given a fixed value although an axis or a distribution replaces it.
     """
 
     configuration: dict[str, Any]
@@ -99,6 +101,7 @@ class StudyPlan(Shown):
     solver: Solver
     fingerprint: str = ""
     curve: TorqueCurve | None = None
+    replaced: tuple[str, ...] = ()
 
     def _shown(self) -> list[tuple[str, Any, str]]:
         return [
@@ -264,12 +267,22 @@ class StudyPlan(Shown):
         return any(np.any(self.every(name)) for name in names)
 
     @property
+    def unused(self) -> str:
+        """Which fixed values have no effect, because an axis or a distribution replaces them."""
+        lost = (f"the fixed {name} has no effect, because it varies" for name in self.replaced)
+        return "; ".join(lost)
+
+    @property
     def idle(self) -> str:
         """Which settings have no effect in any case; "" if there are none."""
         values = {name: self.every(name) for name in self.fixed_si}
         if not isinstance(self.build, type):
             values["clearance"] = getattr(self.build, "clearance", 0.0)
-        return idle_settings(Escapement, values)
+        notes = [idle_settings(Escapement, values)]
+        late = "the torque behind the start" if self.curve else "spring_rate"
+        if self.curve or np.any(self.every("spring_rate")):
+            notes.append(f"{late} has no effect on results, which are those of the first torque")
+        return "; ".join(filter(None, notes))
 
     def check_mechanism(self) -> None:
         """Raise InvalidValue for a mechanism that no case could have."""

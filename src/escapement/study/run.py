@@ -29,7 +29,7 @@ from escapement.study.result import Study, count_failed
 from escapement.study.stored import LAYOUT
 from escapement.study.writer import Unfinished, study_writer
 
-_SLICE = 256, 16384  # fewest and most scenes solved at a time: up to 0.2 s
+_FEWEST, _MOST = 256, 16384  # scenes solved at a time: up to 0.2 s
 _GOLDEN = (5.0**0.5 - 1.0) / 2.0
 _ROOT = Path(__file__).parents[1]
 _ROOMS = ("base", "numerics", "mechanisms", "model", "dynamics", "engines", "study")
@@ -252,7 +252,7 @@ def solved_scenes(
     if shared is None:
         return None
     size = shared.cases.size
-    step = min(max(size // 64, _SLICE[0]), _SLICE[1])
+    step = min(max(size // 64, _FEWEST), _MOST)
     figures, status = np.empty((len(plan.results) - 1, size)), np.empty(size, dtype=np.uint8)
     starts = _mixed(range(0, size, step))
     parts = ((start, shared.cases[start : start + step]) for start in starts)
@@ -282,8 +282,11 @@ def frame_of(plan: StudyPlan) -> Study:
         "rtol": plan.solver.tolerance,
         "created": datetime.now(UTC).isoformat(timespec="seconds"),
     }
-    axes, configuration = plan.dimensions, plan.configuration
-    return Study(axes, empty, units, names, configuration, attributes, plan.sampled, plan.fixed)
+    return Study(
+        axes=plan.dimensions, results=empty, units=units, long_names=names,
+        configuration=plan.configuration, attributes=attributes, sampled=plan.sampled,
+        fixed=plan.fixed,
+    )  # fmt: skip
 
 
 def sources() -> list[Path]:

@@ -174,7 +174,8 @@ def budget_of(
     sharp = [name for name in spreads if name.startswith(IMPERFECT) and name not in known]
     corners = corners_of(nominal.held, sharp, names)
     scatters = {
-        name: scatter_of(plan, nominal, study, spreads, name, ends, corners) for name in names
+        name: scatter_of(plan, nominal, study, spreads, figure=name, limits=ends, corners=corners)
+        for name in names
     }
     if indices:
         _add_indices(plan, scatters, indices, int(drawn["seed"]))
@@ -184,8 +185,10 @@ def budget_of(
     notes += [lost] if failed.value else []
     notes += filter(None, (_without(name, scatter) for name, scatter in scatters.items()))
     message = "; ".join(notes) or "done"
-    sized = int(drawn["size"])
-    return Budget(scatters, spreads, study, failed, int(drawn["seed"]), sized, message)
+    return Budget(
+        figures=scatters, spreads=spreads, study=study, failed=failed, seed=int(drawn["seed"]),
+        size=int(drawn["size"]), message=message,
+    )  # fmt: skip
 
 
 def _checked(plan: StudyPlan, name: str, ends: Any) -> Limits:
@@ -195,9 +198,10 @@ def _checked(plan: StudyPlan, name: str, ends: Any) -> Limits:
     if not pair or any(type(x) is bool or not isinstance(x, Real) or x != x for x in ends):
         remedy = "write -inf or inf for none"
         raise validate.fail(f"limits.{name}", "two numbers, (low, high)", ends, remedy)
-    if not ends[0] < ends[1]:
+    low, high = map(float, ends)
+    if not low < high:
         raise validate.fail(f"limits.{name}", "(low, high), low below high", ends, "swap them")
-    return float(ends[0]), float(ends[1])
+    return low, high
 
 
 def _try_cases(plan: StudyPlan) -> None:
@@ -220,7 +224,7 @@ def _without(figure: str, scatter: Scatter) -> str:
         every = ", ".join(dict.fromkeys(re.sub(r"_\d+$", "", name) for name in lacking))
         without = "so that its scatter to first order and the shares are left out"
         notes += [f"{figure} has no derivative by {every}, {without}"]
-    if not math.isfinite(sum(scatter.worst[:2])):
+    if not math.isfinite(scatter.worst.low + scatter.worst.high):
         notes += [f"{figure} has no value at one of its worst cases"]
     return "; ".join(notes)
 

@@ -8,7 +8,6 @@ computes them and their intervals, by resampling the cases with replacement.
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any
 
 import numpy as np
 
@@ -34,7 +33,7 @@ def sobol_indices(
     seed : int
         For the cases and the resamples.
     """
-    from scipy.stats import sobol_indices as compute
+    from scipy.stats import bootstrap
 
     if size & (size - 1):
         near = 1 << (size.bit_length() - 1)
@@ -45,22 +44,30 @@ def sobol_indices(
     a, b = random.random((2, count, size))
     mixed = np.stack([np.where(np.arange(count)[:, None] == i, b, a) for i in range(count)])
     every = np.concatenate([a, b, *mixed], axis=1)
-    values = evaluate(every).reshape(count + 2, 1, size)
+    values = evaluate(every).reshape(count + 2, size)
     # a common offset cancels, and would only lose digits
     values = values - values[:2].mean()
-    found: Any = compute(func={"f_A": values[0], "f_B": values[1], "f_AB": values[2:]}, n=size)
-    drawn = found.bootstrap(confidence_level=LEVEL, n_resamples=RESAMPLES)
-    pairs = (found.first_order, drawn.first_order), (found.total_order, drawn.total_order)
+    drawn = bootstrap(
+        [np.arange(size)],
+        lambda cases: _indices(values[..., cases]),
+        n_resamples=RESAMPLES,
+        confidence_level=LEVEL,
+        random_state=random,
+    ).confidence_interval
     first, total = (
-        [
-            Estimate(*map(float, row))
-            for row in zip(
-                np.ravel(value),
-                np.ravel(interval.confidence_interval.low),
-                np.ravel(interval.confidence_interval.high),
-                strict=True,
-            )
-        ]
-        for value, interval in pairs
+        [Estimate(*row) for row in np.transpose(rows).tolist()]
+        for rows in zip(_indices(values), drawn.low, drawn.high, strict=True)
     )
     return first, total
+
+
+def _indices(values: FloatArray) -> FloatArray:
+    """First and total indices, shape (2, count), of values at A, at B and at each A_B^i.
+
+    Source: Saltelli et al., Computer Physics Communications 181 (2010), table 2 (b) and (f).
+    """
+    a, b, *mixed = values
+    steps = np.array(mixed) - a
+    variance = values[:2].var()
+    first = (b * steps).mean(axis=-1) / variance
+    return np.array([first, 0.5 * (steps**2).mean(axis=-1) / variance])

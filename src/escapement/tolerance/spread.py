@@ -54,6 +54,7 @@ def spreads_of(plan: StudyPlan, given: Mapping[str, float]) -> dict[str, Spread]
     from scipy.special import ndtr
 
     table: Mapping[str, Any] = plan.configuration["sample"]
+    # the ends of a distribution without limits, its limits, and its whole width
     shares = np.concatenate([ndtr([-ENDS, ENDS]), [0.0, 1.0], ndtr(_Z)])
     density = np.exp(-0.5 * _Z**2)
     weights = density / density.sum()
@@ -66,8 +67,9 @@ def spreads_of(plan: StudyPlan, given: Mapping[str, float]) -> dict[str, Spread]
         nominal = 0.0 if nominal is None and name.startswith(IMPERFECT) else nominal
         own = None if nominal is None else nominal / entry.to_si(1.0)
         values: FloatArray = entry.to_si(drawn_values(form, entry, own, shares))
-        inner, bounded = values[4:], any(x in form for x in ("tolerance", "relative_tolerance"))
-        ends = values[2:4] if bounded or "low" in form else values[:2]
+        outermost, limits, inner = np.split(values, [2, 4])
+        bounded = any(x in form for x in ("tolerance", "relative_tolerance", "low"))
+        low, high = (limits if bounded else outermost).tolist()
         mean = float(weights @ inner)
         middle = mean if nominal is None else float(nominal)
         sigma = float(np.sqrt(weights @ (inner - mean) ** 2))
@@ -75,5 +77,7 @@ def spreads_of(plan: StudyPlan, given: Mapping[str, float]) -> dict[str, Spread]
             (float(weights @ side), float(weights @ side**2))
             for side in (np.maximum(inner - middle, 0.0), np.maximum(middle - inner, 0.0))
         )
-        found[name] = Spread(middle, mean, sigma, float(ends[0]), float(ends[1]), above, below)
+        found[name] = Spread(
+            nominal=middle, mean=mean, sigma=sigma, low=low, high=high, above=above, below=below
+        )
     return found

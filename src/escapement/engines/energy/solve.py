@@ -87,12 +87,12 @@ def shift(solution, pull, count):
     beta is linear in the pull if that keeps its slope. For a pull of another size the equation is
     solved again, so that beta keeps its relative accuracy.
     """
-    more = pull - solution.base_pull
-    if abs(more) > 0.5 * abs(solution.base_pull):
+    more = pull - solution.solved_pull
+    if abs(more) > 0.5 * abs(solution.solved_pull):
         return False
     for i in range(count & N):
-        solution.beta[i] = solution.base[i] + more * solution.share[i]
-    solution.beta_end = solution.base_end + more * solution.share_end
+        solution.beta[i] = solution.solved[i] + more * solution.share[i]
+    solution.beta_end = solution.solved_end + more * solution.share_end
     solution.pull = pull
     return True
 
@@ -120,11 +120,11 @@ def keep_share(scene, work, panel, solution, count):
         work.gain[i] = 2.0 * panel.dtheta_dx[i] * (scene.rho + g * g) / inertia / solution.alpha[i]
     cumulate(work.gain, solution.share)
     for i in range(count & N):
-        solution.base[i] = solution.beta[i]
+        solution.solved[i] = solution.beta[i]
         solution.share[i] *= solution.alpha[i]
-    solution.base_end = solution.beta_end
+    solution.solved_end = solution.beta_end
     solution.share_end = solution.alpha_end * integral(work.gain, count)
-    solution.base_pull = panel.entry.pull
+    solution.solved_pull = panel.entry.pull
 
 
 @inner_jit
