@@ -315,6 +315,12 @@ class Declared(Shown):
                 rows.append((name, value, entry.printed_unit if entry else ""))
         return rows
 
+    @property
+    def settings(self) -> dict[str, Any]:
+        """The values of its declared fields, by the names of options and axes."""
+        values = vars(self)
+        return {name: values[entry.key] for name, entry in declared(type(self)).items()}
+
     def check_fields(self) -> None:
         """Replace the value of every declared field by the checked value."""
         values = vars(self)

@@ -17,7 +17,7 @@ from importlib.resources import files
 from typing import Any
 
 from escapement.base import validate
-from escapement.base.quantity import Choice, Setting, Truth, declared
+from escapement.base.quantity import Choice, Quantity, Setting, Truth, declared
 from escapement.base.status import Status
 from escapement.base.units import SYSTEMS, factor, printed
 from escapement.dynamics.motion import Motion
@@ -71,14 +71,14 @@ def design_of(
     """
     wheel, remedy = escapement.mechanism, "serve it: escapement explore --serve"
     if not isinstance(wheel, Geneva):
-        kind = getattr(wheel, "kind", type(wheel).__name__)
-        raise validate.fail("mechanism", "a Geneva wheel for the explorer", kind, remedy)
+        raise validate.fail("mechanism", "a Geneva wheel for the explorer", wheel.kind, remedy)
     if escapement.without_trains is not escapement:
         raise validate.fail("barrel and load_train", "left out for the explorer", "a train", remedy)
     design: dict[str, Any] = {"initial_speed": initial_speed, "engagements": engagements}
     for owner in (wheel, escapement.inertia, escapement):
+        settings = owner.settings
         for name, entry in declared(type(owner)).items():
-            value = getattr(owner, entry.key)
+            value = settings[name]
             if name in COMPUTED:
                 if name == "torque":
                     value = validate.number(name, value, "the explorer takes no torque curve")
@@ -138,7 +138,7 @@ def player(motion: Motion) -> str:
         got = f"none ({motion.message})"
         raise validate.fail("motion", "longer than zero to be played", got, "change its inputs")
     record = played(motion, cycle_of(motion))
-    kind = getattr(motion.escapement.mechanism, "kind", "escapement")
+    kind = motion.escapement.mechanism.kind
     count = motion.handoff_times.size
     lead = f"{count} engagements of a {kind} mechanism, as engine {motion.engine} computed them"
     told = "." if motion.status is Status.OK else f"; {motion.message}."
@@ -197,7 +197,7 @@ def _told(entry: Setting) -> dict[str, Any]:
         "label": entry.long_name[0].upper() + entry.long_name[1:],
         "unit": entry.unit,
         "default": entry.default if isinstance(entry.default, int | float | str) else None,
-        "whole": bool(getattr(entry, "whole", False)),
+        "whole": isinstance(entry, Quantity) and entry.whole,
         "optional": entry.default is None and not entry.required,
         "needs": entry.unit == "length" and not own,
         "truth": isinstance(entry, Truth),

@@ -41,7 +41,7 @@ def check_contact(contact: str, mechanism: Any, values: Mapping[str, Any]) -> No
         return
     name = "stiffness" if contact == "compliant" else "clearance"
     value = values[name] if contact == "compliant" else mechanism.clearance
-    if not hasattr(mechanism, "clearance"):
+    if not mechanism.takes_clearance:
         rule = "0 for a mechanism that is not a Geneva wheel"
         raise validate.fail(name, rule, value, "choose geneva, or leave it out")
     if not mechanism.perfect:
@@ -53,12 +53,11 @@ def check_trains(owner: Any, running_down: bool) -> None:
 
     running_down : whether the torque of the drive may come to an end.
     """
-    for place in ("barrel", "load_train"):
-        train = getattr(owner, place)
-        if train is None or train.efficiency == 1.0:
+    for place, train in owner.trains.items():
+        if train.efficiency == 1.0:
             continue
         name, value = f"{place}_efficiency", train.efficiency
-        if not getattr(owner.mechanism, "perfect", True):
+        if not owner.mechanism.perfect:
             raise validate.fail(name, "1 with errors of the parts", value, "leave out one of them")
         if running_down and (owner.driver_viscous or owner.follower_viscous):
             rule = "1 with viscous drag and a spring that runs down"

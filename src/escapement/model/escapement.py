@@ -12,9 +12,9 @@ from escapement.base import validate
 from escapement.base.lazy import Lazy
 from escapement.base.quantity import Choice, Declared, Setting, declared, quantity, setting
 from escapement.base.spoken import told
-from escapement.mechanisms.checks import LENGTHS, check_lengths
+from escapement.mechanisms.checks import check_lengths
 from escapement.mechanisms.path import Meeting, Path
-from escapement.mechanisms.protocol import FloatArray, Mechanism, checked, meetings_of
+from escapement.mechanisms.protocol import FloatArray, Mechanism, checked
 from escapement.model.checks import (
     MOST_UNEQUAL,
     RESISTANCES,
@@ -226,8 +226,7 @@ class Escapement(Declared):
             raise validate.fail("mechanism.path", "a Path", path, remedy)
         check_losses(self, path.table)
         self._check_curve()
-        plain_crank = getattr(self.mechanism, "plain_crank", True)
-        check_lengths(vars(self), getattr(self.mechanism, "crank_radius", None), plain_crank)
+        check_lengths(vars(self), self.mechanism.crank_radius, self.mechanism.plain_crank)
         check_trains(self, self.curve is not None)
         check_contact(self.contact, self.mechanism, vars(self))
 
@@ -267,9 +266,13 @@ class Escapement(Declared):
         values = {"driver_inertia": own.driver, "follower_inertia": own.follower, **vars(self)}
         if isinstance(self.torque, TorqueCurve):
             values["torque"] = self.torque.greatest
-        for name in LENGTHS:
-            values[name] = getattr(self.mechanism, name, None) or 0.0
-        return seen(values | numbers_of_trains(self))
+        return seen(values | self.mechanism.lengths | numbers_of_trains(self.trains))
+
+    @property
+    def trains(self) -> dict[str, Train]:
+        """Its trains by their places, "barrel" and "load_train"."""
+        places = {"barrel": self.barrel, "load_train": self.load_train}
+        return {place: train for place, train in places.items() if train is not None}
 
     @cached_property
     def without_trains(self) -> Escapement:
@@ -290,12 +293,12 @@ class Escapement(Declared):
         """
         if self.stiffness > 0.0:
             return "compliant"
-        return "rigid" if getattr(self.mechanism, "clearance", 0.0) > 0.0 else ""
+        return "rigid" if self.mechanism.clearance > 0.0 else ""
 
     @property
     def idle(self) -> str:
         """Which settings have no effect, since another one is missing; "" if there are none."""
-        clearance = getattr(self.mechanism, "clearance", 0.0)
+        clearance = self.mechanism.clearance
         return idle_settings(type(self), vars(self) | {"clearance": clearance})
 
     @property
@@ -350,7 +353,7 @@ class Escapement(Declared):
     @cached_property
     def meetings(self) -> tuple[Meeting, ...]:
         """Its engagements: one that repeats itself, or with imperfect parts a pattern of them."""
-        return meetings_of(self.mechanism)
+        return self.mechanism.meetings
 
     @cached_property
     def scenes(self) -> tuple[Scene, ...]:

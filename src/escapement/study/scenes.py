@@ -101,7 +101,7 @@ def solve_scenes(plan: StudyPlan, cases: NDArray[np.int64]) -> SceneFigures:
         with contextlib.suppress(InvalidValue):
             if rows.size:
                 mechanism: Any = plan.mechanism(int(cases[first[rows[0]]]), ideal=True)
-                rows = rows[scene[_PIN, rows] < getattr(mechanism, "widest_pin", math.inf)]
+                rows = rows[scene[_PIN, rows] < mechanism.widest_pin]
                 found = _solve(plan, mechanism, scene[:, rows], cases[first[rows]])
                 figures[:, rows], status[rows] = found
     return figures[:, which], status[which]
