@@ -14,6 +14,7 @@ import json
 import re
 from collections.abc import Mapping, Sequence
 from importlib.resources import files
+from itertools import chain
 from typing import Any
 
 from escapement.base import validate
@@ -47,13 +48,7 @@ GROUPS = {
 """Fields of the page, by the titles of their groups."""
 MOST_SLOTS, MOST_ENGAGEMENTS = 40, 1000
 """Figures that the page computes while a number is dragged."""
-COMPUTED = (
-    *("slots", "pins", "internal", "crank_radius", "pin_radius", "driver_inertia"),
-    *("follower_inertia", "torque", "friction", "load_torque", "driver_bearing_friction"),
-    *("driver_bearing_radius", "follower_bearing_friction", "follower_bearing_radius"),
-    *("driver_bearing_torque", "driver_drag", "follower_drag", "spring_rate"),
-    *("initial_speed", "engagements"),
-)
+COMPUTED = tuple(chain(*GROUPS.values()))
 """Numbers of a design that the page computes with, by the names of studies."""
 _KINDS = ("ratio", "time", "speed", "force", "torque", "length")
 _MODULE = re.compile(r"^import .*?;\n|^export (?=\w)", re.MULTILINE | re.DOTALL)

@@ -25,13 +25,6 @@ def ratio_in_range(ratio: ArrayLike) -> NDArray[np.bool_]:
     return (values > 1.0 / MOST_UNEQUAL) & (values < MOST_UNEQUAL)
 
 
-RESISTANCES = (
-    *("load", "bearing", "driver_drag", "follower_drag", "driver_viscous", "follower_viscous"),
-    *("driver_journal", "follower_journal"),
-)
-"""Numbers of a `Scene` that resist the motion, besides friction in the slot."""
-
-
 def check_contact(contact: str, mechanism: Any, values: Mapping[str, Any]) -> None:
     """Refuse clearance and stiffness for mechanisms whose contact cannot be computed.
 
@@ -59,9 +52,15 @@ def check_trains(owner: Any, running_down: bool) -> None:
         name, value = f"{place}_efficiency", train.efficiency
         if not owner.mechanism.perfect:
             raise validate.fail(name, "1 with errors of the parts", value, "leave out one of them")
-        if running_down and (owner.driver_viscous or owner.follower_viscous):
+        if running_down and any(value for _, value in _viscous(owner)):
             rule = "1 with viscous drag and a spring that runs down"
             raise validate.fail(name, rule, value, "leave out one of them")
+
+
+def _viscous(owner: Declared) -> list[tuple[str, Any]]:
+    """Names and values of drag proportional to the speed."""
+    kinds = quantities(type(owner)).values()
+    return [(x.name, getattr(owner, x.key)) for x in kinds if x.unit == "viscous"]
 
 
 @per_class

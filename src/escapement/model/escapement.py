@@ -17,18 +17,19 @@ from escapement.mechanisms.path import Meeting, Path
 from escapement.mechanisms.protocol import FloatArray, Mechanism, checked
 from escapement.model.checks import (
     MOST_UNEQUAL,
-    RESISTANCES,
     check_contact,
     check_losses,
     check_trains,
     idle_settings,
 )
-from escapement.model.natural import natural
+from escapement.model.natural import natural, resistances
 from escapement.model.scene import Joint, Scene
 from escapement.model.torque_curve import MOST_KNOTS, Torque, TorqueCurve
 from escapement.model.train import PLACES, Train, numbers_of_trains, seen, train_numbers, trains_of
 
 CONTACT_LAWS = ("linear", "hunt-crossley")
+FRICTION, AIR, CONTACT = "Friction", "Air", "Clearance and contact"
+"""Headings of the groups of numbers."""
 np: Any = Lazy("numpy")  # importing it takes longer than the rest of help
 
 
@@ -63,7 +64,7 @@ def _bearing_friction(body: str) -> dict[str, Any]:
     return quantity(
         f"coefficient of friction of the {body}'s bearing", metavar="MU", slotted=True,
         instead="driver_bearing_torque", remedy="give a coefficient of friction, 0 for none",
-        needs=f"{body}_bearing_radius",
+        needs=f"{body}_bearing_radius", group=FRICTION,
     )  # fmt: skip
 
 
@@ -71,7 +72,7 @@ def _bearing_radius(body: str) -> dict[str, Any]:
     return quantity(
         f"radius of the {body}'s journal", "length", slotted=True,
         instead="driver_bearing_torque", remedy="give the radius, 0 for none",
-        needs=f"{body}_bearing_friction",
+        needs=f"{body}_bearing_friction", group=FRICTION,
     )  # fmt: skip
 
 
@@ -79,6 +80,7 @@ def _drag(body: str) -> dict[str, Any]:
     return quantity(
         f"drag of the {body} divided by the square of its speed", "drag", metavar="C",
         remedy="give the drag torque divided by the square of the speed, 0 for none",
+        scene=f"{body}_drag", group=AIR,
     )  # fmt: skip
 
 
@@ -86,6 +88,7 @@ def _viscous(body: str) -> dict[str, Any]:
     return quantity(
         f"viscous drag of the {body} divided by its speed", "viscous", metavar="C",
         remedy="give the drag torque divided by the speed, 0 for none",
+        scene=f"{body}_viscous", group=AIR,
     )  # fmt: skip
 
 
@@ -157,15 +160,16 @@ class Escapement(Declared):
     )))  # fmt: skip
     friction: float = field(default=0.0, metadata=quantity(
         "coefficient of friction between pin and slot", metavar="MU", slotted=True,
-        instead="efficiency", remedy="give a coefficient of friction, 0 for none"
+        instead="efficiency", remedy="give a coefficient of friction, 0 for none", group=FRICTION
     ))  # fmt: skip
     load_torque: float = field(default=0.0, metadata=quantity(
-        "load torque on the follower", "torque", remedy="give the opposing torque, 0 for none"
+        "load torque on the follower", "torque", remedy="give the opposing torque, 0 for none",
+        scene="load"
     ))  # fmt: skip
     efficiency: float = field(default=1.0, metadata=quantity(
         "share of the power that the mesh passes on", metavar="E", slotted=False,
         instead="friction", minimum=1e-3, maximum=1.0, note=", instead of friction",
-        remedy="give a share of 1, 1 for no loss"
+        remedy="give a share of 1, 1 for no loss", group=FRICTION
     ))  # fmt: skip
     driver_bearing_friction: float = field(default=0.0, metadata=_bearing_friction("driver"))
     driver_bearing_radius: float = field(default=0.0, metadata=_bearing_radius("driver"))
@@ -173,7 +177,7 @@ class Escapement(Declared):
     follower_bearing_radius: float = field(default=0.0, metadata=_bearing_radius("follower"))
     driver_bearing_torque: float = field(default=0.0, metadata=quantity(
         "constant torque of the driver's bearing", "torque",
-        remedy="give the resisting torque, 0 for none"
+        remedy="give the resisting torque, 0 for none", scene="bearing", group=FRICTION
     ))  # fmt: skip
     driver_drag: float = field(default=0.0, metadata=_drag("driver"))
     follower_drag: float = field(default=0.0, metadata=_drag("follower"))
@@ -187,25 +191,27 @@ class Escapement(Declared):
     restitution: float = field(default=0.0, metadata=quantity(
         "ratio of rebound impulse to compression impulse in an impact", maximum=1.0, below=True,
         slotted=True, instead="efficiency", metavar="E", remedy="give a restitution, 0 for none",
-        needs="clearance"
+        needs="clearance", group=CONTACT
     ))  # fmt: skip
     stiffness: float = field(default=0.0, metadata=quantity(
         "force of a slot's wall divided by the penetration", "stiffness", slotted=True,
-        instead="efficiency", metavar="K", remedy="give the stiffness, 0 for rigid bodies"
+        instead="efficiency", metavar="K", remedy="give the stiffness, 0 for rigid bodies",
+        group=CONTACT
     ))  # fmt: skip
     damping: float | None = field(default=None, metadata=quantity(
         "force of a slot's wall divided by the speed of penetration", "damping", slotted=True,
         instead="efficiency", metavar="D", remedy="give the damping, 0 for none", needs="stiffness",
-        note=", by default that of critical damping"
+        note=", by default that of critical damping", group=CONTACT
     ))  # fmt: skip
     contact_law: str = field(default=CONTACT_LAWS[0], metadata=setting(Choice(
         long_name=f"force of a compliant contact: {', '.join(CONTACT_LAWS)}",
-        allowed=CONTACT_LAWS, slotted=True, instead="efficiency", metavar="NAME", needs="stiffness"
+        allowed=CONTACT_LAWS, slotted=True, instead="efficiency", metavar="NAME",
+        needs="stiffness", group=CONTACT
     )))  # fmt: skip
     slip_speed: float = field(default=0.0, metadata=quantity(
         "sliding speed below which friction fades", "slip", slotted=True,
         instead="efficiency", metavar="V", remedy="give the speed, 0 if the engine shall choose it",
-        needs="stiffness"
+        needs="stiffness", group=CONTACT
     ))  # fmt: skip
     barrel: Train | None = None
     load_train: Train | None = None
@@ -374,7 +380,7 @@ class Escapement(Declared):
         """Whether the inertias and torques differ so much that kernels would overflow."""
         # the square of the time unit is the ratio of inertia and torque
         ratios = self.scene.rho, self.time_unit**2
-        greatest = max(*ratios, *(getattr(self.scene, name) for name in RESISTANCES))
+        greatest = max(*ratios, *(getattr(self.scene, name) for name in resistances()))
         return min(ratios) <= 1.0 / MOST_UNEQUAL or greatest >= MOST_UNEQUAL
 
     @cached_property
