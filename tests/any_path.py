@@ -8,11 +8,12 @@ import pytest
 from scipy.integrate import quad
 
 import escapement as esc
+from escapement.mechanisms.protocol import Mechanism
 from escapement.mechanisms.slotted import transmission
 
 
 @dataclass(frozen=True)
-class Plain:
+class Plain(Mechanism):
     """Any path at all: nothing tells the package that it is a Geneva wheel."""
 
     path: np.ndarray

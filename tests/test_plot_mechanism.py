@@ -1,7 +1,6 @@
 """Drawings to scale: pins, slots and discs are where geometry puts them."""
 
 from itertools import combinations
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -10,6 +9,7 @@ from matplotlib.figure import Figure
 import escapement as esc
 from escapement import plots
 from escapement.base.errors import InvalidValue
+from escapement.mechanisms.protocol import Mechanism
 from escapement.outlines import Body
 from escapement.outlines.gears import EllipticalOutline, GearDrivenOutline
 from escapement.outlines.geneva import GenevaOutline
@@ -148,8 +148,8 @@ def test_every_kind_is_drawn_by_one_function():
 def test_a_mechanism_without_bodies_is_drawn_as_its_transmission():
     drive = esc.EllipticalPlanetary(0.016, 0.009)
     names = ("cell_angle", "breaks", "follower_step", "path", "follower_angle")
-    own = SimpleNamespace(**{name: getattr(drive, name) for name in names})
-    for mechanism in (own, exact(24)):
+    own = type("Own", (Mechanism,), {name: getattr(drive, name) for name in names})
+    for mechanism in (own(), exact(24)):
         heights = plots.plot_mechanism(mechanism).lines[1].get_ydata()
         assert np.max(heights) == pytest.approx(drive.ratio_max, rel=1e-3)
 

@@ -6,6 +6,7 @@ import pytest
 import escapement as esc
 from escapement.base.errors import InvalidValue
 from escapement.base.status import Status
+from escapement.mechanisms.protocol import Mechanism
 from escapement.mechanisms.slotted import radius, transmission
 from escapement.mechanisms.table import chebyshev_table
 
@@ -14,7 +15,7 @@ DRIVE = esc.EllipticalPlanetary(sun_radius=0.016, planet_radius=0.009)
 INERTIA = esc.Inertia(3.39e-7, 5.65e-6)
 
 
-class Drive:
+class Drive(Mechanism):
     """A smooth drive made up for these tests: g = A (1 - cos(k theta))^2, stops at both ends."""
 
     cell_angle = 3.0

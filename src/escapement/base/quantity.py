@@ -52,6 +52,7 @@ class Setting:
         it; all others keep its default.
     instead : name of the setting that other mechanisms have instead.
     needs : name of a number without which it has no effect.
+    group : heading under which pages show it.
     key, section, default : filled in from the class that declares it: name of the field, table
         of a study file ("" is the top level), and default, None where there is none.
     """
@@ -69,6 +70,7 @@ class Setting:
     slotted: bool | None = None
     instead: str = ""
     needs: str = ""
+    group: str = ""
     key: str = ""
     section: str = ""
     default: Any = None
@@ -128,6 +130,7 @@ class Quantity(Setting):
     minimum, maximum, exclusive, below, whole, fraction : the rule. An exclusive minimum is not
         allowed itself, nor is the maximum if `below` is true; a fraction may be text, "1/2".
     function : whether a function that gives the number is allowed.
+    scene : field of `model.scene.Scene` that holds it, divided by the natural unit of its kind.
     """
 
     minimum: float = 0.0
@@ -138,6 +141,7 @@ class Quantity(Setting):
     fraction: bool = False
     axis: bool = True
     function: bool = False
+    scene: str = ""
 
     def check(self, label: str, value: Any) -> Any:
         """`value` as a number that obeys the rule."""
@@ -313,6 +317,12 @@ class Declared(Shown):
             if given or (entry is not None and entry.required):
                 rows.append((name, value, entry.printed_unit if entry else ""))
         return rows
+
+    @property
+    def settings(self) -> dict[str, Any]:
+        """The values of its declared fields, by the names of options and axes."""
+        values = vars(self)
+        return {name: values[entry.key] for name, entry in declared(type(self)).items()}
 
     def check_fields(self) -> None:
         """Replace the value of every declared field by the checked value."""

@@ -76,7 +76,7 @@ def of_plan(plan: "StudyPlan") -> Iterable[Input]:
     """The numbers of a study: those that are fixed, and the ends of those that vary."""
     from escapement.study.plan import settings_of, unit_kind
 
-    yield "kind", getattr(plan.build, "kind", type(plan.build).__name__), "ratio"
+    yield "kind", plan.build.kind, "ratio"
     entries = settings_of(plan.build, plan.meshed) | plan.parameters
     varied = {name for along in plan.varied.values() for name in along}
     for name, value in plan.fixed_si.items():

@@ -78,7 +78,6 @@ def execute(args: Arguments) -> int:
 
 def _line(one: "esc.Design") -> dict[str, Any]:
     """The chosen numbers of a design, and its figures, in SI."""
-    timer, wheel = one.timer, one.timer.mechanism
-    chosen = {name: getattr(wheel, name, None) for name in _CHOSEN if name != "can_be_cut"}
-    own = {name: getattr(timer, name) for name in ("torque", "friction", "spring_rate")}
-    return chosen | own | one.values | {"can_be_cut": one.can_be_cut}
+    given = one.timer.mechanism.settings | one.timer.settings
+    chosen = {name: given[name] for name in _CHOSEN if name != "can_be_cut"}
+    return chosen | one.values | {"can_be_cut": one.can_be_cut}

@@ -63,7 +63,7 @@ def summarise(result: "DriveTorque") -> dict[str, Any]:
     mechanism: Any = result.mechanism
     cell = mechanism.cell_angle / result.speed
     force = {}
-    if getattr(mechanism, "crank_radius", None) is not None:
+    if mechanism.crank_radius is not None:
         force["contact_force_max"], angle = result.contact_force_max
         force["contact_force_max_deg"] = math.degrees(angle)
     return {

@@ -124,7 +124,7 @@ def _summary(
 def _warning(args: Arguments, mechanism: Any, fits: Fits, rows: list[dict[str, Any]]) -> str:
     """What a workshop would ask about: no clearance, thin walls, very large or small parts."""
     told = []
-    if not (mechanism.meshed or getattr(mechanism, "clearance", fits.clearance)):
+    if not (mechanism.meshed or mechanism.clearance or fits.clearance):
         told.append("the slots are as wide as the pins; give a --clearance to make them")
 
     unit = printed("length", args.units)

@@ -44,7 +44,7 @@ def execute(args: Arguments) -> int:
             "--angle must not come with a tabulated mechanism, which has no bodies to turn; "
             "leave it out"
         )
-    record, misfit = mechanism.report(), getattr(mechanism, "misfit", "")
+    record, misfit = mechanism.report(), mechanism.misfit
     if given := _arguments.typed(args, declared(Inertia)):
         _arguments.require(args, declared(Inertia), ", both or none")
         if mechanism.meshed:
@@ -56,7 +56,7 @@ def execute(args: Arguments) -> int:
             raise UsageError(f"--driver-inertia must come with parts that fit, got: {misfit}")
         record["critical_friction"] = esc.critical_friction(mechanism, Inertia(**given))
     kinds, warnings = {**mechanism.report_units}, list[str]()
-    if not getattr(mechanism, "perfect", True) and not misfit:
+    if not mechanism.perfect and not misfit:
         record["engagements"] = _engagements(mechanism)
     shaft = _arguments.typed(args, _SHAFT).get("follower_shaft_radius")
     outside = isinstance(mechanism, esc.Geneva) and not mechanism.internal
@@ -67,9 +67,8 @@ def execute(args: Arguments) -> int:
         found, warnings = _sizes(mechanism, shaft, args.units)
         record |= found
         kinds |= {name: "length" for name in found if not name.endswith("_over_crank_radius")}
-    if not getattr(mechanism, "perfect", True):
+    if not mechanism.perfect:
         text = "the numbers except the distance of the axes are those of parts without errors"
-        misfit = getattr(mechanism, "misfit", "")
         warnings += [f"warning: {told}" for told in (text, misfit) if told]
     angle = math.radians(args.angle or 0.0)
     _output.draw(args.plot, lambda plots: plots.plot_mechanism(mechanism, angle))

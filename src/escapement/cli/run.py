@@ -162,7 +162,7 @@ def _summarise(motion: "esc.Motion", figures: "esc.Figures", units: str) -> dict
         name: _output.in_units(getattr(figures, name), figure.kind, units)
         for name, figure in FIGURES.items()
     }
-    if getattr(motion.escapement.mechanism, "crank_radius", None) is None:
+    if motion.escapement.mechanism.crank_radius is None:
         del found["contact_force_max"]
     if len(figures.beats) > 1:
         found["beats"] = figures.beats

@@ -58,7 +58,7 @@ class Case(Declared):
         tight(self.mechanism)
         self.check_fields()
         check_losses(self, self.mechanism.path.table)
-        width = getattr(self.mechanism, "pin_radius", 0.0)
+        width = self.mechanism.pin_radius
         if self.friction > 0.0 and width:
             rule = "0 at constant speed with friction, whose torque is that of thin pins"
             raise validate.fail("pin_radius", rule, width, "leave pin_radius or friction out")
@@ -81,7 +81,7 @@ class Case(Declared):
 
 def tight(mechanism: Any) -> Any:
     """`mechanism`, or an error if its parts have errors, or its pins play in their slots."""
-    if play := getattr(checked(mechanism), "clearance", 0.0):
+    if play := checked(mechanism).clearance:
         remedy = "leave it out; simulate computes motions with clearance"
         raise validate.fail("clearance", "0 at constant speed", play, remedy)
     return mechanism

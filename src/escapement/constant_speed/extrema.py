@@ -106,7 +106,7 @@ def jerk_function(mechanism: Mechanism, theta: ArrayLike) -> FloatArray:
 
 def _jerk(mechanism: Mechanism) -> Function | Series:
     """g''; without a closed form of it the slope of the series of g'."""
-    known: Function | None = getattr(mechanism, "jerk", None)
+    known: Function | None = mechanism.jerk
     return known or fit(_reader(mechanism, "dg"), edges(mechanism)).derivative()
 
 

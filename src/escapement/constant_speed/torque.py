@@ -100,7 +100,7 @@ class DriveTorque(Case):
 
         NaN for a mechanism without slots or without a length.
         """
-        length = getattr(self.mechanism, "crank_radius", None)
+        length = self.mechanism.crank_radius
         if length is None:
             return Extremum(math.nan, math.nan)
         wheel: Any = self.mechanism
@@ -120,10 +120,9 @@ class DriveTorque(Case):
         0 for any other mechanism. If the moment between two reversals stays within two or three
         of these, the reversals may be due to the scatter.
         """
-        deviation = getattr(self.mechanism, "deviation", None)
-        if deviation is None:
+        if self.mechanism.noise == 0.0:
             return 0.0
-        return self.inertial * float(deviation(self.samples.theta).dg.max())
+        return self.inertial * float(self.mechanism.deviation(self.samples.theta).dg.max())
 
     def at(self, theta: ArrayLike) -> TorqueState:
         """Torque at driver angles from dead centre [rad], within one cell.

@@ -52,7 +52,7 @@ def ledger_of(motion: Any, progress: Callable[[int, int, int], None] | None = No
         return Ledger(**{field.name: 0.0 for field in fields(Ledger)})
     ends = motion.at([0.0, motion.end_time])
     driver, follower = (escapement.seen[f"{body}_inertia"] for body in ("driver", "follower"))
-    taken = getattr(motion.trajectory, "load_work", None)
+    taken = motion.trajectory.load_work
     # a blow at the very start is part of the motion, which begins in front of it
     first = ends if taken is None else motion.within(0, [0.0])
     one, two = (
@@ -78,7 +78,7 @@ def ledger_of(motion: Any, progress: Callable[[int, int, int], None] | None = No
             progress(done, motion.handoff_times.size, 0)
     losses = dict(zip(LOSSES, lost.tolist(), strict=True))
     kinetic = float(energies[1] - energies[0])
-    elastic = float(getattr(motion.trajectory, "elastic", 0.0))
+    elastic = float(motion.trajectory.elastic)
     missing = work - kinetic - elastic - load - sum(losses.values()) - blows
     parts = {**losses, "blows": blows, "elastic": elastic}
     scale = max(abs(x) for x in (work, energies[0], kinetic, load, *parts.values()))

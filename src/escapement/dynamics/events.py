@@ -29,7 +29,7 @@ def handoffs_of(escapement: Escapement, time: FloatArray, speed: FloatArray) -> 
     start, left, ratio, jump, radius = np.array(rows).T[:, engagement % len(meetings)]
     before = speed / left
     lost = own.driver * before**2 - (own.driver + own.follower * ratio**2) * speed**2
-    crank = getattr(escapement.mechanism, "crank_radius", None) or np.nan
+    crank = escapement.mechanism.crank_radius or np.nan
     return Handoffs(
         engagement,
         time,
@@ -53,8 +53,8 @@ def blows_among(found: Handoffs) -> Handoffs:
 def slide_changes_of(motion: Any) -> Events:
     """Every instant at which the contact point crosses the line of centres."""
     trajectory, scenes = motion.trajectory, motion.escapement.scenes
-    if (own := getattr(trajectory, "slide_changes", None)) is not None:
-        return own  # type: ignore[no-any-return]
+    if trajectory.slide_changes is not None:
+        return trajectory.slide_changes  # type: ignore[no-any-return]
     pieces = np.flatnonzero(np.diff(trajectory.engagement) == 0) + 1
     if scenes[0].path.table or pieces.size == 0:
         return NoTrajectory.reversals

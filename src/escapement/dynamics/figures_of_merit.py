@@ -312,18 +312,18 @@ def find_peaks(motion: Motion) -> list[float]:
     without a crank radius.
     """
     # one engine computes them itself; the motion of the other is sampled
-    found = getattr(motion.trajectory, "peaks", None)
+    found = motion.trajectory.peaks
     if found is None:
         return _sampled_peaks(motion)
     *others, force = found.max(axis=1).tolist()
-    crank = getattr(motion.escapement.mechanism, "crank_radius", None)
+    crank = motion.escapement.mechanism.crank_radius
     return [*others, _NAN if crank is None else force / crank]
 
 
 def _sampled_peaks(motion: Motion) -> list[float]:
     """The same from states of the motion."""
     names = ["theta_ddot", "phi_ddot", "contact_moment"]
-    if getattr(motion.escapement.mechanism, "crank_radius", None) is not None:
+    if motion.escapement.mechanism.crank_radius is not None:
         names.append("contact_force")
     bounds = np.append(motion.trajectory.start, motion.end_time)
     pieces = np.arange(bounds.size - 1)[:, None]

@@ -36,8 +36,7 @@ def flow_changes_of(motion: Any) -> FlowChanges:
     next, as at a pin reversal, the change is at the boundary. Two changes between neighbouring
     places of 129 in a piece are missed.
     """
-    trains = [n for n in ("barrel", "load_train") if getattr(motion.escapement, n) is not None]
-    found = sorted(row for train in trains for row in _changes(motion, train))
+    found = sorted(row for train in motion.escapement.trains for row in _changes(motion, train))
     columns = [np.array(column) for column in zip(*found, strict=True)] or [np.empty(0)] * 6
     time, engagement, theta, speed, names, forward = columns
     return FlowChanges(engagement, time, theta, speed, names, forward)
@@ -76,7 +75,7 @@ def _passed(motion: Any, piece: int, times: FloatArray, train: str) -> FloatArra
     It is positive where power flows on towards the load.
     """
     state = motion.within(np.full(times.size, piece), times)
-    seen, own = motion.escapement.seen, getattr(motion.escapement, train)
+    seen, own = motion.escapement.seen, motion.escapement.trains[train]
     if train == "load_train":
         # at a handoff rounding decides the sign of the follower's speed
         way = np.where(state.phi_dot < -_ROUNDING * np.abs(state.theta_dot), -1.0, 1.0)

@@ -73,7 +73,7 @@ def contact_summary(motion: Motion, intervals: int = 20) -> ContactSummary:
     top, when = float(force.max(initial=0.0)), float("nan")
     if force.size:
         when = float(motion.t[int(force.argmax())])
-    hardest = getattr(motion.trajectory, "hardest", None)
+    hardest = motion.trajectory.hardest
     if hardest is not None and force.size:
         # a blow is shorter than the times of a motion lie apart
         top, when = hardest

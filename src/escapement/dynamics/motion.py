@@ -133,12 +133,14 @@ class Motion(Shown):
     @property
     def reversals(self) -> Events:
         """Every pin reversal, located exactly."""
-        return self.trajectory.reversals
+        found: Events = self.trajectory.reversals
+        return found
 
     @property
     def extrema(self) -> Extrema:
         """Every extremum of the driver speed, corners at handoffs included."""
-        return self.trajectory.extrema
+        found: Extrema = self.trajectory.extrema
+        return found
 
     @cached_property
     def handoffs(self) -> Handoffs:
@@ -148,7 +150,7 @@ class Motion(Shown):
     @property
     def impacts(self) -> Handoffs | Impacts:
         """Every blow: with clearance those between pin and slot, otherwise those of handoffs."""
-        own: Impacts | None = getattr(self.trajectory, "impacts", None)
+        own = self.trajectory.impacts
         return blows_among(self.handoffs) if own is None else own
 
     @cached_property
@@ -220,8 +222,8 @@ class Motion(Shown):
 
     def _state(self, trajectory: Trajectory, pieces: np.ndarray, times: FloatArray) -> State:
         """State at `times`, each within the piece of that index."""
-        if whole := getattr(trajectory, "states_at", None):
-            return whole(pieces, times)  # type: ignore[no-any-return]
+        if (whole := trajectory.states_at(pieces, times)) is not None:
+            return whole
         escapement, clock = self.escapement, self.escapement.time_unit
         mechanism, owners, flat = escapement.mechanism, pieces.reshape(-1), times.reshape(-1)
         theta, speed = trajectory.states(owners, flat)
@@ -253,7 +255,7 @@ class Motion(Shown):
         moment *= escapement.torque_unit
         rate /= clock**2
         losses *= escapement.torque_unit
-        crank = getattr(mechanism, "crank_radius", None)
+        crank = mechanism.crank_radius
         columns: dict[str, FloatArray | None] = {
             "theta": theta + engagement * mechanism.cell_angle + late,
             "theta_dot": speed,
@@ -271,7 +273,7 @@ class Motion(Shown):
             # both bearings carry the force of the contact and its friction
             reaction = np.abs(force) * np.hypot(1.0, escapement.scene.mu_plus)
             columns["follower_bearing_reaction"] = reaction
-            if getattr(mechanism, "plain_crank", True):
+            if mechanism.plain_crank:
                 columns["driver_bearing_reaction"] = reaction
         shaped: dict[str, Any] = {
             name: None if column is None else column.reshape(times.shape)
@@ -297,7 +299,7 @@ class Motion(Shown):
         ends = np.concatenate([starts[:1], self.handoff_times, [self.end_time]])
         even = np.linspace(ends[:-1], ends[1:], _SAMPLES, endpoint=False).reshape(-1)
         times = np.concatenate([even, starts, self.reversals.time, peaks, ends[-1:]])
-        if (blows := getattr(self.trajectory, "impacts", None)) is not None:
+        if (blows := self.trajectory.impacts) is not None:
             # the states on both sides of a jump
             times = np.concatenate([times, np.nextafter(blows.time, 0.0)])
         return np.unique(np.minimum(times, self.end_time)) if self.end_time > 0.0 else np.empty(0)

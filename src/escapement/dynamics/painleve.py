@@ -275,7 +275,7 @@ def _limit(escapement: Escapement, before: bool) -> float:
         friction_limit(scene, *((scene.edges[0], 0.0) if before else (0.0, scene.edges[-1])))[0]
         for scene in _flows_of(escapement)
     ]
-    return slid(vars(escapement.mechanism), float(min(limits)))
+    return slid(escapement.mechanism.lengths, float(min(limits)))
 
 
 def critical_angle(mechanism: Mechanism, inertia: Inertia, friction: float) -> float:
@@ -292,7 +292,7 @@ def critical_angle(mechanism: Mechanism, inertia: Inertia, friction: float) -> f
     if friction < limit:
         return float("nan")
     if painleve_ratio(path, breaks[0], rho) <= friction:
-        return breaks[0]
+        return float(breaks[0])
 
     def reduced_inertia(theta: FloatArray) -> FloatArray:
         found = transmission(path, theta)
@@ -332,7 +332,7 @@ def _remedy(escapement: Escapement) -> str:
     """Which option gives an answer beyond the limit, if one does."""
     if len(escapement.scenes) > 1 or escapement.curve is not None:
         return ""
-    if not hasattr(escapement.mechanism, "clearance"):
+    if not escapement.mechanism.takes_clearance:
         return "; jam_rule gives an approximation"
     rule = "jam_rule without the clearance" if escapement.contact else "jam_rule"
     return f"; give stiffness and damping for compliant contact, or {rule} for an approximation"

@@ -3,12 +3,15 @@
 from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import ClassVar, Protocol, Self
+from typing import TYPE_CHECKING, Any, ClassVar, Self
 
 import numpy as np
 
 from escapement.base.text import Shown
 from escapement.mechanisms.protocol import FloatArray
+
+if TYPE_CHECKING:
+    from escapement.dynamics.motion import State
 
 
 @dataclass(frozen=True, repr=False)
@@ -87,55 +90,41 @@ class Impacts(Events):
     energy: FloatArray
 
 
-class Trajectory(Protocol):
-    """The pieces of a motion, its events, and the driver's state within them.
+class Trajectory:
+    """Base of all trajectories: the pieces of a motion, its events, and the states within them.
 
-    One that is held as a whole inherits the rest from `Held`. Where the follower is free of the
-    driver, a trajectory gives more: `states_at(pieces, t)`, the whole `motion.State` at times
-    within pieces of these indices, in place of `states`; and `impacts`, `slide_changes` and
-    `load_work`, what the load takes over each piece [J]. Its `sign` is that of the wall that the
-    pin touches, 0 in a flight.
+    The first six attributes must be given, and either `state` or `states`; all others have
+    defaults. Those of a follower that is free of the driver, in clearance or between walls that
+    yield, give `states_at`, and the attributes that are None here.
     """
 
-    @property
-    def start(self) -> FloatArray:
-        """Start time of each piece [s]."""
+    start: Any
+    """Start time of each piece [s]."""
+    engagement: Any
+    """Engagement of each piece."""
+    sign: Any
+    """+1 or -1: side of the slot that carries the force, or wall that the pin touches; 0: the
+    follower is locked, or the pin in flight."""
+    losses: Any
+    """Work lost over each piece in each of `dynamics.law.LOSSES` [J], shape (7, n)."""
+    reversals: Any
+    """Every pin reversal: `Events`."""
+    extrema: Any
+    """Every extremum of the driver speed, corners at handoffs included: `Extrema`."""
 
-    @property
-    def engagement(self) -> np.ndarray:
-        """Engagement of each piece."""
-
-    @property
-    def sign(self) -> FloatArray:
-        """+1 or -1: side of the slot that carries the force; 0: follower locked."""
-
-    @property
-    def losses(self) -> FloatArray:
-        """Work lost over each piece in each of `dynamics.law.LOSSES` [J], shape (7, n)."""
-
-    @property
-    def reversals(self) -> Events:
-        """Every pin reversal."""
-
-    @property
-    def extrema(self) -> Extrema:
-        """Every extremum of the driver speed, corners at handoffs included."""
-
-    def states(self, pieces: np.ndarray, t: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Driver angles in the cell [rad] and speeds [rad/s] at times, each within a piece."""
-
-    def around(self, t: FloatArray) -> "Trajectory":
-        """A trajectory with the pieces that hold these times [s], perhaps without others."""
-
-    def parts(self) -> "Iterator[tuple[Trajectory, slice]]":
-        """Trajectories of some engagements each, one after the other, and which these are.
-
-        A short one is its only part.
-        """
-
-
-class Held:
-    """What trajectories share that are held as a whole, and know the states of one piece."""
+    impacts: Any = None
+    """Blows between pin and slot, `Impacts`; None where there are none but those of handoffs."""
+    slide_changes: Any = None
+    """`Events` at which sliding reverses; None where they follow from the pieces."""
+    load_work: Any = None
+    """What the load takes over each piece [J]; None where it follows from the angles."""
+    elastic: Any = 0.0
+    """Energy stored in walls at the end, less that at the start [J]."""
+    hardest: Any = None
+    """Greatest contact force [N] and its time [s]; None where samples of the motion show it."""
+    peaks: Any = None
+    """Greatest magnitudes over each piece of both accelerations, the contact moment and the force
+    of a crank of 1 m, shape (4, n), in SI; None where states of the motion are sampled for them."""
 
     def state(self, piece: int, t: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Driver angles in the cell [rad] and speeds [rad/s] at times within a piece."""
@@ -152,16 +141,23 @@ class Held:
             found[:, chosen] = self.state(pieces[chosen[0]], t[chosen])
         return found[0], found[1]
 
+    def states_at(self, pieces: np.ndarray, t: FloatArray) -> "State | None":
+        """Whole states at times within pieces; None where they follow from `states`."""
+        return None
+
     def around(self, t: FloatArray) -> Self:
-        """All of it."""
+        """A trajectory with the pieces that hold these times [s], perhaps without others."""
         return self
 
     def parts(self) -> Iterator[tuple[Self, slice]]:
-        """All of it."""
+        """Trajectories of some engagements each, one after the other, and which these are.
+
+        A short one is its only part.
+        """
         yield self, slice(None)
 
 
-class NoTrajectory(Held):
+class NoTrajectory(Trajectory):
     """Trajectory of an escapement that has no motion: it consists of no pieces."""
 
     start = sign = np.empty(0)

@@ -73,7 +73,7 @@ ATTRIBUTES = {"engine": str, "rtol": float, "end_time": float, "message": str}
 
 def groups_of(motion: Any) -> tuple[tuple[str, str, Columns], ...]:
     """`GROUPS`, and the blows if the motion has clearance."""
-    own = getattr(motion.trajectory, "impacts", None) is not None
+    own = motion.trajectory.impacts is not None
     return (*GROUPS, ("impacts", "impact_", _IMPACTS)) if own else GROUPS
 
 

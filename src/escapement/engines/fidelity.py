@@ -17,17 +17,11 @@ from escapement.base.text import Shown
 from escapement.dynamics.figures_of_merit import Figures
 from escapement.engines.simulate import terminal
 from escapement.mechanisms.checks import IMPERFECT
-from escapement.model.escapement import Escapement
+from escapement.model.escapement import AIR, CONTACT, FRICTION, Escapement
 
 ENOUGH = 1e-3
 """A rung is sufficient if its period differs by less than this share from that of the next."""
 _FIGURES = ("period", "velocity_max", "velocity_min", "contact_force_max")
-_LOSSES = (
-    *("driver_bearing_friction", "driver_bearing_radius", "follower_bearing_friction"),
-    *("follower_bearing_radius", "driver_bearing_torque", "driver_drag", "follower_drag"),
-    *("driver_viscous", "follower_viscous"),
-)
-_CONTACT = ("stiffness", "damping", "restitution", "contact_law", "slip_speed")
 
 
 @dataclass(frozen=True, repr=False)
@@ -79,9 +73,11 @@ def compare_rungs(escapement: Escapement) -> Rungs:
 
 def _rungs(escapement: Escapement) -> dict[str, Escapement]:
     """The design on each rung, the simplest first; a rung that changes nothing is left out."""
-    rigid = replace(escapement, **_defaults(Escapement, _CONTACT))
+    rigid = replace(escapement, **_defaults(CONTACT))
     fitting = replace(rigid, mechanism=_without(rigid.mechanism, ("clearance",)))
-    plain = replace(fitting, **_defaults(Escapement, _LOSSES))
+    # even the simplest model has the friction of the slot, or the efficiency of the mesh
+    kept = {name: fitting.settings[name] for name in ("friction", "efficiency")}
+    plain = replace(fitting, **_defaults(FRICTION, AIR) | kept)
     bare = ("pin_radius", "roller_radius", *IMPERFECT)
     ideal = replace(plain, mechanism=_without(plain.mechanism, bare))
     impact = replace(rigid, restitution=escapement.restitution)
@@ -93,8 +89,10 @@ def _rungs(escapement: Escapement) -> dict[str, Escapement]:
     return found
 
 
-def _defaults(owner: type, names: tuple[str, ...]) -> dict[str, Any]:
-    return {name: declared(owner)[name].default for name in names}
+def _defaults(*groups: str) -> dict[str, Any]:
+    """Defaults of the numbers of an escapement in these groups, by name."""
+    entries = declared(Escapement).items()
+    return {name: entry.default for name, entry in entries if entry.group in groups}
 
 
 def _without(mechanism: Any, names: tuple[str, ...]) -> Any:

@@ -110,11 +110,6 @@ def simulate(
         duration = check_number(Run, "duration", duration)
     if why := _impossible(escapement, settings["initial_speed"]):
         return no_motion(escapement, engine, settings["rtol"], why)
-    if duration is not None and engine == "ivp":
-        # the fast engine refuses too long a duration in a moment, the other after hours
-        start = {"initial_speed": settings["initial_speed"], "rtol": 1e-6}
-        fast = _engine(DEFAULT_ENGINE, "", "simulate")
-        fast(escapement, engagements=None, duration=duration, longest=LONGEST[engine], **start)
     run = _engine(engine, escapement.contact, "simulate")
     motion: Motion = run(escapement, engagements=engagements, duration=duration, **settings)
     note = uniqueness_note(escapement) if motion.status is not Status.PAINLEVE else ""
@@ -149,7 +144,7 @@ def _settings(
 
 def _impossible(escapement: Escapement, speed: float) -> str:
     """Why nothing can be computed: a pin misses its slot, or kernels would overflow; or ""."""
-    if misfit := getattr(escapement.mechanism, "misfit", ""):
+    if misfit := escapement.mechanism.misfit:
         return str(misfit)
     # by the ratios of inertias, torques and speed
     unequal = escapement.too_unequal or speed * escapement.time_unit >= MOST_UNEQUAL

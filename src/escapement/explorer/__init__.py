@@ -14,10 +14,11 @@ import json
 import re
 from collections.abc import Mapping, Sequence
 from importlib.resources import files
+from itertools import chain
 from typing import Any
 
 from escapement.base import validate
-from escapement.base.quantity import Choice, Setting, Truth, declared
+from escapement.base.quantity import Choice, Quantity, Setting, Truth, declared
 from escapement.base.spoken import spoken
 from escapement.base.status import Status
 from escapement.base.units import SYSTEMS, factor, printed
@@ -48,13 +49,7 @@ GROUPS = {
 """Fields of the page, by the titles of their groups."""
 MOST_SLOTS, MOST_ENGAGEMENTS = 40, 1000
 """Figures that the page computes while a number is dragged."""
-COMPUTED = (
-    *("slots", "pins", "internal", "crank_radius", "pin_radius", "driver_inertia"),
-    *("follower_inertia", "torque", "friction", "load_torque", "driver_bearing_friction"),
-    *("driver_bearing_radius", "follower_bearing_friction", "follower_bearing_radius"),
-    *("driver_bearing_torque", "driver_drag", "follower_drag", "spring_rate"),
-    *("initial_speed", "engagements"),
-)
+COMPUTED = tuple(chain(*GROUPS.values()))
 """Numbers of a design that the page computes with, by the names of studies."""
 _KINDS = ("ratio", "time", "speed", "force", "torque", "length")
 _MODULE = re.compile(r"^import .*?;\n|^export (?=\w)", re.MULTILINE | re.DOTALL)
@@ -72,14 +67,14 @@ def design_of(
     """
     wheel, remedy = escapement.mechanism, "serve it: escapement explore --serve"
     if not isinstance(wheel, Geneva):
-        kind = getattr(wheel, "kind", type(wheel).__name__)
-        raise validate.fail("mechanism", "a Geneva wheel for the explorer", kind, remedy)
+        raise validate.fail("mechanism", "a Geneva wheel for the explorer", wheel.kind, remedy)
     if escapement.without_trains is not escapement:
         raise validate.fail("barrel and load_train", "left out for the explorer", "a train", remedy)
     design: dict[str, Any] = {"initial_speed": initial_speed, "engagements": engagements}
     for owner in (wheel, escapement.inertia, escapement):
+        settings = owner.settings
         for name, entry in declared(type(owner)).items():
-            value = getattr(owner, entry.key)
+            value = settings[name]
             if name in COMPUTED:
                 if name == "torque":
                     value = validate.number(name, value, "the explorer takes no torque curve")
@@ -139,7 +134,7 @@ def player(motion: Motion) -> str:
         got = f"none ({motion.message})"
         raise validate.fail("motion", "longer than zero to be played", got, "change its inputs")
     record = played(motion, cycle_of(motion))
-    kind = getattr(motion.escapement.mechanism, "kind", "escapement")
+    kind = motion.escapement.mechanism.kind
     count = motion.handoff_times.size
     lead = f"{count} engagements of a {kind} mechanism, as engine {motion.engine} computed them"
     told = "." if motion.status is Status.OK else f"; {motion.message}."
@@ -199,7 +194,7 @@ def _told(entry: Setting) -> dict[str, Any]:
         "label": entry.long_name[0].upper() + entry.long_name[1:],
         "unit": entry.unit,
         "default": entry.default if isinstance(entry.default, int | float | str) else None,
-        "whole": bool(getattr(entry, "whole", False)),
+        "whole": isinstance(entry, Quantity) and entry.whole,
         "optional": entry.default is None and not entry.required,
         "needs": entry.unit == "length" and not own,
         "truth": isinstance(entry, Truth),

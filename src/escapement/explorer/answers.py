@@ -81,7 +81,7 @@ class Answers:
     def shown(escapement: Escapement, speed: float, count: int) -> dict[str, Any]:
         """The answer of `motion` for an escapement."""
         found: dict[str, Any] = {
-            "kind": getattr(escapement.mechanism, "kind", ""),
+            "kind": escapement.mechanism.kind,
             "plain": None,
             "motion": None,
         }
@@ -120,7 +120,7 @@ class Answers:
         sample: dict[str, Any] = {"method": "random"}
         for name, share in self._table(question, "tolerances").items():
             validate.choice("tolerances", name, TOLERANCES)
-            if getattr(escapement, name, None) != 0.0 and _has(escapement, name):
+            if _can_vary(escapement, name):
                 sample[name] = {"relative_tolerance": share}
         names = [name for name in TOLERANCES if name in sample]
         if not names:
@@ -165,7 +165,7 @@ class Answers:
         escapement = plan.built(values | change)
         speed = float(change.get("initial_speed", values["initial_speed"]))
         kind = question.get("kind")
-        if kind is None or kind == getattr(escapement.mechanism, "kind", ""):
+        if kind is None or kind == escapement.mechanism.kind:
             return escapement, speed
         return another_kind(escapement, validate.choice("kind", kind, tuple(EXAMPLES))), speed
 
@@ -198,11 +198,11 @@ class Answers:
         return value
 
 
-def _has(escapement: Escapement, name: str) -> bool:
-    """Whether an escapement has a number that can vary."""
-    meshed = bool(getattr(escapement.mechanism, "meshed", False))
-    curve = isinstance(escapement.torque, TorqueCurve)
-    return not (name == "friction" and meshed) and not (name == "torque" and curve)
+def _can_vary(escapement: Escapement, name: str) -> bool:
+    """Whether a number, one of `TOLERANCES`, can vary by a share of itself."""
+    if name == "friction":
+        return escapement.friction != 0.0 and not escapement.mechanism.meshed
+    return name != "torque" or not isinstance(escapement.torque, TorqueCurve)
 
 
 def _axis(name: str, edges: np.ndarray) -> dict[str, Any]:
@@ -213,7 +213,7 @@ def _axis(name: str, edges: np.ndarray) -> dict[str, Any]:
 def another_kind(escapement: Escapement, kind: str) -> Escapement:
     """An escapement with the same drive and the example of another kind of mechanism."""
     wheel = kind_of(kind)(**EXAMPLES[kind])
-    own = {name: getattr(escapement, name) for name in ("torque", "load_torque", "friction")}
+    own = {name: escapement.settings[name] for name in ("torque", "load_torque", "friction")}
     if wheel.meshed:
         own["friction"] = 0.0
         return Escapement(wheel, escapement.inertia, **own, efficiency=0.9)

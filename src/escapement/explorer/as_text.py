@@ -14,8 +14,7 @@ def numbers_of(escapement: Escapement) -> dict[str, Any]:
     """Numbers, words and truth values of an escapement by the names of studies, in SI."""
     found: dict[str, Any] = {}
     for owner in (escapement.mechanism, escapement.inertia, escapement):
-        for name, entry in declared(type(owner)).items():
-            value = getattr(owner, entry.key)
+        for name, value in owner.settings.items():
             if isinstance(value, TorqueCurve):
                 value = value.torque[0]
             if value is None or isinstance(value, int | float | str):
@@ -28,7 +27,7 @@ def numbers_of(escapement: Escapement) -> dict[str, Any]:
 def text_of(escapement: Escapement, initial_speed: float = 0.0) -> str:
     """The design as a study of one case in TOML."""
     axis = "load_torque" if isinstance(escapement.torque, TorqueCurve) else "torque"
-    axes = {axis: [getattr(escapement, axis)]}
+    axes = {axis: [escapement.settings[axis]]}
     found = plan_from(escapement, axes, initial_speed=initial_speed).configuration
     # the engine is not written: it follows from the design, also after a change
     plain = _told(

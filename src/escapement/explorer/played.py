@@ -75,11 +75,11 @@ def played(motion: Motion, figures: Figures | None = None) -> dict[str, Any]:
         "design": {
             "friction": motion.escapement.friction,
             "spring_rate": motion.escapement.spring_rate,
-            "crank_radius": getattr(mechanism, "crank_radius", None),
+            "crank_radius": mechanism.crank_radius,
         },
         "drawn": drawn,
     }
-    record["meshed"] = not getattr(mechanism, "slots", 0)
+    record["meshed"] = not mechanism.slots
     found: dict[str, Any] = plain(record)
     return found
 
@@ -147,8 +147,8 @@ def _figures(motion: Motion, figures: Figures) -> dict[str, Any]:
     # JSON has no infinity
     found: dict[str, Any] = {k: "Infinity" if v == np.inf else v for k, v in every.items()}
     found |= {"status": figures.status.label, "message": figures.message}
-    mechanism: Any = escapement.mechanism
-    if getattr(mechanism, "slots", 0) and not getattr(mechanism, "contact_radius", 0.0):
+    mechanism = escapement.mechanism
+    if mechanism.slots and not mechanism.contact_radius:
         inertia = escapement.without_trains.inertia
         rho, (entry, *_, exit_) = inertia.driver / inertia.follower, mechanism.breaks
         # the limit is the same on both sides of dead centre, and it is met behind it

@@ -11,18 +11,21 @@ from escapement.base.status import Status
 from escapement.base.text import plain, words
 from escapement.base.units import spelt
 from escapement.dynamics.merit_table import FIGURES
-from escapement.explorer import GROUPS, design_of, explored, filled, read
+from escapement.explorer import COMPUTED, GROUPS, design_of, explored, filled, read
 from escapement.explorer.answers import CLOUD, EXAMPLES, MOST_CASES, TOLERANCES, Answers
 from escapement.explorer.serve import Server
 from escapement.mechanisms import kind_of
-from escapement.model.escapement import Escapement, Inertia, Run
+from escapement.model.escapement import AIR, CONTACT, FRICTION, Escapement, Inertia, Run
 from escapement.study.plan import StudyPlan
 from escapement.study.result import Study
 
 FURTHER = {
-    "Friction": ("efficiency",),
-    "Air": ("driver_viscous", "follower_viscous"),
-    "Clearance and contact": ("restitution", "stiffness", "damping", "contact_law", "slip_speed"),
+    title: tuple(
+        name
+        for name, entry in declared(Escapement).items()
+        if entry.group == title and name not in COMPUTED
+    )
+    for title in (FRICTION, AIR, CONTACT)
 }
 """Fields that the served page has in addition to those of every page."""
 MOST_SHOWN = 200_000

@@ -7,7 +7,6 @@ sense * phi(input + phase) + offset,  and least squares finds the phase and the 
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
-from functools import partial
 from typing import NamedTuple
 
 import numpy as np
@@ -16,7 +15,6 @@ from escapement.base.lazy import Lazy
 from escapement.base.text import Shown
 from escapement.measurement.readings import TURN, blocks, wraps
 from escapement.mechanisms.protocol import FloatArray, Mechanism
-from escapement.mechanisms.slotted import transmission
 
 optimize = Lazy("scipy.optimize")
 _START_SAMPLES = 1000
@@ -63,12 +61,10 @@ def slope(mechanism: Mechanism, theta: FloatArray) -> FloatArray:
 
     It is zero in the dwell.
     """
-    # a follower that turns back has no pin's path, but a method for its transmission
-    read = getattr(mechanism, "transmission", None) or partial(transmission, mechanism.path)
     g, exit_ = np.empty_like(theta), mechanism.breaks[-1]
     for part in blocks(theta.size):
         _, local = _split(mechanism, theta[part])
-        g[part] = np.where(local > exit_, 0.0, read(np.minimum(local, exit_)).g)
+        g[part] = np.where(local > exit_, 0.0, mechanism.transmission(np.minimum(local, exit_)).g)
     return g
 
 

@@ -66,6 +66,7 @@ class Geneva(ImperfectWheel):
     """
 
     kind = "geneva"
+    takes_clearance = True
     summary = "wheel with radial slots, pins on a crank"
     report_units: ClassVar[dict[str, str]] = {"centre_distance": "length"}
     reported = ("stations", *WHEEL)

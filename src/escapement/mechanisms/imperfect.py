@@ -81,6 +81,18 @@ class ImperfectWheel(Wheel):
         return {name: self._parts(name)[1] for name in lists}
 
     @property
+    def errors(self) -> dict[str, float]:
+        """The errors of its parts by the names that studies use [SI]; empty if it is perfect."""
+        if self.perfect:
+            return {}
+        found = {"centre_distance_error": self.centre_distance_error}
+        for name, count in self.error_counts.items():
+            values = getattr(self, name) or (0.0,) * count
+            found |= {f"{name}_{i}": float(value) for i, value in enumerate(values)}
+        # without a size it can have errors of angles alone
+        return {k: v for k, v in found.items() if self.crank_radius or "angle" in k}
+
+    @property
     def path_numbers(self) -> dict[str, Any]:
         """Vectors of its perfect path, and the turns of driver and follower from pin to pin.
 
@@ -115,11 +127,18 @@ class ImperfectWheel(Wheel):
         """The engagements after which pins and slots meet again, as `pattern_of` gives them."""
         return self._laid_out[0]
 
-    @cached_property
+    @property
     def meetings(self) -> tuple[Meeting, ...]:
-        """The engagements of its pattern; InvalidValue if a pin cannot drive its slot."""
+        """The engagements of its pattern, one if its parts are perfect.
+
+        InvalidValue if a pin cannot drive its slot.
+        """
         if self.misfit:
             raise InvalidValue(self.misfit)
+        return super().meetings if self.perfect else self._meetings
+
+    @cached_property
+    def _meetings(self) -> tuple[Meeting, ...]:
         return pattern.meetings_of(self.pattern)  # type: ignore[no-any-return]
 
     def follower_angle(self, theta: ArrayLike) -> FloatArray:

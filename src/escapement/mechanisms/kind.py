@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
 from functools import cache, cached_property
 from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple, Self
 
@@ -12,11 +11,10 @@ from escapement.base.errors import UnknownArgument
 from escapement.base.lazy import Lazy
 from escapement.base.quantity import Declared, Setting, declared, quantity
 from escapement.base.spoken import told
-from escapement.base.units import degrees
 from escapement.mechanisms.checks import check_lengths
 from escapement.mechanisms.other_sizes import OtherSize, diameters, own_numbers
 from escapement.mechanisms.path import Path
-from escapement.mechanisms.protocol import FloatArray
+from escapement.mechanisms.protocol import CELL, FloatArray, Mechanism
 
 if TYPE_CHECKING:
     import numpy as np
@@ -41,16 +39,14 @@ __all__ = [
     "table",
 ]
 
-CELL = ("motion_ratio", "cell_angle_deg", "follower_step_deg")
-"""Keys that every kind reports about the angles of driver and follower in a cell."""
 WHEEL = (*CELL, "slots", "pins", "continuous", "dwell_deg", "transmission_max")
 """Keys that every wheel reports besides its stations."""
 
 
-class Kind(Declared):
+class Kind(Declared, Mechanism):
     """Base of the mechanisms that a file or the command line can describe.
 
-    In addition to the protocol of `mechanisms.protocol`, a kind has its declared fields and the
+    In addition to what `mechanisms.protocol` asks for, a kind has its declared fields and the
     attributes below. Its file is imported to list its options, so it
     loads nothing heavy: NumPy and kernels come through `escapement.base.lazy`.
     """
@@ -62,20 +58,10 @@ class Kind(Declared):
     """Description, a line of help."""
     meshed: ClassVar[bool] = False
     """Whether it has no slots, and its losses are given by an efficiency."""
-    report_units: ClassVar[Mapping[str, str]] = {}
-    """Kind of unit of reported numbers, if it differs from that of their name."""
-
-    reported: ClassVar[tuple[str, ...]] = CELL
-    """Keys of the report: names of attributes, with "_deg" at the end for angles in degrees."""
     motion_ratio: Any = 1.0
     """Share of the cell during which the follower moves: 1 without a dwell."""
-
-    # subclasses have these as fields or properties
-    path: Any
-    breaks: Any
-    follower_angle: Any
-    cell_angle: Any
-    follower_step: Any
+    given: Any = ()
+    """Names of settings that a study keeps although the mechanism would choose the same."""
 
     def __new__(cls, *args: Any, **keywords: Any) -> Self:
         """As of `Declared`; tells how to give a size that the class has no argument for."""
@@ -103,14 +89,6 @@ class Kind(Declared):
     def from_options(cls, **given: Any) -> Self:
         """The mechanism of its numbers in SI, and of sizes in place of them, by name."""
         return cls(**own_numbers(cls.other_sizes(), given))
-
-    def report(self) -> dict[str, Any]:
-        """Its geometry by JSON key, in SI; angles in degrees where the key says so."""
-        return {key: self._figure(key) for key in self.reported}
-
-    def _figure(self, key: str) -> Any:
-        name = key.removesuffix("_deg")
-        return getattr(self, key) if name == key else degrees(getattr(self, name))
 
 
 def pin_radius() -> dict[str, Any]:
@@ -163,16 +141,8 @@ class Wheel(Kind):
     """Base of the wheels with slots that pins drive: the motion follows from the pin's path."""
 
     stations: Any
-    slots: Any
-    pins: Any
     arms: Any
     engagement_angle: Any
-    crank_radius: Any
-    """Unit of length of the arms [m]; None where the mechanism has no size."""
-    pin_radius: Any
-    roller_radius: Any
-    plain_crank: ClassVar[bool] = True
-    """Whether the driver's bearing carries only the contact force."""
 
     @property
     def contact_radius(self) -> float:
@@ -195,7 +165,7 @@ class Wheel(Kind):
             raise validate.fail("roller_radius", rule, told(roller, "length"), "give both radii")
         name = "roller_radius" if roller else "pin_radius"
         outer = roller or pin
-        play = getattr(self, "clearance", 0.0)
+        play = self.clearance
         if not (outer or play):
             return
         check_lengths({name: outer, "clearance": play}, self.crank_radius, self.plain_crank)

@@ -25,13 +25,6 @@ def ratio_in_range(ratio: ArrayLike) -> NDArray[np.bool_]:
     return (values > 1.0 / MOST_UNEQUAL) & (values < MOST_UNEQUAL)
 
 
-RESISTANCES = (
-    *("load", "bearing", "driver_drag", "follower_drag", "driver_viscous", "follower_viscous"),
-    *("driver_journal", "follower_journal"),
-)
-"""Numbers of a `Scene` that resist the motion, besides friction in the slot."""
-
-
 def check_contact(contact: str, mechanism: Any, values: Mapping[str, Any]) -> None:
     """Refuse clearance and stiffness for mechanisms whose contact cannot be computed.
 
@@ -41,7 +34,7 @@ def check_contact(contact: str, mechanism: Any, values: Mapping[str, Any]) -> No
         return
     name = "stiffness" if contact == "compliant" else "clearance"
     value = values[name] if contact == "compliant" else mechanism.clearance
-    if not hasattr(mechanism, "clearance"):
+    if not mechanism.takes_clearance:
         rule = "0 for a mechanism that is not a Geneva wheel"
         raise validate.fail(name, rule, value, "choose geneva, or leave it out")
     if not mechanism.perfect:
@@ -53,16 +46,21 @@ def check_trains(owner: Any, running_down: bool) -> None:
 
     running_down : whether the torque of the drive may come to an end.
     """
-    for place in ("barrel", "load_train"):
-        train = getattr(owner, place)
-        if train is None or train.efficiency == 1.0:
+    for place, train in owner.trains.items():
+        if train.efficiency == 1.0:
             continue
         name, value = f"{place}_efficiency", train.efficiency
-        if not getattr(owner.mechanism, "perfect", True):
+        if not owner.mechanism.perfect:
             raise validate.fail(name, "1 with errors of the parts", value, "leave out one of them")
-        if running_down and (owner.driver_viscous or owner.follower_viscous):
+        if running_down and any(value for _, value in _viscous(owner)):
             rule = "1 with viscous drag and a spring that runs down"
             raise validate.fail(name, rule, value, "leave out one of them")
+
+
+def _viscous(owner: Declared) -> list[tuple[str, Any]]:
+    """Names and values of drag proportional to the speed."""
+    kinds = quantities(type(owner)).values()
+    return [(x.name, getattr(owner, x.key)) for x in kinds if x.unit == "viscous"]
 
 
 @per_class

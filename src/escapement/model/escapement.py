@@ -12,23 +12,24 @@ from escapement.base import validate
 from escapement.base.lazy import Lazy
 from escapement.base.quantity import Choice, Declared, Setting, declared, quantity, setting
 from escapement.base.spoken import told
-from escapement.mechanisms.checks import LENGTHS, check_lengths
+from escapement.mechanisms.checks import check_lengths
 from escapement.mechanisms.path import Meeting, Path
-from escapement.mechanisms.protocol import FloatArray, Mechanism, checked, meetings_of
+from escapement.mechanisms.protocol import FloatArray, Mechanism, checked
 from escapement.model.checks import (
     MOST_UNEQUAL,
-    RESISTANCES,
     check_contact,
     check_losses,
     check_trains,
     idle_settings,
 )
-from escapement.model.natural import natural
+from escapement.model.natural import natural, resistances
 from escapement.model.scene import Joint, Scene
 from escapement.model.torque_curve import MOST_KNOTS, Torque, TorqueCurve
 from escapement.model.train import PLACES, Train, numbers_of_trains, seen, train_numbers, trains_of
 
 CONTACT_LAWS = ("linear", "hunt-crossley")
+FRICTION, AIR, CONTACT = "Friction", "Air", "Clearance and contact"
+"""Headings of the groups of numbers."""
 np: Any = Lazy("numpy")  # importing it takes longer than the rest of help
 
 
@@ -63,7 +64,7 @@ def _bearing_friction(body: str) -> dict[str, Any]:
     return quantity(
         f"coefficient of friction of the {body}'s bearing", metavar="MU", slotted=True,
         instead="driver_bearing_torque", remedy="give a coefficient of friction, 0 for none",
-        needs=f"{body}_bearing_radius",
+        needs=f"{body}_bearing_radius", group=FRICTION,
     )  # fmt: skip
 
 
@@ -71,7 +72,7 @@ def _bearing_radius(body: str) -> dict[str, Any]:
     return quantity(
         f"radius of the {body}'s journal", "length", slotted=True,
         instead="driver_bearing_torque", remedy="give the radius, 0 for none",
-        needs=f"{body}_bearing_friction",
+        needs=f"{body}_bearing_friction", group=FRICTION,
     )  # fmt: skip
 
 
@@ -79,6 +80,7 @@ def _drag(body: str) -> dict[str, Any]:
     return quantity(
         f"drag of the {body} divided by the square of its speed", "drag", metavar="C",
         remedy="give the drag torque divided by the square of the speed, 0 for none",
+        scene=f"{body}_drag", group=AIR,
     )  # fmt: skip
 
 
@@ -86,6 +88,7 @@ def _viscous(body: str) -> dict[str, Any]:
     return quantity(
         f"viscous drag of the {body} divided by its speed", "viscous", metavar="C",
         remedy="give the drag torque divided by the speed, 0 for none",
+        scene=f"{body}_viscous", group=AIR,
     )  # fmt: skip
 
 
@@ -157,15 +160,16 @@ class Escapement(Declared):
     )))  # fmt: skip
     friction: float = field(default=0.0, metadata=quantity(
         "coefficient of friction between pin and slot", metavar="MU", slotted=True,
-        instead="efficiency", remedy="give a coefficient of friction, 0 for none"
+        instead="efficiency", remedy="give a coefficient of friction, 0 for none", group=FRICTION
     ))  # fmt: skip
     load_torque: float = field(default=0.0, metadata=quantity(
-        "load torque on the follower", "torque", remedy="give the opposing torque, 0 for none"
+        "load torque on the follower", "torque", remedy="give the opposing torque, 0 for none",
+        scene="load"
     ))  # fmt: skip
     efficiency: float = field(default=1.0, metadata=quantity(
         "share of the power that the mesh passes on", metavar="E", slotted=False,
         instead="friction", minimum=1e-3, maximum=1.0, note=", instead of friction",
-        remedy="give a share of 1, 1 for no loss"
+        remedy="give a share of 1, 1 for no loss", group=FRICTION
     ))  # fmt: skip
     driver_bearing_friction: float = field(default=0.0, metadata=_bearing_friction("driver"))
     driver_bearing_radius: float = field(default=0.0, metadata=_bearing_radius("driver"))
@@ -173,7 +177,7 @@ class Escapement(Declared):
     follower_bearing_radius: float = field(default=0.0, metadata=_bearing_radius("follower"))
     driver_bearing_torque: float = field(default=0.0, metadata=quantity(
         "constant torque of the driver's bearing", "torque",
-        remedy="give the resisting torque, 0 for none"
+        remedy="give the resisting torque, 0 for none", scene="bearing", group=FRICTION
     ))  # fmt: skip
     driver_drag: float = field(default=0.0, metadata=_drag("driver"))
     follower_drag: float = field(default=0.0, metadata=_drag("follower"))
@@ -187,25 +191,27 @@ class Escapement(Declared):
     restitution: float = field(default=0.0, metadata=quantity(
         "ratio of rebound impulse to compression impulse in an impact", maximum=1.0, below=True,
         slotted=True, instead="efficiency", metavar="E", remedy="give a restitution, 0 for none",
-        needs="clearance"
+        needs="clearance", group=CONTACT
     ))  # fmt: skip
     stiffness: float = field(default=0.0, metadata=quantity(
         "force of a slot's wall divided by the penetration", "stiffness", slotted=True,
-        instead="efficiency", metavar="K", remedy="give the stiffness, 0 for rigid bodies"
+        instead="efficiency", metavar="K", remedy="give the stiffness, 0 for rigid bodies",
+        group=CONTACT
     ))  # fmt: skip
     damping: float | None = field(default=None, metadata=quantity(
         "force of a slot's wall divided by the speed of penetration", "damping", slotted=True,
         instead="efficiency", metavar="D", remedy="give the damping, 0 for none", needs="stiffness",
-        note=", by default that of critical damping"
+        note=", by default that of critical damping", group=CONTACT
     ))  # fmt: skip
     contact_law: str = field(default=CONTACT_LAWS[0], metadata=setting(Choice(
         long_name=f"force of a compliant contact: {', '.join(CONTACT_LAWS)}",
-        allowed=CONTACT_LAWS, slotted=True, instead="efficiency", metavar="NAME", needs="stiffness"
+        allowed=CONTACT_LAWS, slotted=True, instead="efficiency", metavar="NAME",
+        needs="stiffness", group=CONTACT
     )))  # fmt: skip
     slip_speed: float = field(default=0.0, metadata=quantity(
         "sliding speed below which friction fades", "slip", slotted=True,
         instead="efficiency", metavar="V", remedy="give the speed, 0 if the engine shall choose it",
-        needs="stiffness"
+        needs="stiffness", group=CONTACT
     ))  # fmt: skip
     barrel: Train | None = None
     load_train: Train | None = None
@@ -226,8 +232,7 @@ class Escapement(Declared):
             raise validate.fail("mechanism.path", "a Path", path, remedy)
         check_losses(self, path.table)
         self._check_curve()
-        plain_crank = getattr(self.mechanism, "plain_crank", True)
-        check_lengths(vars(self), getattr(self.mechanism, "crank_radius", None), plain_crank)
+        check_lengths(vars(self), self.mechanism.crank_radius, self.mechanism.plain_crank)
         check_trains(self, self.curve is not None)
         check_contact(self.contact, self.mechanism, vars(self))
 
@@ -267,9 +272,13 @@ class Escapement(Declared):
         values = {"driver_inertia": own.driver, "follower_inertia": own.follower, **vars(self)}
         if isinstance(self.torque, TorqueCurve):
             values["torque"] = self.torque.greatest
-        for name in LENGTHS:
-            values[name] = getattr(self.mechanism, name, None) or 0.0
-        return seen(values | numbers_of_trains(self))
+        return seen(values | self.mechanism.lengths | numbers_of_trains(self.trains))
+
+    @property
+    def trains(self) -> dict[str, Train]:
+        """Its trains by their places, "barrel" and "load_train"."""
+        places = {"barrel": self.barrel, "load_train": self.load_train}
+        return {place: train for place, train in places.items() if train is not None}
 
     @cached_property
     def without_trains(self) -> Escapement:
@@ -290,12 +299,12 @@ class Escapement(Declared):
         """
         if self.stiffness > 0.0:
             return "compliant"
-        return "rigid" if getattr(self.mechanism, "clearance", 0.0) > 0.0 else ""
+        return "rigid" if self.mechanism.clearance > 0.0 else ""
 
     @property
     def idle(self) -> str:
         """Which settings have no effect, since another one is missing; "" if there are none."""
-        clearance = getattr(self.mechanism, "clearance", 0.0)
+        clearance = self.mechanism.clearance
         return idle_settings(type(self), vars(self) | {"clearance": clearance})
 
     @property
@@ -350,7 +359,7 @@ class Escapement(Declared):
     @cached_property
     def meetings(self) -> tuple[Meeting, ...]:
         """Its engagements: one that repeats itself, or with imperfect parts a pattern of them."""
-        return meetings_of(self.mechanism)
+        return self.mechanism.meetings
 
     @cached_property
     def scenes(self) -> tuple[Scene, ...]:
@@ -371,7 +380,7 @@ class Escapement(Declared):
         """Whether the inertias and torques differ so much that kernels would overflow."""
         # the square of the time unit is the ratio of inertia and torque
         ratios = self.scene.rho, self.time_unit**2
-        greatest = max(*ratios, *(getattr(self.scene, name) for name in RESISTANCES))
+        greatest = max(*ratios, *(getattr(self.scene, name) for name in resistances()))
         return min(ratios) <= 1.0 / MOST_UNEQUAL or greatest >= MOST_UNEQUAL
 
     @cached_property

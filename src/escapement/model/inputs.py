@@ -25,7 +25,7 @@ def inputs_of(escapement: Escapement) -> Iterator[Input]:
     yield from inputs_of_mechanism(mechanism)
     for owner in (escapement.inertia, escapement):
         yield from inputs_of_settings(owner, mechanism.meshed)
-    for name, value in numbers_of_trains(escapement).items():
+    for name, value in numbers_of_trains(escapement.trains).items():
         yield name, value, train_numbers()[name].unit
 
 

@@ -8,17 +8,34 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from functools import cache
 from typing import TYPE_CHECKING, Any
 
 from escapement.base.lazy import Lazy
+from escapement.base.quantity import Quantity, quantities
 
 if TYPE_CHECKING:
     import numpy as np
 else:
     np = Lazy("numpy")
 
-_SLOT = ("mu_plus", "mu_minus", "pin", "driver_journal", "follower_journal")
+_JOURNALS = ("driver_journal", "follower_journal")
+_SLOT = ("mu_plus", "mu_minus", "pin", *_JOURNALS)
 """Numbers of a `Scene` that belong to the contact."""
+
+
+@cache
+def resisting() -> tuple[Quantity, ...]:
+    """The declared numbers that are a field of a `Scene` in the natural unit of their kind."""
+    from escapement.model.escapement import Escapement  # it imports this module
+
+    return tuple(entry for entry in quantities(Escapement).values() if entry.scene)
+
+
+@cache
+def resistances() -> tuple[str, ...]:
+    """Fields of a `Scene` that resist the motion, besides friction in the slot."""
+    return (*(entry.scene for entry in resisting()), *_JOURNALS)
 
 
 def natural(values: Mapping[str, Any], meshed: bool) -> dict[str, Any]:
@@ -32,11 +49,9 @@ def natural(values: Mapping[str, Any], meshed: bool) -> dict[str, Any]:
         Whether the losses of the mechanism are given by an efficiency, not by friction in a slot.
     """
     follower, torque = values["follower_inertia"], values["torque"]
-    found = {
-        "rho": values["driver_inertia"] / follower,
-        "load": values["load_torque"] / torque,
-        "bearing": values["driver_bearing_torque"] / torque,
-    }
+    units = {"torque": torque, "drag": follower, "viscous": (follower * torque) ** 0.5}
+    found = {entry.scene: values[entry.name] / units[entry.unit] for entry in resisting()}
+    found["rho"] = values["driver_inertia"] / follower
     none = 0.0 * found["load"]
     found |= {"gain": none + 1.0, "flow": none - 1.0}
     for name, far in (("barrel", -2.0), ("load_train", 2.0)):
@@ -45,9 +60,6 @@ def natural(values: Mapping[str, Any], meshed: bool) -> dict[str, Any]:
         share = none if ratio is None or inertia is None else inertia * ratio**far / follower
         given = values.get(f"{name}_efficiency")
         found |= {name: share, f"{name}_efficiency": none + (1.0 if given is None else given)}
-    for body in ("driver", "follower"):
-        found[f"{body}_drag"] = values[f"{body}_drag"] / follower
-        found[f"{body}_viscous"] = values[f"{body}_viscous"] / (follower * torque) ** 0.5
     if meshed:
         losses = 1.0 / values["efficiency"] - 1.0, 1.0 - values["efficiency"]
         return found | dict(zip(_SLOT, (*losses, *(none,) * 3), strict=True))

@@ -97,13 +97,13 @@ def check_ratios(names: Iterable[str]) -> None:
             raise validate.fail(name, f"given with {lone[0]}", None, "give the ratio of its turns")
 
 
-def numbers_of_trains(owner: Any) -> dict[str, float]:
-    """The numbers of an escapement's trains by the names of `train_numbers`."""
-    found: dict[str, float] = {}
-    for place in PLACES:
-        if (train := getattr(owner, place)) is not None:
-            found |= {f"{place}_{key}": getattr(train, key) for key in quantities(Train)}
-    return found
+def numbers_of_trains(trains: Mapping[str, Train]) -> dict[str, float]:
+    """The numbers of trains, which stand by their places, by the names of `train_numbers`."""
+    return {
+        f"{place}_{name}": value
+        for place, train in trains.items()
+        for name, value in train.settings.items()
+    }
 
 
 def seen(values: Mapping[str, Any]) -> dict[str, Any]:

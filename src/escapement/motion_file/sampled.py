@@ -5,7 +5,7 @@ from functools import cached_property
 
 import numpy as np
 
-from escapement.dynamics.trajectory import Events, Extrema, Held
+from escapement.dynamics.trajectory import Events, Extrema, Trajectory
 from escapement.engines.energy.pieces import follow
 from escapement.mechanisms.protocol import FloatArray
 from escapement.model.escapement import Escapement
@@ -14,7 +14,7 @@ _RTOL = 1e-12  # tolerance of states between the data in the file
 
 
 @dataclass(frozen=True)
-class SampledTrajectory(Held):
+class SampledTrajectory(Trajectory):
     """A trajectory from the starts of its pieces; see `escapement.dynamics.trajectory.Trajectory`.
 
     theta, theta_dot : samples there.

@@ -42,7 +42,7 @@ def motion_check(mechanism: Any, fits: Fits | None = None) -> list[Nearest]:
     parts_of(mechanism, fits)  # this refuses a mechanism without parts
     outline = outline_of(mechanism, fits or Fits())
     # the outlines of elliptical gears are in mm
-    unit = getattr(mechanism, "crank_radius", 1e-3)
+    unit = mechanism.crank_radius or 1e-3
     return [
         pair._replace(gap=unit * gap, place=unit * pair.place)
         for pair in least_gaps(outline)

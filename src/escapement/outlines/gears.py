@@ -47,6 +47,7 @@ class GearDrivenOutline:
     """
 
     plane = "follower", ("pin", "roller")
+    meshing = False
 
     def __init__(self, mechanism: GearDriven, clearance: float = 0.0) -> None:
         self.mechanism = mechanism
@@ -139,6 +140,7 @@ class EllipticalOutline:
 
     mechanism: EllipticalPlanetary
     plane = "driven", ("driving",)
+    meshing = False
 
     def bodies(self, theta: float, carrier: float | None = None) -> tuple[Disc, Disc, Body, Body]:
         """The two spur gears and the two ellipses.

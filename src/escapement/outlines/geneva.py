@@ -71,6 +71,8 @@ class GenevaOutline:
         The follower, and the bodies that move in its plane.
     """
 
+    meshing = False
+
     def __init__(
         self, mechanism: Geneva, exaggerate: float = 1.0, lock_radius: float | None = None
     ) -> None:

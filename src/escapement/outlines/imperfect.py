@@ -23,7 +23,7 @@ def scaled_errors(mechanism: Geneva, factor: float) -> Geneva:
         raise validate.fail("exaggerate", "at least 0", factor, remedy)
     if factor == 1.0 and not mechanism.misfit:
         return mechanism
-    given = {name: getattr(mechanism, name) for name in IMPERFECT}
+    given = {name: mechanism.settings[name] for name in IMPERFECT}
     larger: dict[str, Any] = {
         name: tuple(factor * x for x in value) if isinstance(value, tuple) else factor * value
         for name, value in given.items()

@@ -23,6 +23,10 @@ class Outline(Protocol):
     def plane(self) -> tuple[str, tuple[str, ...]]:
         """A body's name, and those of the bodies that move in its plane, without numbers."""
 
+    @property
+    def meshing(self) -> bool:
+        """Whether teeth mesh, between which the gap is the same everywhere."""
+
     def bodies(self, theta: float) -> Sequence[Body | Disc]:
         """All bodies in their positions at a driver angle."""
 
@@ -67,7 +71,7 @@ def least_gaps(outline: Outline, samples: int = 361) -> list[Nearest]:
     """
     start, mechanism = outline.mechanism.breaks[0], outline.mechanism
     # between meshing teeth the gap is the same everywhere but for the arcs that stand for them
-    even = getattr(outline, "meshing", False)
+    even = outline.meshing
     whole = mechanism.cell_angle if even else max(2.0 * math.pi, mechanism.cell_angle)
     samples = samples // 3 if even else samples
     angles = np.linspace(start, start + whole, samples)

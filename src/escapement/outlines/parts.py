@@ -43,7 +43,7 @@ _SHAFT = 0.12
 @singledispatch
 def _parts(mechanism: Any, fits: Fits) -> list[Part]:
     raise InvalidValue(
-        f"{getattr(mechanism, 'kind', type(mechanism).__name__)} has no parts that could be drawn; "
+        f"{mechanism.kind} has no parts that could be drawn; "
         "choose geneva, gear-driven or elliptical-planetary"
     )
 
@@ -149,8 +149,9 @@ def _(mechanism: Geneva, fits: Fits) -> list[Part]:
 
 @_parts.register
 def _(mechanism: GearDriven, fits: Fits) -> list[Part]:
-    for name in ("unused_lobes", "through_centre"):
-        if value := getattr(mechanism, name):
+    fewer = {"unused_lobes": mechanism.unused_lobes, "through_centre": mechanism.through_centre}
+    for name, value in fewer.items():
+        if value:
             rule = f"{type(value)()} in drawings of parts"
             raise validate.fail(name, rule, value, "choose another number of lobes")
     size, pin = _sized(mechanism)
@@ -206,11 +207,11 @@ def _(mechanism: EllipticalPlanetary, fits: Fits) -> list[Part]:
 def _sized(mechanism: Geneva | GearDriven) -> tuple[float, float]:
     """Unit of length and radius of the pins [m], both of which parts need."""
     unit = "crank_radius" if isinstance(mechanism, Geneva) else "fixed_radius"
-    for name in (unit, "pin_radius"):
-        if not getattr(mechanism, name):
-            value = getattr(mechanism, name)
+    size, pin = mechanism.crank_radius, mechanism.pin_radius
+    for name, value in ((unit, size), ("pin_radius", pin)):
+        if not value:
             raise validate.fail(name, "given for drawings of parts", value, "give it in m")
-    return float(mechanism.crank_radius), float(mechanism.pin_radius)  # type: ignore[arg-type]
+    return float(size), float(pin)  # type: ignore[arg-type]
 
 
 def disc_inertia(

@@ -68,8 +68,7 @@ def report(
 
 def page(escapement: Escapement, budget: Budget | None, title: str, initial_speed: float) -> str:
     """The text of a report; arguments as in `report`."""
-    kind = getattr(escapement.mechanism, "kind", type(escapement.mechanism).__name__)
-    name = title or f"A {kind} escapement"
+    name = title or f"A {escapement.mechanism.kind} escapement"
     figures = simulation.terminal(escapement, initial_speed=initial_speed)
     motion = simulation.simulate(escapement, _ENGAGEMENTS, initial_speed=initial_speed)
     parts = [sections.section("The design", sections.of_inputs(escapement, initial_speed))]

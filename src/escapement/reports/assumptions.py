@@ -1,7 +1,5 @@
 """What the model of a design leaves out, and roughly what that would change."""
 
-from typing import Any
-
 from escapement.model.escapement import Escapement
 
 ALWAYS = (
@@ -19,11 +17,11 @@ def left_out(escapement: Escapement) -> list[tuple[str, str]]:
     The sizes are those of docs/effects.md and docs/imperfect-parts.md, for Geneva wheels at
     frictions from 0.20 to 0.35.
     """
-    wheel: Any = escapement.mechanism
-    own = escapement
+    own, wheel = escapement, escapement.mechanism
+    given = own.settings | wheel.lengths
 
     def lacks(*names: str) -> bool:
-        return not any(getattr(own, n, 0.0) or getattr(wheel, n, 0.0) for n in names)
+        return not any(given[name] for name in names)
 
     found = []
     if lacks("pin_radius"):
@@ -40,7 +38,7 @@ def left_out(escapement: Escapement) -> list[tuple[str, str]]:
     if lacks("driver_viscous", "follower_viscous"):
         told = "oil in journals adds less than 0.1 %, a film between faces 1 to 9 %"
         found.append(("oil", told))
-    if getattr(wheel, "perfect", True):
+    if wheel.perfect:
         told = (
             "a centre distance a thousandth too short makes the period 1 % longer, one too long "
             "makes it 0.3 % shorter"

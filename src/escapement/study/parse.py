@@ -99,7 +99,7 @@ def parse_plan(configuration: Mapping[str, Any], mechanism: Mechanism | None = N
         configuration = with_own_numbers(configuration, build, system)
         machine_table = _table(configuration, "mechanism")
     meshed = build.meshed if mechanism is None else mechanism.path.table
-    counts = build.counts(machine_table) if hasattr(build, "counts") else {}
+    counts = build.counts(machine_table)
     settings: Mapping[str, Setting] = settings_of(build, meshed)
     settings = {name: replace(entry, system=system) for name, entry in settings.items()}
     configuration, settings = part_lists(configuration, settings, counts)
@@ -168,8 +168,7 @@ def _check_lengths(plan: StudyPlan, values: Mapping[str, Any]) -> None:
         if of != name and not greatest.get(of):
             remedy = f"give {of} under [mechanism], or draw them in [sample]"
             raise validate.fail(name, f"a factor on {of} that are not all 0", "none", remedy)
-    plain_crank = getattr(plan.build, "plain_crank", True)
-    check_lengths(greatest, plan.lengths["crank_radius"], plain_crank)
+    check_lengths(greatest, plan.lengths["crank_radius"], plan.build.plain_crank)
 
 
 def _with_first_torque(
@@ -233,10 +232,10 @@ def plan_from(
     speed, axes = {"initial_speed": initial_speed}, dict(axes)
     if np.ndim(initial_speed) > 0:
         axes, speed = axes | speed, {}
-    given = {name: getattr(escapement, name) for name in _NUMBERS}
-    numbers = {name: value for name, value in given.items() if value != _NUMBERS[name].default}
+    given = escapement.settings.items()
+    numbers = {name: value for name, value in given if value != _NUMBERS[name].default}
     tables = {"mechanism": machine, "inertia": asdict(escapement.inertia), "sweep": axes}
-    tables |= {place: asdict(train) for place in PLACES if (train := getattr(escapement, place))}
+    tables |= {place: asdict(train) for place, train in escapement.trains.items()}
     chosen = {"title": title, "results": results, "sample": sample, "solver": solver}
     chosen = {name: value for name, value in chosen.items() if value is not None}
     return parse_plan(speed | numbers | tables | chosen, mechanism=own)
@@ -259,13 +258,13 @@ def _describe(mechanism: Mechanism) -> tuple[dict[str, Any], Mechanism | None]:
 def _chosen(mechanism: Any) -> dict[str, Any]:
     """The settings that were given, or that the mechanism would not have chosen by itself."""
     kind = type(mechanism)
-    chosen = {name: getattr(mechanism, name) for name in declared(kind)}
+    chosen = dict(mechanism.settings)
     for name, setting in declared(kind).items():
-        if setting.required or name in getattr(mechanism, "given", ()):
+        if setting.required or name in mechanism.given:
             continue
         without = {key: value for key, value in chosen.items() if key != name}
         with suppress(InvalidValue):  # there may be no such mechanism without it
-            if getattr(kind(**without), name) == chosen[name]:
+            if kind(**without).settings[name] == chosen[name]:
                 chosen = without
     return chosen
 

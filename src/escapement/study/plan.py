@@ -229,7 +229,8 @@ class StudyPlan(Shown):
     def lengths(self) -> dict[str, float]:
         """Fixed lengths of the mechanism [m], 0 where it has none."""
         if not isinstance(self.build, type):
-            return {name: getattr(self.build, name, None) or 0.0 for name in LENGTHS}
+            own: dict[str, float] = self.build.lengths
+            return own
         given = self.fixed_si
         crank = given.get("crank_radius") or given.get("fixed_radius")
         return {name: given.get(name) or 0.0 for name in LENGTHS} | {"crank_radius": crank or 0.0}
@@ -254,14 +255,14 @@ class StudyPlan(Shown):
     def perfect(self) -> bool:
         """Whether no case has errors of its parts."""
         if not isinstance(self.build, type):
-            return bool(getattr(self.build, "perfect", True))
+            return bool(self.build.perfect)
         errors = [name for name in self.fixed_si if name.startswith(IMPERFECT)]
         return not any(np.any(self.every(name)) for name in errors)
 
     @property
     def contact(self) -> bool:
         """Whether a case has clearance or stiffness."""
-        if not isinstance(self.build, type) and getattr(self.build, "clearance", False):
+        if not isinstance(self.build, type) and self.build.clearance:
             return True
         names = {"clearance", "stiffness"} & {*self.fixed_si}
         return any(np.any(self.every(name)) for name in names)
@@ -277,7 +278,7 @@ class StudyPlan(Shown):
         """Which settings have no effect in any case; "" if there are none."""
         values = {name: self.every(name) for name in self.fixed_si}
         if not isinstance(self.build, type):
-            values["clearance"] = getattr(self.build, "clearance", 0.0)
+            values["clearance"] = self.build.clearance
         notes = [idle_settings(Escapement, values)]
         late = "the torque behind the start" if self.curve else "spring_rate"
         if self.curve or np.any(self.every("spring_rate")):

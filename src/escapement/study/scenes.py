@@ -23,16 +23,16 @@ from escapement.dynamics.merit_table import FIGURES, TRANSIENT
 from escapement.engines import simulate as simulation
 from escapement.mechanisms.checks import IMPERFECT, LENGTHS
 from escapement.mechanisms.protocol import FloatArray
-from escapement.model.checks import MOST_UNEQUAL, RESISTANCES, ratio_in_range
+from escapement.model.checks import MOST_UNEQUAL, ratio_in_range
 from escapement.model.escapement import Escapement, Inertia
-from escapement.model.natural import natural
+from escapement.model.natural import natural, resistances, resisting
 from escapement.model.scene import Scene
 from escapement.model.train import seen, train_numbers
 from escapement.study.plan import StudyPlan
 
 FOLLOWER = "follower_inertia"
 TORQUE, SPEED = "torque", "initial_speed"
-TORQUES = ("load_torque", "driver_bearing_torque", "driver_viscous", "follower_viscous")
+TORQUES = tuple(entry.name for entry in resisting() if entry.unit in ("torque", "viscous"))
 """Numbers that are compared with the torque; where these and the initial speed are all zero the
 torque changes only the unit of time."""
 DECIDING = {*quantities(Escapement), *quantities(Inertia), *train_numbers(), SPEED, *LENGTHS}
@@ -101,7 +101,7 @@ def solve_scenes(plan: StudyPlan, cases: NDArray[np.int64]) -> SceneFigures:
         with contextlib.suppress(InvalidValue):
             if rows.size:
                 mechanism: Any = plan.mechanism(int(cases[first[rows[0]]]), ideal=True)
-                rows = rows[scene[_PIN, rows] < getattr(mechanism, "widest_pin", math.inf)]
+                rows = rows[scene[_PIN, rows] < mechanism.widest_pin]
                 found = _solve(plan, mechanism, scene[:, rows], cases[first[rows]])
                 figures[:, rows], status[rows] = found
     return figures[:, which], status[which]
@@ -143,7 +143,7 @@ def _in_natural_units(plan: StudyPlan, cases: NDArray[np.int64]) -> tuple[Any, .
         ratios = natural(numbers, plan.meshed)
         w = numbers[SPEED] ** 2 * (numbers[FOLLOWER] / numbers[TORQUE])
         sound = ratio_in_range(ratios["rho"]) & (w <= MOST_UNEQUAL**2)
-        for name in RESISTANCES:
+        for name in resistances():
             sound &= ratios[name] < MOST_UNEQUAL
         if "roller_radius" in numbers:
             pin, roller = numbers["pin_radius"], numbers["roller_radius"]

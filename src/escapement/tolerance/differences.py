@@ -15,7 +15,6 @@ from escapement.dynamics.merit_table import FIGURES, TRANSIENT
 from escapement.engines import simulate as simulation
 from escapement.model.escapement import Escapement
 from escapement.model.numbers import with_number
-from escapement.model.train import PLACES
 
 STEPS = (1e-2, 2e-3, 4e-4)
 """Relative steps of a number; for each figure the step with the smallest error is used."""
@@ -27,15 +26,14 @@ Slope = tuple[float, float]
 
 def needs_differences(escapement: Escapement) -> bool:
     """Whether derivatives come from differences alone."""
-    trains = (escapement.barrel, escapement.load_train)
-    lossy = any(train is not None and train.efficiency < 1.0 for train in trains)
+    lossy = any(train.efficiency < 1.0 for train in escapement.trains.values())
     return bool(escapement.contact) or lossy
 
 
 def lossless(escapement: Escapement) -> list[str]:
     """Efficiencies of trains that are 1: figures have derivatives only on one side of them."""
-    trains = {place: getattr(escapement, place) for place in PLACES}
-    return [f"{k}_efficiency" for k, train in trains.items() if train and train.efficiency == 1.0]
+    trains = escapement.trains.items()
+    return [f"{place}_efficiency" for place, train in trains if train.efficiency == 1.0]
 
 
 def slopes_by(

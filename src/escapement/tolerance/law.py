@@ -15,11 +15,10 @@ from numpy.polynomial.chebyshev import chebder, chebval
 
 from escapement.dynamics import law as dynamics
 from escapement.mechanisms import slotted
-from escapement.mechanisms.checks import LENGTHS
 from escapement.mechanisms.path import Path
 from escapement.model.escapement import Escapement
 from escapement.model.natural import natural
-from escapement.model.numbers import error_names, full_torque
+from escapement.model.numbers import full_torque
 from escapement.model.scene import Scene
 from escapement.model.train import numbers_of_trains, seen
 from escapement.tolerance.dual import Dual, slopes_of, uncompiled, value_of
@@ -55,18 +54,16 @@ class Law:
         """
         escapement, own = self.escapement, self.escapement.inertia
         known = {"driver_inertia": own.driver, "follower_inertia": own.follower}
-        known |= (
-            vars(escapement) | {"torque": full_torque(escapement)} | numbers_of_trains(escapement)
-        )
-        known |= {name: getattr(escapement.mechanism, name, None) or 0.0 for name in LENGTHS}
-        known |= error_names(escapement.mechanism)
+        known |= vars(escapement) | {"torque": full_torque(escapement)}
+        known |= numbers_of_trains(escapement.trains)
+        known |= escapement.mechanism.lengths | escapement.mechanism.errors
         return seen(known | {n: self.seeded(known[n], i) for i, n in enumerate(self.names)})
 
     @cached_property
     def parts(self) -> tuple[Part, ...]:
         """The engagements of imperfect parts; empty for perfect ones."""
         mechanism: Any = self.escapement.mechanism
-        return parts_of(mechanism, self.values) if error_names(mechanism) else ()
+        return parts_of(mechanism, self.values) if mechanism.errors else ()
 
     @cached_property
     def scenes(self) -> tuple[Scene, ...]:

@@ -41,7 +41,7 @@ def parts_of(mechanism: Any, values: dict[str, Any]) -> tuple[Part, ...]:
     unit = values["crank_radius"] if mechanism.crank_radius else 1.0
 
     def each(name: str, k: int) -> Any:
-        own = getattr(mechanism, name)
+        own = mechanism.settings.get(name, ())
         return values.get(f"{name}_{k}", own[k] if own else 0.0)
 
     longer = values.get("centre_distance_error", mechanism.centre_distance_error) / unit

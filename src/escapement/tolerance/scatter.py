@@ -21,7 +21,7 @@ from escapement.engines import simulate as simulation
 from escapement.mechanisms.checks import IMPERFECT
 from escapement.mechanisms.protocol import FloatArray
 from escapement.model.escapement import Escapement
-from escapement.model.numbers import error_names, numbers_of
+from escapement.model.numbers import numbers_of
 from escapement.study.plan import StudyPlan, unit_kind
 from escapement.study.result import Study
 from escapement.study.varied import correlation_matrix
@@ -121,7 +121,7 @@ def _exact(
     timer: Escapement, found: Figures, names: Sequence[str], figure: str
 ) -> dict[str, float]:
     """Derivatives of a figure by numbers for which the equation of motion is differentiated."""
-    if figure in OF_ERRORS and not error_names(timer.mechanism):
+    if figure in OF_ERRORS and not timer.mechanism.errors:
         return dict.fromkeys(names, 0.0)
     duals, _ = figures_of(timer.held, found, tuple(names), (figure,))
     slopes = duals[figure].slopes.tolist() if figure in duals else [math.nan] * len(names)

@@ -178,7 +178,7 @@ def _limit(slopes: FloatArray) -> float:
 
 def error_axes(mechanism: Any) -> list[str]:
     """One error of each kind that the parts of a perfect wheel may have, by its name in studies."""
-    if not hasattr(mechanism, "error_counts") or not mechanism.perfect:
+    if not mechanism.error_counts or not mechanism.perfect:
         return []
     names = ["centre_distance_error", *(f"{name}_0" for name in mechanism.error_counts)]
     return [name for name in names if "angle" in name or mechanism.crank_radius]

@@ -100,7 +100,7 @@ def jam_rule(escapement: Escapement) -> JamCycle:
         raise validate.fail("friction", rule, escapement.friction, remedy)
     wheel: Any = escapement.mechanism
     for name, value in (
-        ("clearance", getattr(wheel, "clearance", 0.0)), ("stiffness", escapement.stiffness),
+        ("clearance", wheel.clearance), ("stiffness", escapement.stiffness),
     ):  # fmt: skip
         if value != 0.0:
             raise validate.fail(name, "0 for the rule for jams", value, "leave it out")

@@ -82,7 +82,7 @@ def solve(
     status : ndarray, shape (n,)
         Values of `Status`.
     """
-    if getattr(mechanism, "pin_radius", 0.0):
+    if mechanism.pin_radius:
         # each scene has its own pin
         mechanism = replace(mechanism, pin_radius=0.0, roller_radius=0.0)  # type: ignore[type-var]
     rows = np.ascontiguousarray(numbers.T, dtype=float)

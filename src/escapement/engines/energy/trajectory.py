@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from escapement.dynamics.law import LOSSES
-from escapement.dynamics.trajectory import Events, Extrema
+from escapement.dynamics.trajectory import Events, Extrema, Trajectory
 from escapement.engines.energy.calls import prepared
 from escapement.engines.energy.cells import NO_CELLS
 from escapement.engines.energy.events import EventKind
@@ -47,7 +47,7 @@ class Pieces(NamedTuple):
 
 
 @dataclass
-class EnergyTrajectory:
+class EnergyTrajectory(Trajectory):
     """Handoffs of a motion, and the pieces and events that follow from them.
 
     initial_speed : driver speed at the first entry [rad/s].

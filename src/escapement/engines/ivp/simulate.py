@@ -12,13 +12,15 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from escapement.base.spoken import told
 from escapement.base.status import MESSAGES, Status
+from escapement.base.validate import fail
 from escapement.dynamics.law import LOSSES, left_by_blow
 from escapement.dynamics.motion import Motion, no_motion, stall_message
 from escapement.dynamics.painleve import friction_limits
 from escapement.dynamics.torque import KNOT_GAP, REST, SAME_PLACE, is_spent, is_undriven, next_knot
 from escapement.dynamics.train_losses import is_lossy
-from escapement.dynamics.trajectory import Events, Extrema, Held
+from escapement.dynamics.trajectory import Events, Extrema, Trajectory
 from escapement.engines.ivp.free import FreeTurn, is_free, stand_still, turn_free
 from escapement.engines.ivp.law import Law, least_share
 from escapement.engines.ivp.piece import Ending, NotConverged, Options, Solution, Task, solve_piece
@@ -39,6 +41,10 @@ _STEEP = 0.1
 """Share of rho + g^2 that friction leaves of J_s, below which the law is steep."""
 _ROUNDING = 4.0 * float(np.finfo(float).eps)
 """Relative error of a time that is converted to natural units and back."""
+_MOST = 10_000
+"""Greatest number of engagements that a duration may take; they need a minute."""
+_SETTLED, _SAME = 1e-2, 1e-9
+"""Relative changes of the handoff speed: periods hardly change any more, and rounding."""
 
 
 class Span(NamedTuple):
@@ -63,7 +69,7 @@ class Event(NamedTuple):
 
 
 @dataclass(frozen=True)
-class SolvedTrajectory(Held):
+class SolvedTrajectory(Trajectory):
     """The pieces and events of a motion in SI; see `escapement.dynamics.trajectory.Trajectory`."""
 
     clock: float
@@ -152,6 +158,26 @@ class _Simulation:
             self.speed *= share
             self.handoffs.append((self.time, self.speed))
             self.engagement += 1
+            if engagements is None:
+                self._check_length()
+
+    def _check_length(self) -> None:
+        """Refuse a duration of more than `_MOST` engagements, as soon as it is certain.
+
+        Motions do not cross: under a constant torque, and with perfect parts, no engagement takes
+        longer than the last one if the speed has not fallen over it.
+        """
+        left, length, certain = _MOST - self.engagement, 0.0, self.engagement > _MOST
+        if self.drive.is_steady and len(self.laws) == 1 and self.engagement > 1:
+            (before, slow), (now, fast) = self.handoffs[-2:]
+            length, change = now - before, fast - slow
+            settled = -_SAME * fast <= change <= _SETTLED * fast
+            certain |= settled and left * length < self.end_time - self.time < np.inf
+        if certain:
+            most = (self.time + left * length) * self.escapement.time_unit
+            rule = f"of at most {_MOST} engagements with engine 'ivp', here about {most:.3g} s"
+            duration = told(self.end_time * self.escapement.time_unit, "time")
+            raise fail("duration", rule, duration, "choose engine 'energy', or run for less time")
 
     def _between_knots(self) -> Iterator[Span]:
         """The spans of this cell, cut at knots of the torque; each comes with its own law."""
@@ -214,7 +240,7 @@ class _Simulation:
     def _turned_since(self, event: Event, theta: float) -> float:
         """Driver angle since an event to one in this engagement [rad]."""
         cells = (self.engagement - event.engagement) * self.escapement.mechanism.cell_angle
-        return cells + theta - event.theta
+        return float(cells + theta - event.theta)
 
     def _note_reversal(self) -> None:
         """Note a pin reversal, or drop the last one if this undoes it at the same place."""

@@ -9,9 +9,9 @@ numbers.
 """
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
-from typing import ClassVar, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -21,7 +21,7 @@ from escapement.base.errors import InvalidValue
 from escapement.mechanisms import Geneva
 from escapement.mechanisms.kind import cells_of
 from escapement.mechanisms.path import Path
-from escapement.mechanisms.protocol import FloatArray
+from escapement.mechanisms.protocol import FloatArray, Mechanism
 from escapement.mechanisms.slotted import Transmission, transmission
 from escapement.sources.meyer.listing import CELL, PI, ROW, run_listing
 
@@ -31,7 +31,7 @@ _ENTRY = {3: -PI / 6.0, 4: -PI / 4.0, 6: -PI / 3.0}
 
 
 @dataclass(frozen=True)
-class PublishedCell:
+class PublishedCell(Mechanism):
     """A Geneva wheel in the 90-degree cell Meyer's listing gives all of them, as a mechanism.
 
     The pin enters at the right place, -pi/pins, and is replaced by the next one 90 degrees later,
@@ -48,8 +48,8 @@ class PublishedCell:
     Source: Meyer (1973), Appendix B, card X.
     """
 
-    slots: int
-    cell_angle: ClassVar[float] = math.pi / 2.0
+    slots: int = field()
+    cell_angle = math.pi / 2.0
     """90 degrees [rad]."""
 
     def __post_init__(self) -> None:

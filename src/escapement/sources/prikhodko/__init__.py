@@ -157,9 +157,10 @@ def _recomputed() -> dict[str, float]:
     from scipy.stats import chi2, norm
 
     mechanism = drive()
-    lengths = ("semi_major_axis", "semi_minor_axis", "focal_distance")
     return {
-        **{name: 1e3 * getattr(mechanism, name) for name in lengths},
+        "semi_major_axis": 1e3 * mechanism.semi_major_axis,
+        "semi_minor_axis": 1e3 * mechanism.semi_minor_axis,
+        "focal_distance": 1e3 * mechanism.focal_distance,
         "eccentricity": mechanism.eccentricity,
         "encoder_resolution": 360.0 / ENCODER_STEPS,
         "stop_interval": math.degrees(mechanism.cell_angle),

@@ -10,7 +10,7 @@ import numpy as np
 
 from escapement.dynamics.law import LOSSES
 from escapement.dynamics.motion import State
-from escapement.dynamics.trajectory import Events, Extrema, Held, Impacts
+from escapement.dynamics.trajectory import Events, Extrema, Impacts, Trajectory
 from escapement.engines.contact.compliant.law import IMPULSE, LOAD, LOST, WALLS
 from escapement.engines.contact.compliant.march import (
     CELL,
@@ -118,7 +118,7 @@ class Rows:
         return found, when
 
 
-class CompliantTrajectory(Held):
+class CompliantTrajectory(Trajectory):
     """The `Trajectory` of a motion with compliant contact."""
 
     def __init__(self, rows: Rows) -> None:
@@ -197,7 +197,7 @@ class CompliantTrajectory(Held):
         locked = table[at, MODE] == LOCKED
         taken = np.append(table[at - locked, FIRST + WALLS], table[-1, FIRST + WALLS])
         columns = self._events(at, table[at, TIME])
-        length: float = own.mechanism.crank_radius  # type: ignore[attr-defined]
+        length: float = own.mechanism.crank_radius
         return Impacts(
             *columns,
             np.where(locked, 0.0, table[at, MODE]),

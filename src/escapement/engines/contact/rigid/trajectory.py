@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from escapement.dynamics.motion import State
-from escapement.dynamics.trajectory import Events, Extrema, Held, Impacts
+from escapement.dynamics.trajectory import Events, Extrema, Impacts, Trajectory
 from escapement.engines.contact.rigid.engagement import (
     BLOW,
     EXTREMUM,
@@ -50,7 +50,7 @@ def prepared(escapement: Escapement) -> tuple[tuple[Any, ...], FloatArray, float
 
 
 @dataclass
-class RigidTrajectory(Held):
+class RigidTrajectory(Trajectory):
     """The states at handoffs, from which everything else is computed when it is read.
 
     begun : shape (n + 1, 5), states at the start and at handoffs, see `march.STATE`; each starts
@@ -167,7 +167,7 @@ class RigidTrajectory(Held):
         """Every blow."""
         columns, rows = self._events(BLOW)
         own, wheel = self.escapement, self.escapement.mechanism
-        length, clock, torque = wheel.crank_radius, own.time_unit, own.torque_unit  # type: ignore[attr-defined]
+        length, clock, torque = wheel.crank_radius, own.time_unit, own.torque_unit
         return Impacts(
             **columns,
             wall=rows["wall"],
