@@ -109,7 +109,11 @@ def test_every_kernel_counts_for_the_digest(tmp_path):
     [
         ("dynamics/figures_of_merit.py", "RISE_BAND = 0.02", "RISE_BAND = 0.03"),
         ("model/torque_curve.py", "MOST_KNOTS = ", "MOST_KNOTS = 1 + "),
-        ("model/scene.py", "    rho: float\n    mu_plus: float", "    mu_plus: float\n    rho: float"),
+        (
+            "model/scene.py",
+            "    rho: float\n    mu_plus: float",
+            "    mu_plus: float\n    rho: float",
+        ),
     ],
 )
 def test_what_a_kernel_has_from_elsewhere_counts_for_the_digest(tmp_path, file, before, after):
