@@ -50,7 +50,7 @@ EVENT = record_dtype(
 )
 """An event of an engagement."""
 
-NO_EVENTS = np.int64(0)
+NO_EVENTS = 0
 # This bounds the relative error of a rough w, which was at most 3e-4 in 2400 random cases.
 ROUGH_ERROR = 2e-3
 # A last step of Newton's method for an extremum that is longer than this, in x, is due to
