@@ -121,7 +121,12 @@ class Mechanism:
         path, dwell = writeable(self.path), dwell_angle(self)
         edges = smooth_intervals(path, self.breaks)
         kind = "pick-up" if dwell > 0.0 else "overlap"
-        return (Meeting(path, edges, dwell, 0.0, self.follower_angle, kind, 0.0, math.nan),)
+        return (
+            Meeting(
+                path=path, edges=edges, dwell=dwell, late=0.0, turned=self.follower_angle,
+                kind=kind, jump=0.0, radius=math.nan,
+            ),
+        )  # fmt: skip
 
     # its transmission
     def transmission(self, theta: ArrayLike) -> slotted.Transmission:

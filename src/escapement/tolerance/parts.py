@@ -68,7 +68,7 @@ def _engagement(mechanism: Any, k: int, longer: Any, unit: Any, each: Any) -> An
     half = np.arccos(-(a * p * p + b * q * q) / (p * q * (a + b))) / abs(a - b)
     numbers = _slotted["path_numbers"](p, a, q, b, forward, half, offset)
     late, ahead = each("pin_angle_errors", j), each("slot_angle_errors", i)
-    found = SimpleNamespace(path=Path(False, numbers), numbers=numbers, row=row, late=late)
+    found = SimpleNamespace(path=Path(False, numbers), pin_numbers=numbers, row=row, late=late)
     found.ahead = ahead
     _pattern["_write_angle"](found, p, a, q, b, forward)
     found.entry, found.exit = (_polished(found, float(x)) for x in (row.entry, row.exit))

@@ -34,6 +34,7 @@ Files, in the order in which they are best read:
     locate     the x of a reversal or an extremum, and the motion after a reversal
     events     reversals, extrema and breaks as they are noted and made exact
     passage    what the steps of a march hand on
+    over_panel the way over one panel, up to a reversal, a stop or its right end
     march      one engagement from entry to exit
     calls      march and refine, called by address, and what they need of an escapement
     handoffs   times and speeds of handoffs, one engagement after the other

@@ -94,7 +94,7 @@ def solve(
     scene_tuple = tuple(path), edges, dwell_angle(mechanism), *constant, *(0.0,) * _NUMBERS
     cells = cells_of(path, edges)
     fixed = kernel_addresses(), scene_tuple, cells, NO_CELLS
-    solve_rows(*fixed, rows, rtol, np.int64(extent), table, status)
+    solve_rows(*fixed, rows, rtol, int(extent), table, status)
     # for a stall the table holds its angle and engagement, which are not figures of merit
     table[status != OK] = np.nan
     return table, status

@@ -27,7 +27,7 @@ def pattern_beats(escapement: Escapement, rtol: float) -> FloatArray | None:
     addresses, plain, _ = prepared(escapement)
     given = addresses, plain, NO_CELLS, mechanism.pattern
     figures = np.empty(FIGURES)
-    if solve_pattern(*given, 0.0, rtol, np.int64(Extent.CYCLE), figures) != Status.OK:
+    if solve_pattern(*given, 0.0, rtol, int(Extent.CYCLE), figures) != Status.OK:
         return None
     w = float(figures[HANDOFF]) ** 2
     times, speeds = np.empty((2, mechanism.pattern.size))

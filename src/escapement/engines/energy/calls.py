@@ -15,7 +15,7 @@ from escapement.engines.energy import march as _march
 from escapement.engines.energy.cells import CELL, cells_of
 from escapement.engines.energy.events import EVENT
 from escapement.engines.energy.panels import PANEL, WORKSPACE, Store
-from escapement.engines.energy.passage import Request
+from escapement.engines.energy.passage import Detail, Request
 from escapement.mechanisms.path import Path
 from escapement.mechanisms.protocol import FloatArray
 from escapement.model.escapement import Escapement
@@ -48,7 +48,7 @@ _path, _zeros = Path(False, _numbers), (0.0,) * (len(Scene._fields) - 4)
 _scene = typeof(Scene(_path, _numbers, 0.0, _numbers, *_zeros))
 _store = typeof(Store(np.empty(0, PANEL), np.empty(0, WORKSPACE)))
 _cells, _event = typeof(np.empty((0, 0), CELL)), typeof(np.empty(0, EVENT))
-_request = typeof(Request(0, 0.0, 0.0))
+_request = typeof(Request(Detail.MAP, 0.0, 0.0))
 _f, _i = types.float64, types.int64
 
 march, _march_address = by_address(

@@ -10,14 +10,15 @@ from typing import NamedTuple
 
 import numpy as np
 
+from escapement.dynamics.codes import is_extremum
 from escapement.dynamics.figures_of_merit import BOUNDLESS, MAX_ENGAGEMENTS
 from escapement.dynamics.law import is_drag_free
 from escapement.dynamics.train_losses import is_lossy
 from escapement.engines.energy.calls import march_case, refine
-from escapement.engines.energy.events import ROUGH_ERROR, has_reversal, is_extremum
+from escapement.engines.energy.events import ROUGH_ERROR, has_reversal
 from escapement.engines.energy.march import NO_TERMINAL, NOT_CONVERGED, OK, STALL
-from escapement.engines.energy.panels import NO_PANELS, tolerances
-from escapement.engines.energy.passage import Detail, Request
+from escapement.engines.energy.panels import NO_PANELS
+from escapement.engines.energy.passage import Detail, request_of
 from escapement.mechanisms.slotted import transmission_at
 from escapement.numerics.jit import inner_jit
 
@@ -126,22 +127,20 @@ def terminal_cycle(case, count, ends, w, last_good, before, rtol, first, out):
     status, panels : of the search, and number of panels in use.
     """
     scene, events = case.scene, case.events
-    loose, strict = tolerances(rtol)
     to_follow, longer = 0, FOLLOWED
     # with a load or drag two reversals may lie in one panel, and a march for the map misses them
     alone = scene.load == 0.0 and is_drag_free(scene) and not is_lossy(scene)
-    far_detail = np.int64(Detail.MAP if alone else Detail.TIME)
+    far_detail = Detail.MAP if alone else Detail.TIME
     near = False
     for _ in range(MAX_ENGAGEMENTS):
-        detail = np.int64(Detail.EXTREMA) if near else far_detail
-        request = Request(detail, loose, strict)
+        request = request_of(Detail.EXTREMA if near else far_detail, rtol)
         found = march_case(case, count, request, w, 0.0, first)
         count = found.panels
         if found.status == STALL and to_follow == 0:
             # follow the motion itself for a while, and drop the many panels that the stop made;
             # should Newton's method overshoot again, follow it for twice as long
             count = NO_PANELS
-            w, to_follow, near, far_detail = last_good, longer, False, np.int64(Detail.TIME)
+            w, to_follow, near, far_detail = last_good, longer, False, Detail.TIME
             longer *= 2
             continue
         if found.status != OK:
@@ -157,7 +156,7 @@ def terminal_cycle(case, count, ends, w, last_good, before, rtol, first, out):
             return OK, count
         if near or not step.sound:
             # the map may be wrong because of a pair of reversals that it missed
-            far_detail = np.int64(Detail.TIME)
+            far_detail = Detail.TIME
         if not step.sound and scene.path.table and w < last_good < (1.0 + BOUNDLESS) * w:
             return NO_TERMINAL, count
         # the error is squared by every step, so the next change will be below the tolerance
@@ -181,7 +180,7 @@ def _read(case, first, found, w, step, out):
     fast, slow = max(w, found.w), min(w, found.w)
     for i in range(first, found.used):
         event = case.events[i]
-        if not is_extremum(event):
+        if not is_extremum(event.kind):
             continue
         # only an extremum that may be the greatest or the least has to be exact
         if not slow * (1.0 + ROUGH_ERROR) < event.w < fast * (1.0 - ROUGH_ERROR):

@@ -1,9 +1,11 @@
 """Figures of merit of a case, from its transient and its terminal cycle."""
 
 from enum import IntEnum
+from typing import NamedTuple
 
 import numpy as np
 
+from escapement.dynamics.codes import Event, is_extremum
 from escapement.dynamics.figures_of_merit import (
     FALL_63,
     FALL_98,
@@ -20,15 +22,13 @@ from escapement.engines.energy.events import (
     EVENT,
     NO_EVENTS,
     ROUGH_ERROR,
-    EventKind,
     has_reversal,
-    is_extremum,
     most_events,
 )
 from escapement.engines.energy.leap import GENTLE, GOALS, ROWS, Leap, is_gentle, is_worth_it, leap
 from escapement.engines.energy.march import NO_TERMINAL, NOT_CONVERGED, OK, STALL
-from escapement.engines.energy.panels import MAX_PANELS, NO_PANELS, new_store, tolerances
-from escapement.engines.energy.passage import Detail, Request
+from escapement.engines.energy.panels import MAX_PANELS, NO_PANELS, new_store
+from escapement.engines.energy.passage import Detail, request_of
 from escapement.numerics.gauss import N
 from escapement.numerics.jit import inner_jit
 
@@ -52,6 +52,13 @@ class Extent(IntEnum):
     FALLEN = 2
 
 
+class EventRows(NamedTuple):
+    """The events that stand in the rows from `first` to before `end`."""
+
+    first: int
+    end: int
+
+
 @inner_jit(allocates=True)
 def workspace(edges):
     """Memory for `figures`: panels, events, times and w of handoffs, and the rows of a leap."""
@@ -71,53 +78,46 @@ def figures(case, handoffs, rows, w, rtol, extent, out):
     engagement; both are NaN where a motion without friction loses energy in every engagement,
     which `escapement.terminal` tells first.
     """
-    scene, events = case.scene, case.events
-    start, handoffs[0, 0], handoffs[0, 1] = w, 0.0, w
+    scene, start = case.scene, w
+    handoffs[0, 0], handoffs[0, 1] = 0.0, w
     out[: cycle.FIGURES] = np.nan
     ends = cycle.ends_of(scene)
     constant_gain = is_lossless(scene) and ends_alike(ends.entry, ends.exit, scene.rho)
     if constant_gain and _only_gains(scene):
         return NO_TERMINAL
-    loose, strict = tolerances(rtol)
-    request = Request(np.int64(Detail.EXTREMA), loose, strict)
-    count, first, in_band = NO_PANELS, NO_EVENTS, NO_EVENTS
+    request, before = request_of(Detail.EXTREMA, rtol), cycle.Attempt(w, w)
+    count, first, in_band, k, attempt, rows[GOALS, 0] = NO_PANELS, NO_EVENTS, 0, 0, 0, np.nan
     time, rising, cycle_known, sought = 0.0, 0.0, False, False
-    before = cycle.Attempt(w, w)
-    k, attempt, rows[GOALS, 0] = np.int64(0), np.int64(0), np.nan
     while k < MAX_ENGAGEMENTS:
         ready = cycle_known
         found = march_case(case, count, request, w, rising, first)
-        count = found.panels
+        count, used, rising = found.panels, found.used, found.rising
         if found.status != OK:
             return _stopped(found, k, out)
         if constant_gain:
             # every engagement adds the same energy: a negative one stops the motion in the end,
             # and with a positive one the speed grows without bound
             return NO_TERMINAL if found.source > 0.0 else STALL
-        used, rising = found.used, found.rising
-        _mark_extrema(case, first, used, time)
+        noted = EventRows(first, used)
+        _mark_extrema(case, noted, time)
         time += found.time
         _note_handoff(handoffs, k + 1, time, found.w)
         if cycle_known:
-            in_band = _judge(case, first, used, in_band, out)
+            in_band = _judge(case, noted, in_band, out)
             note_fall(start, handoffs, k, out[cycle.HANDOFF], out[cycle.HANDOFF], rtol, out)
         if not sought:
-            step = cycle.newton_step(w, found, scene, ends, has_reversal(events, first, used))
+            turned = has_reversal(case.events, first, used)
+            step = cycle.newton_step(w, found, scene, ends, turned)
             first = used
-            if _worth_seeking(scene, w, step, k, used, events):
-                guess = _first_guess(w, step, before, found.w)
-                steps = cycle.Attempt(w, step.w)
-                status, count = cycle.terminal_cycle(
-                    case, count, ends, guess, found.w, steps, rtol, used, out
-                )
-                sought, cycle_known = True, status == OK
-                if status in (NOT_CONVERGED, NO_TERMINAL):
+            if _worth_seeking(scene, w, step, k, used, case.events):
+                status, count = _seek(case, count, ends, w, step, before, found.w, used, rtol, out)
+                sought, cycle_known, first = True, status == OK, NO_EVENTS
+                if status in (NOT_CONVERGED, NO_TERMINAL) or (
+                    cycle_known and extent == Extent.CYCLE
+                ):
                     return status
-                first = NO_EVENTS
                 if cycle_known:
-                    if extent == Extent.CYCLE:
-                        return OK
-                    in_band = _take_stock(case, start, handoffs, k, used, rtol, out)
+                    in_band = _take_stock(case, start, handoffs, k, used, in_band, rtol, out)
                     # from rest it takes log(0.02)/log(contraction) engagements or so, here
                     # more than the limit, so no time is given
                     if out[cycle.CONTRACTION] > 1.0 - 1.0 / MAX_ENGAGEMENTS:
@@ -129,8 +129,7 @@ def figures(case, handoffs, rows, w, rtol, extent, out):
         if cycle_known and in_band >= 2 and (extent < Extent.FALLEN or out[cycle.RISE_98] >= 0.0):
             return OK
         if ready and k >= attempt and out[cycle.CONTRACTION] > 1.0 - GENTLE:
-            step = cycle.newton_step(w, found, scene, ends, True)
-            passed = _leap_on(case, request, ends, start, w, k, step, rising, extent, rows, out)
+            passed = _leap_on(case, request, ends, start, w, k, found, extent, rows, out)
             attempt = k if passed.number > 0 else k + RETRY
             k, w, time, count = k + passed.number, passed.w, time + passed.time, NO_PANELS
             _note_handoff(handoffs, k, time, w)
@@ -141,6 +140,17 @@ def figures(case, handoffs, rows, w, rtol, extent, out):
 
 
 @inner_jit
+def _seek(case, count, ends, w, step, before, following, used, rtol, out):
+    """Search for the terminal cycle behind the engagement from w to `following`.
+
+    `step` is Newton's step from w, and `before` the `Attempt` of the engagement before. Returns
+    the status and the number of panels in use.
+    """
+    guess, last = _first_guess(w, step, before, following), cycle.Attempt(w, step.w)
+    return cycle.terminal_cycle(case, count, ends, guess, following, last, rtol, used, out)
+
+
+@inner_jit
 def _note_handoff(handoffs, k, time, w):
     """Keep time and w at the entry of engagement k."""
     row = k % handoffs.shape[0]
@@ -148,16 +158,20 @@ def _note_handoff(handoffs, k, time, w):
 
 
 @inner_jit
-def _leap_on(case, request, ends, start, w, k, step, rising, extent, rows, out):
-    """Leap from w, at the entry of engagement k, until shortly before the next figure is known."""
-    none, final = Leap(np.int64(0), w, 0.0), out[cycle.HANDOFF] ** 2
+def _leap_on(case, request, ends, start, w, k, found, extent, rows, out):
+    """Leap from w, at the entry of engagement k, until shortly before the next figure is known.
+
+    `found` is the march over the engagement before, which ends with w.
+    """
+    none, final = Leap(0, w, 0.0), out[cycle.HANDOFF] ** 2
+    step = cycle.newton_step(w, found, case.scene, ends, True)
     if not is_gentle(w, step):
         return none
     goals = rows[GOALS]
     if np.isnan(goals[0]):
         far = max(w, 0.8 * final) if w < final else min(w, 1.25 * final)
-        goals[0] = _first_in_band(case, request, w, rising, RISE_BAND, False, out)
-        goals[1] = _first_in_band(case, request, far, rising, SETTLING_BAND, True, out)
+        goals[0] = _first_in_band(case, request, w, found.rising, RISE_BAND, False, out)
+        goals[1] = _first_in_band(case, request, far, found.rising, SETTLING_BAND, True, out)
     goal = _goal(goals, start, w, extent, out)
     if not is_worth_it(w, step, final, goal):
         return none
@@ -209,13 +223,13 @@ def _in_band(case, request, w, rising, band, every, out):
     found = march_case(case, NO_PANELS, request, w, rising, NO_EVENTS)
     if found.rising * rising < 0.0:
         found = march_case(case, found.panels, request, w, found.rising, NO_EVENTS)
-    _mark_extrema(case, NO_EVENTS, found.used, 0.0)
+    _mark_extrema(case, EventRows(NO_EVENTS, found.used), 0.0)
     inside = outside = 0
     for i in range(found.used):
         event = case.events[i]
-        if is_extremum(event) and (event.outermost or not every):
+        if is_extremum(event.kind) and (event.outermost or not every):
             refine(case.addresses, case.scene, case.store, case.events, i)
-            top = event.kind == EventKind.MAXIMUM
+            top = event.kind == Event.MAXIMUM
             error = abs(np.sqrt(event.w) / out[cycle.V_MAX if top else cycle.V_MIN] - 1.0)
             inside, outside = inside + (error <= band), outside + (error > band)
     return inside > 0 and (outside == 0 or not every)
@@ -228,11 +242,11 @@ def _further(nearest, other, sense):
 
 
 @inner_jit
-def _take_stock(case, start, handoffs, k, used, rtol, out):
-    """Compare all kept events with the cycle; returns how many extrema are in the band."""
+def _take_stock(case, start, handoffs, k, used, in_band, rtol, out):
+    """Compare all kept events with the cycle; returns the new `in_band`, see `_judge`."""
     for i in range(k + 1):
         note_fall(start, handoffs, i, out[cycle.HANDOFF], out[cycle.HANDOFF], rtol, out)
-    return _judge(case, NO_EVENTS, used, NO_EVENTS, out)
+    return _judge(case, EventRows(NO_EVENTS, used), in_band, out)
 
 
 @inner_jit
@@ -296,20 +310,20 @@ def _worth_seeking(scene, w, step, k, used, events):
 
 
 @inner_jit
-def _mark_extrema(case, first, used, time):
+def _mark_extrema(case, noted, time):
     """Mark the extrema of an engagement with its start time, and the outermost of each kind."""
     events = case.events
-    for i in range(first, used):
-        if is_extremum(events[i]):
+    for i in range(noted.first, noted.end):
+        if is_extremum(events[i].kind):
             events[i].engagement_start = time
-            events[i].outermost = _is_outermost(case, first, used, i)
+            events[i].outermost = _is_outermost(case, noted, i)
 
 
 @inner_jit
-def _is_outermost(case, first, used, i):
+def _is_outermost(case, noted, i):
     """Whether event i is the greatest maximum, or the least minimum, of its engagement."""
     event = case.events[i]
-    for j in range(first, used):
+    for j in range(noted.first, noted.end):
         other = case.events[j]
         if j == i or other.kind != event.kind:
             continue
@@ -318,21 +332,21 @@ def _is_outermost(case, first, used, i):
             refine(case.addresses, case.scene, case.store, case.events, i)
             refine(case.addresses, case.scene, case.store, case.events, j)
         further = other.w > event.w
-        if further == (event.kind == EventKind.MAXIMUM) and other.w != event.w:
+        if further == (event.kind == Event.MAXIMUM) and other.w != event.w:
             return False
     return True
 
 
 @inner_jit
-def _judge(case, first, used, in_band, out):
-    """Compare the extrema from row `first` on with the terminal cycle.
+def _judge(case, noted, in_band, out):
+    """Compare the extrema among some events with the terminal cycle.
 
     Only the greatest and the least speed of an engagement tend to the terminal extremes, so
     the settling time depends on these alone. Returns how many of them in a row, `in_band` at
     first, were within the settling band.
     """
-    for i in range(first, used):
-        if is_extremum(case.events[i]):
+    for i in range(noted.first, noted.end):
+        if is_extremum(case.events[i].kind):
             in_band = _judge_one(case, i, in_band, out)
     return in_band
 
@@ -341,7 +355,7 @@ def _judge(case, first, used, in_band, out):
 def _judge_one(case, i, in_band, out):
     """Compare extremum i with the terminal cycle; returns the new `in_band`."""
     event = case.events[i]
-    final = out[cycle.V_MAX] if event.kind == EventKind.MAXIMUM else out[cycle.V_MIN]
+    final = out[cycle.V_MAX] if event.kind == Event.MAXIMUM else out[cycle.V_MIN]
     error = abs(np.sqrt(event.w) / final - 1.0)
     # the relative error of a speed is half of that of w
     unsure = 0.5 * ROUGH_ERROR
@@ -355,7 +369,7 @@ def _judge_one(case, i, in_band, out):
         return in_band
     if error > SETTLING_BAND:
         out[cycle.SETTLING] = np.nan
-        return NO_EVENTS
+        return 0
     if np.isnan(out[cycle.SETTLING]):
         refine(case.addresses, case.scene, case.store, case.events, i)
         out[cycle.SETTLING] = event.engagement_start + event.time

@@ -8,8 +8,8 @@ from escapement.dynamics.torque import cell_after, cell_of, is_constant, is_spen
 from escapement.engines.energy.calls import MarchInputs, march
 from escapement.engines.energy.events import EVENT, NO_EVENTS, most_events
 from escapement.engines.energy.march import OK, PAINLEVE, SPENT, STALL
-from escapement.engines.energy.panels import MAX_PANELS, NO_PANELS, new_store, tolerances
-from escapement.engines.energy.passage import Detail, Request
+from escapement.engines.energy.panels import MAX_PANELS, NO_PANELS, new_store
+from escapement.engines.energy.passage import Detail, request_of
 from escapement.engines.energy.rundown import (
     FORGOTTEN,
     NODES,
@@ -51,8 +51,7 @@ def handoffs(addresses, scene_tuple, cells, w, limit, rtol, clock, times, speeds
         cell = cell_of(scene)
     if beyond_painleve(scene):
         return PAINLEVE, 0, 0.0
-    loose, strict = tolerances(rtol)
-    request = Request(np.int64(Detail.TIME), loose, strict)
+    request = request_of(Detail.TIME, rtol)
     store = new_store(MAX_PANELS)
     events = np.empty(most_events(scene.edges), EVENT)
     count = NO_PANELS
@@ -62,7 +61,7 @@ def handoffs(addresses, scene_tuple, cells, w, limit, rtol, clock, times, speeds
     ends_equal = inertia == transmission_at(scene.path, scene.edges[-1])[0] ** 2 + scene.rho
     start, steady_gain = w, is_constant(scene) and is_lossless(scene)
     # the numbers of the engagement, of the first after a knot, and of the next to try a series
-    k, line, attempt = np.int64(0), np.int64(0), np.int64(0)
+    k = line = attempt = 0
     while k < times.size:
         scene = cell_after(k * cell, scene)
         found = march(addresses, scene, cells, store, count, request, w, 0.0, events, NO_EVENTS)
@@ -96,7 +95,7 @@ def handoffs(addresses, scene_tuple, cells, w, limit, rtol, clock, times, speeds
             continue
         line = k if found.panels == NO_PANELS else line
         # after this number of engagements the start has no influence
-        lead = np.int64(FORGOTTEN / max(found.exponent, SMALL_EXPONENT)) + 2
+        lead = int(FORGOTTEN / max(found.exponent, SMALL_EXPONENT)) + 2
         if k >= attempt and k - line >= lead:
             most = times.size - k
             stretch = longest_stretch(case, request, k, most, lead, w, rtol, series)

@@ -74,7 +74,7 @@ def leap(case, request, ends, w, final, goal, most, rows):
 
     At most `most` engagements are passed; `rows` is memory of shape (ROWS, N).
     """
-    none, below, start = Leap(np.int64(0), w, 0.0), w < final, distance(w, final)
+    none, below, start = Leap(0, w, 0.0), w < final, distance(w, final)
     half = -0.5 * min(SHARE * (start - distance(goal, final)), WIDEST)
     if not _march(case, request, ends, start + half, half, below, final, rows):
         return none
@@ -92,7 +92,7 @@ def leap(case, request, ends, w, final, goal, most, rows):
     whole = integral(work.slowness, count)
     if not tail_of(work.slowness, count) <= ROUGHEST * whole or not whole >= WORTH:
         return none
-    passed = min(np.int64(whole), most)
+    passed = min(int(whole), most)
     cumulate(work.slowness, work.scratch)
     x = invert(work, float(passed), whole)
     cumulate(work.energy, work.scratch)

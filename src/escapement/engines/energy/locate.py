@@ -20,7 +20,7 @@ from escapement.dynamics.law import (
 from escapement.dynamics.torque import torque_at
 from escapement.engines.energy import sampling
 from escapement.engines.energy.panels import points_of, solution_of
-from escapement.engines.energy.sampling import ALL_POINTS, CLOSE_PAIR, NEGLIGIBLE
+from escapement.engines.energy.sampling import CLOSE_PAIR, NEGLIGIBLE, Points
 from escapement.engines.energy.solve import (
     MOST_STEPS,
     fill_bend,
@@ -283,13 +283,13 @@ def _hides_more(scene, work, panel, side, w, reversal, trend):
     a = sampling.net_torque_at(panel.exit, -side, w, scene)
     a = sampling.beside(scene, panel, a, work.net_torque, N - 1)
     # the search begins one point later, because X passes through zero at the reversal itself
-    rest = reversal + 1
+    rest = Points(reversal + 1, N)
     more = 0
     more += trend != 0.0 and a * trend < 0.0
     if panel.half > CLOSE_PAIR:
         negligible = NEGLIGIBLE * (scene.rho + panel.entry.g**2)
         more += c > 0.0
-        more += sampling.may_vanish(work, work.contact, negligible, c, c, rest, ALL_POINTS)
+        more += sampling.may_vanish(work, work.contact, negligible, c, c, rest)
         if trend != 0.0:
-            more += sampling.may_vanish(work, work.net_torque, NEGLIGIBLE, a, a, rest, ALL_POINTS)
+            more += sampling.may_vanish(work, work.net_torque, NEGLIGIBLE, a, a, rest)
     return more

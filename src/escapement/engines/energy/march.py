@@ -1,39 +1,47 @@
 """One engagement in the driver-angle domain, panel by panel.
 
-The march halves a panel that is too coarse for an event in it (a reversal, an extremum, a start
-from rest, a near stop) and goes on with the left half. The chain of panels thus becomes as fine
-as the scene needs, and later engagements use the same chain again.
+A march goes from panel to panel, each time with these steps:
 
-A panel is passed in steps: `_choose` between it and the spare panel of a start, `_pass_over` it
-to its right end, `_note_left_end`, `_check` it for extrema, `_note_inside` the events in it,
-and `_advance`. `_pass_over`, `_check` and `_note_inside` may find that it must be halved first.
-`_choose` may find this for a start, from the tail of its solution.
+1. `_face`: find which side of the slot carries the force at the left end.
+2. `over_panel.choose`: solve the panel for that side. Where the motion starts from rest, solve
+   the spare panel instead, which has another variable.
+3. `over_panel.pass_over`: compute energy, time and contact at the right end, and find out whether
+   the panel holds a reversal, or a stop, which ends the march.
+4. `_note_left_end`: note the events of the left end.
+5. `_check`: find out whether the speed has an extremum in the panel.
+6. `_note_inside`: note that extremum and the reversal, and go on from the reversal with the
+   solution of the other side.
+7. `_advance`: make the state at the left end of the next panel.
+
+If steps 3, 5 or 6 find that the panel is too coarse for what it holds, it is halved, and the steps
+are repeated with its left half. The chain of panels thus becomes as fine as the scene needs, and
+later engagements use the same chain again.
 """
 
 import numpy as np
 
 from escapement.base.status import Status
-from escapement.dynamics.law import drive_sign, is_drag_free, is_viscous, side_at
+from escapement.dynamics.codes import Event
+from escapement.dynamics.law import drive_sign, side_at
 from escapement.dynamics.torque import REST, has_knot, is_held, is_undriven
 from escapement.dynamics.train_losses import flowing, is_lossy
 from escapement.engines.energy import locate, panels, sampling
-from escapement.engines.energy.events import (
-    EventKind,
-    extremum_kind,
-    note,
-    note_extremum,
-)
+from escapement.engines.energy.events import extremum_kind, note, note_extremum
+from escapement.engines.energy.over_panel import choose, pass_over, turns_free
 from escapement.engines.energy.passage import (
     NOWHERE,
     Detail,
-    Engagement,
     Inside,
-    MarchState,
-    Passage,
     SpeedExtremum,
+    at_entry,
+    behind_panel,
+    behind_reversal,
+    ended,
+    with_left_noted,
+    with_rho,
+    with_side,
 )
-from escapement.engines.energy.sampling import ALL_POINTS, CLOSE_PAIR, FIRST_POINT, NEGLIGIBLE
-from escapement.engines.energy.solve import slope_of_w, solve_side, solve_start
+from escapement.engines.energy.sampling import CLOSE_PAIR, NEGLIGIBLE, Points
 from escapement.mechanisms.slotted import transmission_at
 from escapement.numerics.gauss import N
 from escapement.numerics.jit import inner_jit
@@ -41,13 +49,6 @@ from escapement.numerics.jit import inner_jit
 OK, NO_TERMINAL = int(Status.OK), int(Status.NO_TERMINAL)
 STALL, PAINLEVE, NOT_CONVERGED = int(Status.STALL), int(Status.PAINLEVE), int(Status.NOT_CONVERGED)
 SPENT = int(Status.SPENT)
-# A panel is one of a start where E at its left end is at most this share of what it gains.
-START_SHARE = 1e-8
-# In a panel of at most this half width [rad] the deceleration before a stop is constant.
-SHORTEST_STOP = 4e-13
-# Times get this share of the tolerance, because near a stop the errors of all panels have the
-# same sign and add up.
-TIME_SHARE = 0.1
 # One engagement needs fewer panels than this and two for every edge.
 TOO_MANY_PANELS = 128
 
@@ -71,9 +72,10 @@ def march(scene, cells, store, count, request, w, rising, events, used):
 
     Returns
     -------
-    Engagement
+    MarchResult
     """
-    # if the torque has a knot in this cell, the chain is for this cell only
+    # if the torque has a knot in this cell, the chain is for this cell only; `own` is the scene
+    # whose trains lose nothing, to which E belongs outside the march
     own, lossy = scene, is_lossy(scene)
     knotted = has_knot(scene)
     if knotted or count == panels.NO_PANELS or count > TOO_MANY_PANELS + 2 * scene.edges.size:
@@ -84,34 +86,33 @@ def march(scene, cells, store, count, request, w, rising, events, used):
         panels.turn_to(store, scene)
     if lossy:
         scene = flowing(first.left, 1.0, w, own)
-        panels.fill_again(store, panels.FIRST_PANEL, scene, cells)
+        panels.fill_again(store, first, scene, cells)
     state = _enter(scene, first, w, rising, used)
-    # a driver at rest that is not accelerated stays at rest; where nothing drives it one that
-    # hardly turns would come to rest after any time
+    # a driver at rest stays at rest if nothing accelerates it; one that hardly turns and is not
+    # driven would come to rest after any time, and counts as at rest
     still = w == 0.0 and (
         is_held(first.left, scene)
         or sampling.net_torque_at(first.entry, state.side, 0.0, scene) <= 0.0
     )
     if still or (w <= REST and is_undriven(first.left, scene)):
-        return _found(STALL, state, first.left, 0.0, count)
+        return ended(STALL, state, first.left, 0.0, count)
     if lossy:
-        # outside the march, E belongs to the scene whose trains lose nothing
-        state = _turned(state, first.entry.g, own.rho, scene.rho)
+        state = with_rho(state, first.entry.g, own.rho, scene.rho)
     while state.panel != panels.CHAIN_END:
         chained = store.panels[state.panel]
         if lossy:
             side, before = 0.0 if chained.locked else state.side, scene.rho
             scene = flowing(chained.left, side, state.w, own)
             if chained.flow != scene.flow:
-                panels.fill_again(store, state.panel, scene, cells)
-            state = _turned(state, chained.entry.g, before, scene.rho)
+                panels.fill_again(store, chained, scene, cells)
+            state = with_rho(state, chained.entry.g, before, scene.rho)
         if state.panel != panels.FIRST_PANEL and not chained.locked:
             state = _face(scene, chained, state, events)
-        starting = _choose(scene, work, chained, state, request)
+        starting = choose(scene, work, chained, state, request)
         panel = work.spare if starting else chained
-        passage = _pass_over(scene, work, panel, starting, state, request)
-        if passage.stalled:
-            return _found(STALL, state, passage.angle, passage.time, count)
+        passage = pass_over(scene, work, panel, starting, state, request)
+        if passage.has_stalled:
+            return ended(STALL, state, passage.angle, passage.time, count)
         # the events of the left end come before those of the inside, in the order of time
         if not passage.split and request.detail > Detail.TIME:
             state = _note_left_end(scene, work, chained, state, events)
@@ -119,227 +120,58 @@ def march(scene, cells, store, count, request, w, rising, events, used):
         inside = _note_inside(scene, work, panel, state, passage, extremum, request, events)
         if inside.split:
             if count >= panels.MAX_PANELS or panel.half < panels.SMALLEST:
-                return _found(NOT_CONVERGED, state, 0.0, state.time, count)
+                return ended(NOT_CONVERGED, state, 0.0, state.time, count)
             count = panels.halve(scene, cells, store, state.panel, count)
             continue
         state = _advance(scene, panel, chained.next, state, passage, extremum, inside)
         if state.used >= events.shape[0]:
-            return _found(NOT_CONVERGED, state, 0.0, state.time, count)
+            return ended(NOT_CONVERGED, state, 0.0, state.time, count)
     if lossy:
         g = 0.0 if scene.dwell > 0.0 else transmission_at(scene.path, scene.edges[-1])[0]
-        state = _turned(state, g, scene.rho, own.rho)
-    return _found(OK, state, 0.0, state.time, panels.NO_PANELS if knotted else count)
-
-
-@inner_jit(inlined=True)
-def _found(status, state, angle, time, count):
-    """The result of a march that ends with `state`."""
-    return Engagement(
-        status, state.w, angle, time, state.exponent, state.source, state.side, state.rising,
-        count, state.used,
-    )  # fmt: skip
+        state = with_rho(state, g, scene.rho, own.rho)
+    return ended(OK, state, 0.0, state.time, panels.NO_PANELS if knotted else count)
 
 
 @inner_jit(inlined=True)
 def _enter(scene, panel, w, rising, used):
-    """MarchState at the entry, which is the left end of the first panel."""
+    """The state at the entry, which is the left end of the first panel."""
     end = panel.entry
     side = side_at(panel.left, end.g, end.dg, end.pull, panel.slope, w, 1.0, scene)
     energy = w * (scene.rho + end.g**2)
-    return MarchState(panels.FIRST_PANEL, w, energy, side, rising, 0.0, 0.0, 0.0, used, False)
+    return at_entry(w, energy, side, rising, used)
 
 
 @inner_jit(inlined=True)
 def _face(scene, panel, state, events):
-    """MarchState with the side that carries the force just behind the left end of a panel.
+    """The state with the side that carries the force just behind the left end of a panel.
 
-    A reversal there is noted, as behind a spring that is spent at dead centre. None is inside a
-    panel next to one of its ends, where rounding would decide on its place.
+    If the side changes there, a reversal is noted, as where a spring is spent at dead centre.
+    `pass_over` finds only reversals that are well inside a panel: next to its end, rounding would
+    decide in which of two panels one lies.
     """
     end = panel.entry
     side = state.side
     side = side_at(panel.left, end.g, end.dg, end.pull, panel.slope, state.w, side, scene)
     if side == state.side:
         return state
-    kind = np.int64(EventKind.REVERSAL)
-    used = note(events, state.used, kind, panel.left, state.time, state.w)
-    return MarchState(
-        state.panel, state.w, state.energy, side, state.rising, state.time, state.exponent,
-        state.source, used, state.left_noted,
-    )  # fmt: skip
-
-
-@inner_jit(inlined=True)
-def _turned(state, g, rho, after):
-    """MarchState where power turns back through a train, which changes rho in E = (rho + g^2) w."""
-    ratio = (after + g * g) / (rho + g * g)
-    return MarchState(
-        state.panel, state.w, state.w * (after + g * g), state.side, state.rising, state.time,
-        state.exponent - np.log(ratio), ratio * state.source, state.used, state.left_noted,
-    )  # fmt: skip
-
-
-@inner_jit(inlined=True)
-def _choose(scene, work, panel, state, request):
-    """Solve a panel for side s; returns whether the spare panel of a start takes its place."""
-    solution = panels.solution_of(panel, state.side)
-    shifted = solution.pull != panel.entry.pull
-    if state.w > 0.0 and (solution.tail == panels.UNSOLVED or shifted or is_viscous(scene)):
-        solve_side(scene, work, panel, state.side, state.energy)
-    # 1/sqrt(w) is singular at rest, and nearly so if E is small compared with its gain in the
-    # panel
-    if state.w == 0.0 or state.energy <= START_SHARE * solution.beta_end:
-        return solve_start(scene, work, panel, state.side, state.w, request.strict)
-    return False
-
-
-@inner_jit(inlined=True)
-def _pass_over(scene, work, panel, starting, state, request):
-    """Go to the right end of a panel, and search for a reversal or a stop on the way."""
-    side, w = state.side, state.w
-    solution = panels.solution_of(panel, side)
-    tail = solution.tail
-    # E at the right end, and s X at both ends: their signs say which side carries the force
-    energy = solution.alpha_end * state.energy + solution.beta_end
-    w_right = energy / (scene.rho + panel.exit.g**2)
-    right = side * sampling.contact_at(panel.exit, w_right, scene)
-    # side_at has told the side: another sign is rounding
-    left = max(side * sampling.contact_at(panel.entry, w, scene), 0.0)
-    # in a start all energy comes from this panel, so that its error is the error of E itself
-    split = tail > (request.strict if starting else request.loose)
-    time, slowing, reversal = state.time, np.int64(0), NOWHERE
-    if split and panel.half <= SHORTEST_STOP and is_viscous(scene):
-        # the linearised viscous drag has no solution on a panel that holds a stop
-        way = -w / slope_of_w(scene, panel, side, w)
-        if 0.0 < way <= 4.0 * panel.half:
-            return _stops(panel, way, w, 0.0, time, energy)
-    if is_viscous(scene) and not energy > scene.rho * REST and is_undriven(panel.left, scene):
-        # see `dynamics.law.rest_speed`
-        excess = state.energy - scene.rho * REST
-        if excess <= 0.0:
-            return _stops(panel, 0.0, w, w, time, energy)
-        if panel.half <= SHORTEST_STOP:
-            way = 2.0 * panel.half * excess / (state.energy - energy)
-            return _stops(panel, way, w, w, time, energy)
-        return Passage(True, False, 0.0, energy, w_right, right, time, reversal, slowing, left)
-    # the map alone needs no values inside, unless the right end shows a reversal or a stop
-    if split or _map_will_do(scene, panel, request, right, w_right):
-        return Passage(split, False, 0.0, energy, w_right, right, time, reversal, slowing, left)
-    if _turns_free(scene, panel) and w_right > 0.0:
-        # the acceleration is constant: the time is the angle over the mean speed
-        time += 4.0 * panel.half / (np.sqrt(w) + np.sqrt(w_right))
-        return Passage(False, False, 0.0, energy, w_right, right, time, reversal, slowing, left)
-    against, stopped, slowing = sampling.sample_panel(
-        scene, work, panel, solution, side, state.energy
-    )
-    right = sampling.beside(scene, panel, right, work.contact, N - 1)
-    # at the stop of a mesh the sign of X is rounding, and would look like many reversals
-    if starting and against > 0:
-        against = sampling.clearly_against(work)
-    if stopped > 0 or not w_right > 0.0:
-        if (against == 0 or panel.locked) and panel.half <= SHORTEST_STOP:
-            way = -w / slope_of_w(scene, panel, side, w)
-            return _stops(panel, way, w, 0.0, time, energy)
-        return Passage(True, False, 0.0, energy, w_right, right, time, reversal, slowing, left)
-    if sampling.turns_back(scene, work, panel, solution, side, w, w_right):
-        return Passage(True, False, 0.0, energy, w_right, right, time, reversal, slowing, left)
-    negligible = NEGLIGIBLE * (scene.rho + panel.entry.g**2)
-    if not panel.locked and (against > 0 or right < 0.0):
-        split, reversal = _single_reversal(
-            work, panel, against, left, right, negligible, starting or tail > request.strict
-        )
-        # a change of direction after a reversal would not be detected
-        split |= reversal >= 0 and is_lossy(scene) and panel.half > sampling.NARROW_TURN
-    if not split:
-        passed, split = _time_over(
-            work, panel, solution.noise, w, w_right, left, right, negligible, reversal, request
-        )
-        time += passed
-    return Passage(split, False, 0.0, energy, w_right, right, time, reversal, slowing, left)
-
-
-@inner_jit(inlined=True)
-def _map_will_do(scene, panel, request, right, w_right):
-    """Whether a march for the map needs no values inside a panel."""
-    moves = (right > 0.0 or panel.locked) and w_right > 0.0
-    return request.detail == Detail.MAP and moves and not is_lossy(scene)
-
-
-@inner_jit(inlined=True)
-def _stops(panel, way, w, after, time, energy):
-    """The passage to a stop, which lies a short way after the left end of a panel.
-
-    With constant deceleration w changes linearly to its value `after`, and the time is the way
-    over the mean speed.
-    """
-    # a driver at rest that rounding alone moves stops where it starts
-    if way > 0.0:
-        time += 2.0 * way / (np.sqrt(w) + np.sqrt(after))
-    return Passage(
-        False, True, panel.left + way, energy, w, 1.0, time, NOWHERE, np.int64(0), 1.0
-    )  # fmt: skip
-
-
-@inner_jit(inlined=True)
-def _turns_free(scene, panel):
-    """Whether the driver turns under a constant torque, so that its acceleration is constant."""
-    return panel.locked and panel.slope == 0.0 and is_drag_free(scene)
-
-
-@inner_jit(inlined=True)
-def _single_reversal(work, panel, against, left, right, negligible, rough):
-    """Whether a panel must be halved for its reversals, and the first point after its one
-    reversal, `NOWHERE` without one.
-
-    A panel may hold one reversal, so that s X <= 0 at all points after it and at the right end. A
-    panel that is `rough` may hold none, since values inside it are not accurate.
-    """
-    reversal = sampling.first_against(work)
-    split = rough or N - reversal != against or right > 0.0 or (reversal == 0 and left <= 0.0)
-    split = split or sampling.may_vanish(
-        work, work.contact, negligible, left, right, FIRST_POINT, reversal
-    )
-    if split and panel.half <= CLOSE_PAIR:
-        # in so short a panel a pair of reversals changes nothing; a single one is kept, though
-        # rounding may have mixed the signs at the points
-        return False, reversal if right <= 0.0 else NOWHERE
-    return split, reversal
-
-
-@inner_jit(inlined=True)
-def _time_over(work, panel, noise, w, w_right, left, right, negligible, reversal, request):
-    """Time over a panel up to its right end, and whether the panel must be halved first."""
-    # time = int theta'/sqrt(w) dx
-    passed, roughness = sampling.duration(work)
-    limit = request.strict if reversal >= 0 else TIME_SHARE * request.loose
-    split = roughness > max(limit, noise)
-    if reversal >= 0:
-        return passed, split
-    if split and panel.half <= SHORTEST_STOP:
-        # next to a stop the deceleration is constant over so short a way: the time is the
-        # angle over the mean speed
-        return 4.0 * panel.half / (np.sqrt(w) + np.sqrt(w_right)), False
-    if not split and panel.half > CLOSE_PAIR and not panel.locked:
-        split = sampling.may_vanish(
-            work, work.contact, negligible, left, right, FIRST_POINT, ALL_POINTS
-        )
-    return passed, split
+    used = note(events, state.used, Event.REVERSAL, panel.left, state.time, state.w)
+    return with_side(state, side, used)
 
 
 @inner_jit(inlined=True)
 def _note_left_end(scene, work, panel, state, events):
-    """Note a break of the mechanism, and an extremum where theta_ddot goes through zero."""
+    """Note a break of the mechanism, and an extremum of the speed, at the left end of a panel."""
     used, rising = state.used, state.rising
     if panel.kink and not state.left_noted:
         left_slot = panel.left == scene.edges[-1]
-        kind = np.int64(EventKind.EXIT if left_slot else EventKind.BREAK)
+        kind = Event.EXIT if left_slot else Event.BREAK
         used = note(events, used, kind, panel.left, state.time, state.w)
     # at a kink of |u|, an exit, and an entry on another side than before, theta_ddot jumps
     now = sampling.net_torque_at(panel.entry, state.side, state.w, scene)
     if panel.locked and panel.slope == 0.0 and not panel.kink:
         now = 0.0  # nothing jumps inside a dwell, and near the final speed this is rounding
     elif (
-        not _turns_free(scene, panel)
+        not turns_free(scene, panel)
         and sampling.beside(scene, panel, now, work.net_torque, 0) == 0.0
     ):
         now = work.net_torque[0]
@@ -347,16 +179,13 @@ def _note_left_end(scene, work, panel, state, events):
         used = note(events, used, extremum_kind(rising), panel.left, state.time, state.w)
     if now != 0.0:
         rising = np.sign(now)
-    return MarchState(
-        state.panel, state.w, state.energy, state.side, rising, state.time, state.exponent,
-        state.source, used, True,
-    )  # fmt: skip
+    return with_left_noted(state, rising, used)
 
 
 @inner_jit(inlined=True)
 def _check(scene, work, panel, starting, state, passage, request):
     """Look for an extremum of the driver speed in a panel, up to its reversal if it has one."""
-    side, energy = state.side, state.energy
+    side = state.side
     first, final, point, split = 1.0, 1.0, NOWHERE, passage.split
     # under a constant torque the speed in a dwell tends to that at which drag takes all of it,
     # and never passes it
@@ -370,7 +199,7 @@ def _check(scene, work, panel, starting, state, passage, request):
             last_point = min(last, N - 1)
             final = drive_sign(panel.pull[last_point], work.w[last_point], scene)
         else:
-            final, last = sampling.net_torque_at(panel.exit, side, passage.w, scene), ALL_POINTS
+            final, last = sampling.net_torque_at(panel.exit, side, passage.w, scene), N
             final = sampling.beside(scene, panel, final, work.net_torque, N - 1)
         slowing, changes = passage.slowing, 0
         # one sign at all points and at both ends means that there is nothing to find
@@ -380,17 +209,21 @@ def _check(scene, work, panel, starting, state, passage, request):
         # a panel may hold one extremum, and the spare panel of a start may hold none
         split = changes > 1 or (changes == 1 and starting)
         if not split and panel.half > CLOSE_PAIR:
-            torque = work.net_torque
-            split = sampling.may_vanish(work, torque, NEGLIGIBLE, first, final, FIRST_POINT, last)
-    coarse = panels.solution_of(panel, side).tail > request.strict
-    return SpeedExtremum(split, point, first, final, state.time, energy, side, coarse)
+            tried = Points(0, last)
+            split = sampling.may_vanish(work, work.net_torque, NEGLIGIBLE, first, final, tried)
+    return SpeedExtremum(
+        split=split, point=point, first=first, final=final, time=state.time, energy=state.energy,
+        side=side, coarse=panels.solution_of(panel, side).tail > request.strict,
+    )  # fmt: skip
 
 
 @inner_jit(inlined=True)
 def _note_inside(scene, work, panel, state, passage, extremum, request, events):
     """Note the extremum and the reversal of a panel, and pass the reversal to the other side."""
     used, split, reversal = state.used, extremum.split, passage.reversal
-    after_reversal = locate.AfterReversal(True, passage.energy, 0.0, 0.0, 0.0)
+    after_reversal = locate.AfterReversal(
+        good=True, energy=passage.energy, length=0.0, exponent=0.0, source=0.0
+    )
     if split or (reversal < 0 and extremum.point < 0):
         return Inside(split, used, after_reversal)
     x, slope = 1.0, 0.0
@@ -413,8 +246,7 @@ def _note_inside(scene, work, panel, state, passage, extremum, request, events):
         if request.detail == Detail.EVERYTHING:
             instant = locate.reversal_at(scene, work, panel, state.side, x, slope, state.w)
         time = state.time + instant.elapsed
-        kind = np.int64(EventKind.REVERSAL)
-        used = note(events, used, kind, instant.angle, time, instant.w)
+        used = note(events, used, Event.REVERSAL, instant.angle, time, instant.w)
         if extremum.final == 0.0:
             # after the spring is spent nothing acts on the driver here, which is an extremum too
             kind = extremum_kind(state.rising)
@@ -432,21 +264,13 @@ def _note_inside(scene, work, panel, state, passage, extremum, request, events):
 
 @inner_jit(inlined=True)
 def _advance(scene, panel, following, state, passage, extremum, inside):
-    """MarchState at the right end of a panel, which is the left end of the one at `following`."""
+    """The state at the right end of a panel, which is the left end of the one at `following`."""
     # after a reversal theta_ddot keeps its sign, see `_check`, unless it vanishes there
     if passage.reversal >= 0:
         after = inside.after_reversal
         rising = extremum.final if extremum.final != 0.0 else -state.rising
         w = after.energy / (scene.rho + panel.exit.g**2)
-        return MarchState(
-            following, w, after.energy, -state.side, rising, state.time + after.length,
-            state.exponent + after.exponent, after.source, inside.used, False,
-        )  # fmt: skip
+        return behind_reversal(following, state, after, w, rising, inside.used)
     solution = panels.solution_of(panel, state.side)
-    # the affine map of the panel is composed with that up to its left end
     rising = -state.rising if extremum.point >= 0 else state.rising
-    return MarchState(
-        following, passage.w, passage.energy, state.side, rising, passage.time,
-        state.exponent + solution.b_end, solution.alpha_end * state.source + solution.beta_end,
-        inside.used, False,
-    )  # fmt: skip
+    return behind_panel(following, state, passage, solution, rising, inside.used)

@@ -108,11 +108,11 @@ class Store(NamedTuple):
 UNSOLVED = -1.0
 # The flow of a panel that must be filled again.
 NO_FLOW = -2.0
-# A Python integer would have a type of its own in Numba, which would compile every kernel that
-# is given one a second time; these have the type of all other integers in kernels.
-FIRST_PANEL, CHAIN_END = np.int64(0), np.int64(-1)
-NO_PANELS = np.int64(0)
-MAX_PANELS = np.int64(2048)
+# Numba gives an integer constant a type of its own, and compiles a kernel that is called with one
+# as an argument another time; these stand in variables and named tuples, which share one type.
+FIRST_PANEL, CHAIN_END = 0, -1
+NO_PANELS = 0
+MAX_PANELS = 2048
 # The sliding speed at an end is evaluated this share of the way to the nearest point inside.
 INWARDS = 1e-10
 # The tail of 1/(rho + g^2) must be below this share of the tail allowed, because with much
@@ -122,7 +122,7 @@ GEOMETRY_SHARE = 0.1
 SMALLEST = 1e-13
 
 
-@inner_jit(allocates=True)
+@inner_jit(allocates=True, inlined=True)
 def new_store(most):
     """An empty store for `most` panels; memory that is never touched costs nothing."""
     workspace = np.empty(1, WORKSPACE)
@@ -300,9 +300,8 @@ def halve(scene, cells, store, index, count):
 
 
 @inner_jit
-def fill_again(store, index, scene, cells):
-    """Fill the geometry of the panel at `index` for another scene of the same mechanism."""
-    panel = store.panels[index]
+def fill_again(store, panel, scene, cells):
+    """Fill the geometry of a panel for another scene of the same mechanism."""
     right = panel.left + 2.0 * panel.half
     # the sum may round, but an edge of the scene must keep its exact angle
     if panel.next != CHAIN_END:

@@ -1,4 +1,8 @@
-"""The named tuples that the steps of a march hand on: its request, its state, its results."""
+"""The named tuples that the steps of a march hand on: its request, its state, its results.
+
+Numba has no `_replace` for named tuples. Functions with words make a new one of the old: the
+result of a panel is `halved`, `stalled` or `passed`, and a state gets `with_side` and so on.
+"""
 
 from enum import IntEnum
 from typing import NamedTuple
@@ -6,8 +10,10 @@ from typing import NamedTuple
 import numpy as np
 
 from escapement.engines.energy.locate import AfterReversal
+from escapement.engines.energy.panels import FIRST_PANEL, tolerances
+from escapement.numerics.jit import inner_jit
 
-NOWHERE = np.int64(-1)
+NOWHERE = -1
 """The index that stands for no point."""
 
 
@@ -33,9 +39,22 @@ class Request(NamedTuple):
         values inside it, as `panels.tolerances` gives them.
     """
 
-    detail: int
+    detail: Detail
     loose: float
     strict: float
+
+
+@inner_jit(inlined=True)
+def request_of(detail, rtol):
+    """The request of a `Detail` with a relative error of `rtol`."""
+    loose, strict = tolerances(rtol)
+    return Request(detail=detail, loose=loose, strict=strict)
+
+
+@inner_jit(inlined=True)
+def with_detail(request, detail):
+    """The request of another `Detail`."""
+    return Request(detail=detail, loose=request.loose, strict=request.strict)
 
 
 class MarchState(NamedTuple):
@@ -65,11 +84,51 @@ class MarchState(NamedTuple):
     left_noted: bool
 
 
+@inner_jit(inlined=True)
+def at_entry(w, energy, side, rising, used):
+    """The state at the left end of the first panel."""
+    return MarchState(
+        panel=FIRST_PANEL, w=w, energy=energy, side=side, rising=rising, time=0.0, exponent=0.0,
+        source=0.0, used=used, left_noted=False,
+    )  # fmt: skip
+
+
+@inner_jit(inlined=True)
+def with_side(state, side, used):
+    """The state behind a reversal at this left end, with `used` events noted."""
+    return MarchState(
+        panel=state.panel, w=state.w, energy=state.energy, side=side, rising=state.rising,
+        time=state.time, exponent=state.exponent, source=state.source, used=used,
+        left_noted=state.left_noted,
+    )  # fmt: skip
+
+
+@inner_jit(inlined=True)
+def with_left_noted(state, rising, used):
+    """The state with the events of this left end noted; theta_ddot has the sign `rising` there."""
+    return MarchState(
+        panel=state.panel, w=state.w, energy=state.energy, side=state.side, rising=rising,
+        time=state.time, exponent=state.exponent, source=state.source, used=used, left_noted=True,
+    )  # fmt: skip
+
+
+@inner_jit(inlined=True)
+def with_rho(state, g, before, after):
+    """The state where rho changes in E = (rho + g^2) w, since power turns back through a train."""
+    ratio = (after + g * g) / (before + g * g)
+    return MarchState(
+        panel=state.panel, w=state.w, energy=state.w * (after + g * g), side=state.side,
+        rising=state.rising, time=state.time, exponent=state.exponent - np.log(ratio),
+        source=ratio * state.source, used=state.used, left_noted=state.left_noted,
+    )  # fmt: skip
+
+
 class Passage(NamedTuple):
     """The motion over one panel.
 
     split : whether the panel must be halved first, so that nothing else here counts.
-    stalled : whether the motion ends inside it, at driver angle `angle` [rad].
+    has_stalled : whether the motion ends inside it, at driver angle `angle` [rad]; of the rest
+        only the time counts then.
     energy, w, contact : E, w and s X at the right end; where there is a reversal, as if s had
         not changed.
     time : from the entry to the right end, or to the stall; with Detail.MAP to the left end.
@@ -79,7 +138,7 @@ class Passage(NamedTuple):
     """
 
     split: bool
-    stalled: bool
+    has_stalled: bool
     angle: float
     energy: float
     w: float
@@ -88,6 +147,61 @@ class Passage(NamedTuple):
     reversal: int
     slowing: int
     left_contact: float
+
+
+class PanelEnds(NamedTuple):
+    """The motion at the ends of a panel.
+
+    left_w, left_contact : w and s X at the left end.
+    energy, w, contact : E, w and s X at the right end.
+    """
+
+    left_w: float
+    left_contact: float
+    energy: float
+    w: float
+    contact: float
+
+
+@inner_jit(inlined=True)
+def with_contact(ends, contact):
+    """The ends with another s X at the right one."""
+    return PanelEnds(
+        left_w=ends.left_w, left_contact=ends.left_contact, energy=ends.energy, w=ends.w,
+        contact=contact,
+    )  # fmt: skip
+
+
+@inner_jit(inlined=True)
+def halved(ends, time):
+    """The passage over a panel that must be halved first.
+
+    The rest of it is not read; with these numbers the march is faster than with zeros.
+    """
+    return Passage(
+        split=True, has_stalled=False, angle=0.0, energy=ends.energy, w=ends.w,
+        contact=ends.contact, time=time, reversal=NOWHERE, slowing=0,
+        left_contact=ends.left_contact,
+    )  # fmt: skip
+
+
+@inner_jit(inlined=True)
+def stalled(angle, time):
+    """The passage to a stop inside a panel, at a driver angle."""
+    return Passage(
+        split=False, has_stalled=True, angle=angle, energy=0.0, w=0.0, contact=0.0, time=time,
+        reversal=NOWHERE, slowing=0, left_contact=0.0,
+    )  # fmt: skip
+
+
+@inner_jit(inlined=True)
+def passed(ends, time, reversal, slowing):
+    """The passage to the right end of a panel."""
+    return Passage(
+        split=False, has_stalled=False, angle=0.0, energy=ends.energy, w=ends.w,
+        contact=ends.contact, time=time, reversal=reversal, slowing=slowing,
+        left_contact=ends.left_contact,
+    )  # fmt: skip
 
 
 class SpeedExtremum(NamedTuple):
@@ -110,7 +224,7 @@ class SpeedExtremum(NamedTuple):
     coarse: bool
 
 
-class Engagement(NamedTuple):
+class MarchResult(NamedTuple):
     """The result of a march over one engagement and the dwell after it.
 
     status : a value of `Status`.
@@ -136,6 +250,15 @@ class Engagement(NamedTuple):
     used: int
 
 
+@inner_jit(inlined=True)
+def ended(status, state, angle, time, count):
+    """The result of a march that ends with `state`, and has `count` panels in use."""
+    return MarchResult(
+        status=status, w=state.w, angle=angle, time=time, exponent=state.exponent,
+        source=state.source, side=state.side, rising=state.rising, panels=count, used=state.used,
+    )  # fmt: skip
+
+
 class Inside(NamedTuple):
     """The result of noting a reversal and an extremum inside a panel.
 
@@ -147,3 +270,29 @@ class Inside(NamedTuple):
     split: bool
     used: int
     after_reversal: AfterReversal
+
+
+@inner_jit(inlined=True)
+def behind_panel(following, state, passage, solution, rising, used):
+    """The state at the left end of the panel at `following`, behind one without a reversal.
+
+    The affine map of the panel is composed with that up to its left end.
+    """
+    return MarchState(
+        panel=following, w=passage.w, energy=passage.energy, side=state.side, rising=rising,
+        time=passage.time, exponent=state.exponent + solution.b_end,
+        source=solution.alpha_end * state.source + solution.beta_end, used=used, left_noted=False,
+    )  # fmt: skip
+
+
+@inner_jit(inlined=True)
+def behind_reversal(following, state, after, w, rising, used):
+    """The state at the left end of the panel at `following`, behind one with a reversal.
+
+    `after` is its `AfterReversal`, and `w` belongs to the energy there.
+    """
+    return MarchState(
+        panel=following, w=w, energy=after.energy, side=-state.side, rising=rising,
+        time=state.time + after.length, exponent=state.exponent + after.exponent,
+        source=after.source, used=used, left_noted=False,
+    )  # fmt: skip

@@ -9,14 +9,14 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from escapement.dynamics.law import left_by_blow
+from escapement.dynamics.law import left_by_blow, scene_of
 from escapement.dynamics.painleve import beyond_painleve
 from escapement.dynamics.torque import is_constant, is_spent
 from escapement.engines.energy.calls import march, refine
 from escapement.engines.energy.events import EVENT, NO_EVENTS
 from escapement.engines.energy.march import OK, PAINLEVE, SPENT, STALL
-from escapement.engines.energy.panels import MAX_PANELS, NO_PANELS, Store, new_store, tolerances
-from escapement.engines.energy.passage import Detail, Request
+from escapement.engines.energy.panels import MAX_PANELS, NO_PANELS, Store, new_store
+from escapement.engines.energy.passage import Detail, request_of
 from escapement.mechanisms.pattern import Handoff, path_in
 from escapement.mechanisms.slotted import transmission_at
 from escapement.model.scene import Scene
@@ -45,10 +45,11 @@ class Finals(NamedTuple):
     after: Any
 
 
-class Case(NamedTuple):
+class PatternInputs(NamedTuple):
     """Data that the marches of one pattern share.
 
-    addresses, shared, none : as `calls.prepared` gives them, of any engagement, and no cells.
+    addresses, none : of the long kernels, and no cells.
+    shared : the `Scene` of any engagement.
     meetings : array of `mechanisms.pattern.MEETING`.
     store, counts : memory for the panels, and how many there are of each engagement.
     events : memory that a march asks for.
@@ -59,7 +60,7 @@ class Case(NamedTuple):
     """
 
     addresses: tuple[int, int]
-    shared: Any
+    shared: Scene
     none: Any
     meetings: Any
     store: Store
@@ -74,9 +75,21 @@ class Case(NamedTuple):
 
 @inner_jit(allocates=True, inlined=True)
 def scene_in(shared, meeting, turned=0.0):
-    """The scene of an engagement, after a driver angle turned."""
-    path, edges = path_in(meeting), meeting.edges[: meeting.used]
-    return Scene(path, edges, meeting.dwell, shared[3], turned, *shared[5:])
+    """The scene of an engagement, after a driver angle turned.
+
+    All but path, edges and dwell is that of `shared`, the scene of any engagement.
+    """
+    return Scene(
+        path=path_in(meeting), edges=meeting.edges[: meeting.used], dwell=meeting.dwell,
+        torque=shared.torque, turned=turned, rho=shared.rho, mu_plus=shared.mu_plus,
+        mu_minus=shared.mu_minus, load=shared.load, bearing=shared.bearing,
+        driver_drag=shared.driver_drag, follower_drag=shared.follower_drag,
+        driver_viscous=shared.driver_viscous, follower_viscous=shared.follower_viscous,
+        pin=shared.pin, driver_journal=shared.driver_journal,
+        follower_journal=shared.follower_journal, gain=shared.gain, flow=shared.flow,
+        barrel=shared.barrel, barrel_efficiency=shared.barrel_efficiency,
+        load_train=shared.load_train, load_train_efficiency=shared.load_train_efficiency,
+    )  # fmt: skip
 
 
 @inner_jit(allocates=True)
@@ -106,9 +119,10 @@ def case_of(addresses, shared, none, meetings, store, counts, events):
         gains[k] = shares[k] * shares[k] / (scene.rho + g_out * g_out)
         slopes[k] = np.log((scene.rho + g_in * g_in) * gains[k])
     finals = Finals(np.empty(size), np.empty(size), np.empty(size), np.empty(size), np.empty(size))
-    case = Case(
-        addresses, shared, none, meetings, store, counts, events, finals, np.empty((2, 2)), shares,
-        slopes, gains,
+    case = PatternInputs(
+        addresses=addresses, shared=shared, none=none, meetings=meetings, store=store,
+        counts=counts, events=events, finals=finals, handoffs=np.empty((2, 2)), shares=shares,
+        slopes=slopes, gains=gains,
     )  # fmt: skip
     return case, status
 
@@ -143,13 +157,13 @@ def engage(case, place, w, rising, request, turned=0.0):
 
 
 @jit(allocates=True)
-def pattern_handoffs(addresses, shared, none, meetings, w, limit, rtol, clock, times, speeds):
+def pattern_handoffs(addresses, scene_tuple, none, meetings, w, limit, rtol, clock, times, speeds):
     """As `handoffs.handoffs`; speeds are those after a blow."""
+    shared = scene_of(scene_tuple)
     case, status = case_of(addresses, shared, none, meetings, *memory(meetings.size))
     if status != OK:
         return status, 0, 0.0
-    loose, strict = tolerances(rtol)
-    request = Request(np.int64(Detail.TIME), loose, strict)
+    request = request_of(Detail.TIME, rtol)
     size, time, carry, slope, start, began = meetings.size, 0.0, 0.0, 0.0, w, 0.0
     begins, constant = begins_of(meetings), is_constant(scene_in(shared, meetings[0]))
     for k in range(times.size):

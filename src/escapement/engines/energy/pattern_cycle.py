@@ -8,13 +8,12 @@ from typing import NamedTuple
 
 import numpy as np
 
+from escapement.dynamics.codes import Event, is_extremum
 from escapement.dynamics.figures_of_merit import MAX_ENGAGEMENTS
 from escapement.dynamics.law import is_drag_free
 from escapement.engines.energy.cycle import NO_LOSS
-from escapement.engines.energy.events import EventKind, is_extremum
 from escapement.engines.energy.march import NO_TERMINAL, NOT_CONVERGED, OK
-from escapement.engines.energy.panels import tolerances
-from escapement.engines.energy.passage import Detail, Request
+from escapement.engines.energy.passage import Detail, request_of, with_detail
 from escapement.engines.energy.pattern import engage, scene_in
 from escapement.numerics.jit import inner_jit
 
@@ -38,6 +37,21 @@ class Round(NamedTuple):
     rising: float
 
 
+@inner_jit(inlined=True)
+def completed(w, slope, source, rising):
+    """The round that ends with w."""
+    return Round(status=OK, w=w, slope=slope, source=source, place=0, angle=0.0, rising=rising)
+
+
+@inner_jit(inlined=True)
+def stopped(found, place):
+    """The round that a march ends in the engagement at a place."""
+    return Round(
+        status=found.status, w=0.0, slope=0.0, source=0.0, place=place, angle=found.angle,
+        rising=0.0,
+    )  # fmt: skip
+
+
 @inner_jit
 def rising_after(case, place, found):
     """Sign of theta_ddot before an engagement, from the march over the one at `place` before it."""
@@ -51,14 +65,14 @@ def _pass(case, w, request):
     for place in range(case.meetings.size):
         found = engage(case, place, w, rising, request)
         if found.status != OK:
-            return Round(found.status, w, slope, source, place, found.angle, 0.0)
+            return stopped(found, place)
         w = found.w * case.shares[place] ** 2
         change = case.slopes[place] - found.exponent
         slope, source = slope + change, np.exp(change) * source + case.gains[place] * found.source
         rising = rising_after(case, place, found)
         if request.detail >= Detail.EXTREMA:
             _note_finals(case, place, found)
-    return Round(OK, w, slope, source, 0, 0.0, rising)
+    return completed(w, slope, source, rising)
 
 
 @inner_jit
@@ -81,13 +95,13 @@ def extrema_of(found, share):
 @inner_jit
 def is_top(case, found, i):
     """Whether event i of an engagement is a maximum; the speed is one before a blow."""
-    return i == found.used or case.events[i].kind == EventKind.MAXIMUM
+    return i == found.used or case.events[i].kind == Event.MAXIMUM
 
 
 @inner_jit
 def is_turn(case, found, i):
     """Whether event i of an engagement is an extremum."""
-    return i == found.used or is_extremum(case.events[i])
+    return i == found.used or is_extremum(case.events[i].kind)
 
 
 @inner_jit
@@ -124,11 +138,10 @@ def find_cycle(case, w, rtol):
         `slope` is log(dw_out/dw_in) over the pattern, and `case.finals` has its engagements. Of a
         stall the place comes last.
     """
-    loose, strict = tolerances(rtol)
     scene = scene_in(case.shared, case.meetings[0])
     # as for one engagement: the map alone misses a pair of reversals where there is a load or drag
     alone = scene.load == 0.0 and is_drag_free(scene)
-    request = Request(np.int64(Detail.MAP if alone else Detail.TIME), loose, strict)
+    request = request_of(Detail.MAP if alone else Detail.TIME, rtol)
     size, next_try = case.meetings.size, 1
     for k in range(1, MAX_ENGAGEMENTS):
         found = _pass(case, w, request)
@@ -165,14 +178,13 @@ def _seek(case, w, found, rtol, request):
                 _begin_again(case, w, found.rising, request)
                 return better, found.slope, OK
             # the map may have missed a pair of reversals
-            far = np.int64(Detail.TIME) if near else far
+            far = Detail.TIME if near else far
             # the error is squared by every step, so the next change will be below the tolerance
             near = change <= np.sqrt(0.02 * rtol) * w
         if not better > 0.0:
             break
         w = better
-        detail = np.int64(Detail.EXTREMA) if near else far
-        found = _pass(case, w, Request(detail, request.loose, request.strict))
+        found = _pass(case, w, with_detail(request, Detail.EXTREMA if near else far))
         if found.status != OK:
             break
     return w, 0.0, NOT_CONVERGED
@@ -181,6 +193,5 @@ def _seek(case, w, found, rtol, request):
 @inner_jit
 def _begin_again(case, w, rising, request):
     """March over the first engagement again, now that theta_ddot before it is known."""
-    detail = np.int64(Detail.EXTREMA)
-    found = engage(case, 0, w, rising, Request(detail, request.loose, request.strict))
+    found = engage(case, 0, w, rising, with_detail(request, Detail.EXTREMA))
     _note_finals(case, 0, found)

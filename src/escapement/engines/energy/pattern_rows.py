@@ -7,13 +7,13 @@ from numba.np.unsafe.ndarray import to_fixed_tuple
 
 from escapement.base.status import Status
 from escapement.dynamics.figures_of_merit import RISE_BAND, SETTLING_BAND
+from escapement.dynamics.law import scene_of
 from escapement.engines.energy import cycle
 from escapement.engines.energy.calls import kernel_addresses
 from escapement.engines.energy.cells import NO_CELLS
 from escapement.engines.energy.figures import Extent, note_fall
 from escapement.engines.energy.march import OK
-from escapement.engines.energy.panels import tolerances
-from escapement.engines.energy.passage import Detail, Request
+from escapement.engines.energy.passage import Detail, request_of
 from escapement.engines.energy.pattern import LONGEST_TRANSIENT, case_of, engage, memory
 from escapement.engines.energy.pattern_cycle import (
     extrema_of,
@@ -24,7 +24,7 @@ from escapement.engines.energy.pattern_cycle import (
     rising_after,
     speed_at,
 )
-from escapement.mechanisms.path import writeable
+from escapement.mechanisms.path import Path, writeable
 from escapement.mechanisms.pattern import FITS, MEETING, lay_pattern, path_in
 from escapement.mechanisms.protocol import FloatArray
 from escapement.mechanisms.slotted import transmission_at
@@ -62,11 +62,12 @@ def solve_patterns(
     m, n = pins.shape[1], slots.shape[1]
     size = m * n // _divisor(m, n)
     meetings, (store, counts, events) = np.empty(size, MEETING), memory(size)
-    torque = np.array([0.0, 0.0, 1.0])
+    # path, edges and dwell of a scene are those of its engagements
+    torque, no_edges = np.array([0.0, 0.0, 1.0]), np.empty(0)
     for i in range(status.size):
         table[i, :] = np.nan
         own = to_fixed_tuple(numbers[i], _NUMBERS)
-        shared = (path, longer, 0.0, torque, 0.0, *own)
+        shared = Scene(Path(path[0], path[1]), no_edges, 0.0, torque, 0.0, *own)
         if lay_pattern(arms, turns, longer[i], own[_PIN], pins[i], slots[i], meetings) != FITS:
             status[i] = _INVALID
             continue
@@ -84,8 +85,9 @@ def _divisor(a, b):
 
 
 @jit(allocates=True)
-def solve_pattern(addresses, shared, none, meetings, w, rtol, extent, out):
+def solve_pattern(addresses, scene_tuple, none, meetings, w, rtol, extent, out):
     """Figures of one pattern into `out`; returns its status. Arguments as in `solve_patterns`."""
+    shared = scene_of(scene_tuple)
     case, status = case_of(addresses, shared, none, meetings, *memory(meetings.size))
     return _figures(case, w, rtol, extent, out) if status == OK else status
 
@@ -120,7 +122,7 @@ def _read_cycle(case, w, out):
         fast = finals.top[place] ** 2 if finals.top[place] ** 2 > fast else fast
         slow = finals.low[place] ** 2 if finals.low[place] ** 2 < slow else slow
         if case.shares[place] < 1.0:
-            rho, g = case.shared[5], _start_ratio(case.meetings[(place + 1) % size])
+            rho, g = case.shared.rho, _start_ratio(case.meetings[(place + 1) % size])
             left = (rho + g * g) * finals.after[place]
             blow = max(blow, 0.5 * (rho * finals.before[place] - left))
     out[cycle.V_MAX], out[cycle.V_MIN] = np.sqrt(fast), np.sqrt(slow)
@@ -137,8 +139,7 @@ def _start_ratio(meeting):
 @inner_jit
 def _read_transient(case, start, rtol, extent, out):
     """Times of the motion that starts with w = `start`, as `metrics` reads them off a motion."""
-    loose, strict = tolerances(rtol)
-    request = Request(np.int64(Detail.EXTREMA), loose, strict)
+    request = request_of(Detail.EXTREMA, rtol)
     size, w, rising, time, calm = case.meetings.size, start, 0.0, 0.0, 0
     handoffs, finals = case.handoffs, case.finals
     handoffs[0, 0], handoffs[0, 1] = 0.0, start
@@ -214,7 +215,7 @@ def solve(
     path = tuple(writeable(wheel.path))
     solve_patterns(
         kernel_addresses(), path, *wheel.path_numbers.values(), *errors, rows, NO_CELLS,
-        rtol, np.int64(extent), table, status,
+        rtol, int(extent), table, status,
     )  # fmt: skip
     table[status != OK] = np.nan
     return table, status

@@ -6,21 +6,22 @@ The figures of merit need none of this.
 """
 
 from collections.abc import Sequence
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
+from escapement.dynamics.codes import Event
 from escapement.dynamics.law import LOSSES, left_by_blow, scene_of
 from escapement.dynamics.tables import losses_at
 from escapement.dynamics.torque import cell_after, next_knot
 from escapement.dynamics.train_losses import flowing
 from escapement.engines.energy import panels
 from escapement.engines.energy.calls import march, refine
-from escapement.engines.energy.events import EVENT, NO_EVENTS, EventKind
+from escapement.engines.energy.events import EVENT, NO_EVENTS
 from escapement.engines.energy.locate import invert
 from escapement.engines.energy.march import OK
 from escapement.engines.energy.panels import NUMBER, WHOLE, record_dtype
-from escapement.engines.energy.passage import Detail, Request
+from escapement.engines.energy.passage import Detail, request_of
 from escapement.engines.energy.pattern import scene_in
 from escapement.engines.energy.peaks import raise_peaks
 from escapement.engines.energy.sampling import duration, sample_panel, turns_back
@@ -42,7 +43,6 @@ MOTION_EVENT = record_dtype(
 """An event of a motion: driver angle from dead centre, time since the entry, infinite at the end of
 the cell, and w; at an entry also s, and 0 elsewhere."""
 
-ONE = np.int64(1)
 # One engagement gets memory for this many events, and for four more at every edge.
 _ROOM = 64
 # Greatest number of times that a piece is halved, one half inside the other.
@@ -53,7 +53,7 @@ _SHORTEST = 1e-12
 _MOST_PANELS = 20_000
 
 
-@inner_jit
+@inner_jit(inlined=True)
 def _append(table, filled, engagement, kind, angle, time, w, side):
     row = table[filled]
     row.engagement, row.kind, row.side = engagement, kind, side
@@ -86,8 +86,7 @@ def events_of(addresses, scene_tuple, cells, meetings, numbers, turned, squares,
         w with which each leaves for the next, NaN where the march does not come to its end.
     """
     common, size = scene_of(scene_tuple), meetings.size
-    loose, strict = panels.tolerances(rtol)
-    request = Request(np.int64(Detail.EVERYTHING), loose, strict)
+    request = request_of(Detail.EVERYTHING, rtol)
     store = panels.new_store(panels.MAX_PANELS)
     events = np.empty(_ROOM + 4 * common.edges.size + MOST_KNOTS, EVENT)
     table = np.empty(8 * numbers.size + 64, MOTION_EVENT)
@@ -101,7 +100,7 @@ def events_of(addresses, scene_tuple, cells, meetings, numbers, turned, squares,
             if k > 0 and meetings[k % size].kind == Handoff.STRIKE:
                 # the speed falls at once, from a maximum if it rose
                 if rising > 0.0:
-                    before, kind = meetings[(k - 1) % size], np.int64(EventKind.MAXIMUM)
+                    before, kind = meetings[(k - 1) % size], Event.MAXIMUM
                     end = before.edges[before.used - 1] + before.dwell
                     high = w / left_by_blow(scene) ** 2
                     filled = _append(table, filled, k - 1, kind, end, np.inf, high, 0.0)
@@ -119,8 +118,7 @@ def events_of(addresses, scene_tuple, cells, meetings, numbers, turned, squares,
             table = larger
         # the march returns s at the exit, and every reversal has changed its sign
         side = _side_at_entry(found.side, events, used)
-        kind = np.int64(EventKind.ENTRY)
-        filled = _append(table, filled, k, kind, scene.edges[0], 0.0, w, side)
+        filled = _append(table, filled, k, Event.ENTRY, scene.edges[0], 0.0, w, side)
         for j in range(used):
             refine(addresses, scene, store, events, j)
             event = events[j]
@@ -134,18 +132,30 @@ def events_of(addresses, scene_tuple, cells, meetings, numbers, turned, squares,
 def _side_at_entry(side, events, used):
     """s at the entry, from `side`, which is s at the exit, and the reversals between."""
     for i in range(used):
-        if events[i].kind == EventKind.REVERSAL:
+        if events[i].kind == Event.REVERSAL:
             side = -side
     return side
 
 
-class Stretch(NamedTuple):
+class Section(NamedTuple):
     """A part of a piece: the driver angles of its ends, and the time and w at its left end."""
 
     left: float
     right: float
     time: float
     w: float
+
+
+class Asked(NamedTuple):
+    """Times since the start of a piece, and the driver angles and w there, which are filled.
+
+    `end` is the driver angle at which the piece ends; later times get the state there.
+    """
+
+    times: Any
+    theta: Any
+    squares: Any
+    end: float
 
 
 @jit(allocates=True)
@@ -163,92 +173,112 @@ def states_of(scene, pieces, counts, times, rtol, theta, squares, losses, peaks)
     peaks : result, rows as well: the greatest magnitude of each of `peaks.PEAKS`, of length 0
         where they are not wanted.
     """
-    first, store, ends = 0, panels.new_store(ONE), np.empty(_HALVINGS)
+    first, store, ends = 0, panels.new_store(1), np.empty(_HALVINGS)
     for i in range(len(pieces)):
         side, left, end, w, turned = pieces[i]
         here, last = cell_after(turned, scene), first + counts[i]
-        _states_in(
-            here, store, ends, (left, end, w, side), rtol, times[first:last], theta[first:last],
-            squares[first:last], losses[i], peaks[i],
-        )  # fmt: skip
+        asked = Asked(
+            times=times[first:last], theta=theta[first:last], squares=squares[first:last], end=end
+        )
+        _states_in(here, store, ends, left, w, side, rtol, asked, losses[i], peaks[i])
         first = last
 
 
 @inner_jit(allocates=True)
-def _states_in(scene, store, ends, piece, rtol, times, theta, squares, losses, peaks):
-    """As `states_of`, of one piece; `store` and `ends` are memory."""
-    left, end, w, side = piece
+def _states_in(scene, store, ends, left, w, side, rtol, asked, losses, peaks):
+    """As `states_of`, of one piece that begins at the angle `left` with w on a side.
+
+    The piece is divided into sections, each halved until the panel over it is fine enough. `store`
+    is memory for that panel, and `ends` for the right ends of the halves that wait for their turn.
+    """
     _loose, strict = panels.tolerances(rtol)
     store.panels[panels.FIRST_PANEL].locked = side == 0.0
     waiting = panels_solved = 0
-    part = Stretch(left, _next(scene, left, end), 0.0, w)
+    part = Section(left, _next(scene, left, asked.end), 0.0, w)
     losses[:] = 0.0
     peaks[:] = 0.0
     values = np.empty((N + 2, peaks.size))
-    for j in range(times.size):
-        theta[j], squares[j] = left, w
+    for j in range(asked.times.size):
+        asked.theta[j], asked.squares[j] = left, w
     if not w >= 0.0:
-        _forget(0.0, times, theta, squares, losses)
+        _forget(0.0, asked, losses)
         return
-    while part.left < end:
+    while part.left < asked.end:
         # a record does not keep its memory alive: `store` must be in use to the end of the loop
         work, panel = store.workspace[0], store.panels[panels.FIRST_PANEL]
-        # halve the part until the panel over it is fine enough; the right ends of the halves that
-        # wait for their turn are kept in `ends`
         here = flowing(part.left, side, part.w, scene)
         good = _solve(here, work, panel, part, side, strict)
         panels_solved += 1
         if panels_solved > _MOST_PANELS:
-            _forget(part.time, times, theta, squares, losses)
+            _forget(part.time, asked, losses)
             break
-        short = part.right - part.left <= _SHORTEST
-        middle = 0.5 * (part.left + part.right)
+        short, middle = part.right - part.left <= _SHORTEST, 0.5 * (part.left + part.right)
         if not good and not short and waiting < _HALVINGS and part.left < middle < part.right:
             ends[waiting] = part.right
             waiting += 1
-            part = Stretch(part.left, middle, part.time, part.w)
+            part = Section(part.left, middle, part.time, part.w)
             continue
-        solution = panels.solution_of(panel, side)
-        energy = part.w * (here.rho + panel.entry.g**2)
-        # over so short a part whose panel is no good, as next to a stop, the time is the angle
-        # over the mean speed
         if short and not good:
-            gain = slope_of_w(here, panel, side, part.w) * (part.right - part.left)
-            after = max(part.w + gain, 0.0)
-            length = 2.0 * (part.right - part.left) / (np.sqrt(part.w) + np.sqrt(after))
-            for i in range(N):
-                work.w[i] = 0.5 * (part.w + after)
-            _read_short(part, length, after, end, times, theta, squares)
+            length, after = _pass_short(here, work, panel, part, side, asked)
         else:
-            # E = alpha E_left + beta at the right end, and w = E/(rho + g^2), 0 after a stop
-            after = solution.alpha_end * energy + solution.beta_end
-            after = max(after / (here.rho + panel.exit.g**2), 0.0)
-            length = duration(work)[0]
-            _read(here, work, panel, part, length, end, times, theta, squares)
+            length, after = _pass(here, work, panel, part, side, asked)
         _add_losses(here, work, panel, side, losses)
         if peaks.size > 0 and good:
             raise_peaks(here, work, panel, side, (part.w, after), values, peaks)
         now = part.time + length
         if after == 0.0:
-            # the motion has stopped, and keeps this angle at all later times
-            for j in range(times.size):
-                if times[j] >= now:
-                    theta[j], squares[j] = part.right, 0.0
+            _stay(now, part.right, asked)
             break
-        right = _next(scene, part.right, end)
+        right = _next(scene, part.right, asked.end)
         if waiting > 0:
             waiting -= 1
             right = ends[waiting]
-        part = Stretch(part.right, right, now, after)
+        part = Section(part.right, right, now, after)
 
 
 @inner_jit
-def _forget(since, times, theta, squares, losses):
+def _pass(scene, work, panel, part, side, asked):
+    """Read the states within a part off its panel; returns its duration and w at its right end."""
+    solution = panels.solution_of(panel, side)
+    energy = part.w * (scene.rho + panel.entry.g**2)
+    # E = alpha E_left + beta at the right end, and w = E/(rho + g^2), 0 after a stop
+    after = solution.alpha_end * energy + solution.beta_end
+    after = max(after / (scene.rho + panel.exit.g**2), 0.0)
+    length = duration(work)[0]
+    _read(scene, work, panel, part, length, asked)
+    return length, after
+
+
+@inner_jit
+def _pass_short(scene, work, panel, part, side, asked):
+    """As `_pass`, of a part so short that its acceleration is constant.
+
+    Next to a stop its panel is no good. The time is the angle over the mean speed.
+    """
+    gain = slope_of_w(scene, panel, side, part.w) * (part.right - part.left)
+    after = max(part.w + gain, 0.0)
+    length = 2.0 * (part.right - part.left) / (np.sqrt(part.w) + np.sqrt(after))
+    for i in range(N):
+        work.w[i] = 0.5 * (part.w + after)
+    _read_short(part, length, after, asked)
+    return length, after
+
+
+@inner_jit
+def _stay(since, angle, asked):
+    """Set the states from a time on to those of a motion that has stopped at an angle."""
+    for j in range(asked.times.size):
+        if asked.times[j] >= since:
+            asked.theta[j], asked.squares[j] = angle, 0.0
+
+
+@inner_jit
+def _forget(since, asked, losses):
     """Set the states from a time on, and the work lost, to NaN."""
     losses[:] = np.nan
-    for j in range(times.size):
-        if not times[j] < since:
-            theta[j] = squares[j] = np.nan
+    for j in range(asked.times.size):
+        if not asked.times[j] < since:
+            asked.theta[j] = asked.squares[j] = np.nan
 
 
 @inner_jit
@@ -269,34 +299,35 @@ def _solve(scene, work, panel, part, side, strict):
 
 
 @inner_jit
-def _read(scene, work, panel, part, length, end, times, theta, squares):
+def _read(scene, work, panel, part, length, asked):
     """Fill the states at the times within a part, by interpolation on its panel."""
     # the integral of dt/dx from the left end to every point
     cumulate(work.slowness, work.scratch)
-    for j in range(times.size):
-        t = times[j] - part.time
-        if t < 0.0 or (t > length and part.right < end):
+    for j in range(asked.times.size):
+        t = asked.times[j] - part.time
+        if t < 0.0 or (t > length and part.right < asked.end):
             continue
         x = invert(work, min(t, length), length)
-        theta[j] = 0.5 * (part.left + part.right) + panel.half * x
-        g = 0.0 if panel.locked else transmission_at(scene.path, theta[j])[0]
+        angle = 0.5 * (part.left + part.right) + panel.half * x
+        g = 0.0 if panel.locked else transmission_at(scene.path, angle)[0]
         # E is interpolated, which is mostly smoother than w: the factor of w = E/(rho + g^2)
         # is then exact
-        squares[j] = dot(work.at_x, work.energy, panels.points_of(work)) / (scene.rho + g * g)
+        energy = dot(work.at_x, work.energy, panels.points_of(work))
+        asked.theta[j], asked.squares[j] = angle, energy / (scene.rho + g * g)
 
 
 @inner_jit
-def _read_short(part, length, after, end, times, theta, squares):
+def _read_short(part, length, after, asked):
     """Fill the states at the times within a part so short that its acceleration is constant."""
     before, gain = np.sqrt(part.w), np.sqrt(after) - np.sqrt(part.w)
-    for j in range(times.size):
-        t = times[j] - part.time
-        if t < 0.0 or (t > length and part.right < end):
+    for j in range(asked.times.size):
+        t = asked.times[j] - part.time
+        if t < 0.0 or (t > length and part.right < asked.end):
             continue
         t = min(t, length)
         speed = before + t * gain / length
-        theta[j] = part.left + 0.5 * t * (before + speed)
-        squares[j] = speed * speed
+        asked.theta[j] = part.left + 0.5 * t * (before + speed)
+        asked.squares[j] = speed * speed
 
 
 def follow(

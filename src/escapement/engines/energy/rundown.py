@@ -15,7 +15,7 @@ from escapement.engines.energy.calls import MarchInputs, march_case
 from escapement.engines.energy.events import NO_EVENTS
 from escapement.engines.energy.march import OK
 from escapement.engines.energy.panels import NO_PANELS
-from escapement.engines.energy.passage import Detail, Request
+from escapement.engines.energy.passage import Detail, with_detail
 from escapement.numerics.jit import inner_jit
 
 NODES = 16
@@ -65,7 +65,7 @@ def sample(case, request, at, lead, detail, w, count):
     Returns the engagement, and the sum of the exponents of those before it.
     """
     cell, forgotten = cell_of(case.scene), 0.0
-    before = Request(np.int64(detail), request.loose, request.strict)
+    before = with_detail(request, detail)
     for j in range(lead + 1):
         scene = cell_after((at - lead + j) * cell, case.scene)
         here = MarchInputs(case.addresses, scene, case.cells, case.store, case.events)
@@ -136,7 +136,7 @@ def longest_stretch(case, request, first, most, lead, w, rtol, series):
         if fit(case, request, stretch, w, rtol, series):
             return stretch
         length //= 4
-    return Stretch(first, np.int64(0), lead)
+    return Stretch(first, 0, lead)
 
 
 @inner_jit

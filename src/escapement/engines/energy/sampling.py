@@ -5,6 +5,8 @@ these values whether the panel holds a reversal, an extremum or a stop; the marc
 these it needs for which panel.
 """
 
+from typing import NamedTuple
+
 import numpy as np
 
 from escapement.dynamics.law import (
@@ -24,8 +26,6 @@ from escapement.numerics.jit import inner_jit
 
 # These are the distances in x of an end of the panel from the two points next to it.
 TO_NEAREST, TO_SECOND = float(1.0 + POINTS[0]), float(1.0 + POINTS[1])
-# See `panels.FIRST_PANEL` for why these are not Python integers.
-FIRST_POINT, ALL_POINTS = np.int64(0), np.int64(N)
 # Values below this share of the driving torque count as rounding. Next to the stop of a mesh,
 # rounding makes the sign of a vanishing force or acceleration change many times.
 NEGLIGIBLE = 1e-12
@@ -37,6 +37,16 @@ CLOSE_PAIR = 1e-9
 NARROW_TURN = 3e-9
 # This is the relative error of a slope at an end that is read from two points.
 SLOPE_ERROR = 0.01
+
+
+class Points(NamedTuple):
+    """The points of a panel from `first` to before `last`."""
+
+    first: int
+    last: int
+
+
+EVERY_POINT = Points(first=0, last=N)
 
 
 @inner_jit
@@ -126,9 +136,9 @@ def turns_back(scene, work, panel, solution, side, w_left, w_right):
         least = min(least, min(q, z))
     if least < -rounding:
         return True
-    return may_vanish(
-        work, work.scratch, rounding, left_q, right_q, FIRST_POINT, ALL_POINTS
-    ) or may_vanish(work, work.slowness_change, rounding, left_z, right_z, FIRST_POINT, ALL_POINTS)
+    return may_vanish(work, work.scratch, rounding, left_q, right_q, EVERY_POINT) or may_vanish(
+        work, work.slowness_change, rounding, left_z, right_z, EVERY_POINT
+    )
 
 
 @inner_jit
@@ -164,13 +174,13 @@ def clearly_against(work):
 
 
 @inner_jit
-def may_vanish(work, values, negligible, left, right, first, last):
+def may_vanish(work, values, negligible, left, right, tried):
     """Whether a function of one sign at the points may vanish between them.
 
-    Two zeros may lie between two points. The points from `first` to before `last` are tried,
-    and the ends of the panel, at which the values are `left` and `right`, where these points
-    reach them. A minimum of the absolute value is ignored where the values on both sides of
-    it are below `negligible` too. `values` is a row of `work`.
+    Two zeros may lie between two points. `tried` are the `Points` that are tried, and the ends of
+    the panel, at which the values are `left` and `right`, are tried where these points reach them.
+    A minimum of the absolute value is ignored where the values on both sides of it are below
+    `negligible` too. `values` is a row of `work`.
     """
     count, steep = 0, 0
     for i in range(points_of(work) - 1):
@@ -179,11 +189,11 @@ def may_vanish(work, values, negligible, left, right, first, last):
         one, two = values[i], values[i + 1]
         steep += (one - 2.0 * two) * (two - 2.0 * one) < 0.0
     if steep > 0:
-        for i in range(max(1, first), min(last, N - 1)):
+        for i in range(max(1, tried.first), min(tried.last, N - 1)):
             count += _touches(negligible, values[i - 1], values[i], values[i + 1])
-    if first == 0 < last:
+    if tried.first == 0 < tried.last:
         count += _touches_at_end(negligible, left, values[0], values[1])
-    if last == N:
+    if tried.last == N:
         count += _touches_at_end(negligible, right, values[N - 1], values[N - 2])
     return count > 0
 

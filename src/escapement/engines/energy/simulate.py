@@ -65,7 +65,12 @@ def simulate(
     if duration is not None and (code == OK or end >= duration):
         done = done if end <= duration else last
         end, status, message = duration, Status.OK, _DONE
-    trajectory = EnergyTrajectory(escapement, rtol, initial_speed, times, speeds, last, end)
+    trajectory = EnergyTrajectory(
+        escapement, rtol, initial_speed, times=times, speeds=speeds, turns=last, end_time=end
+    )
     if done < size:
         times, speeds = times[:done], speeds[:done]
-    return Motion(escapement, "energy", rtol, trajectory, end, times, speeds, status, message)
+    return Motion(
+        escapement, "energy", rtol, trajectory, end_time=end, handoff_times=times,
+        handoff_velocities=speeds, status=status, message=message,
+    )  # fmt: skip

@@ -27,7 +27,7 @@ def terminal(
 ) -> Figures:
     """Figures of merit without following the motion in time; see `escapement.terminal`."""
     clock, scene, count = escapement.time_unit, escapement.scene, len(escapement.scenes)
-    w, extent = (initial_speed * clock) ** 2, np.int64(Extent.FALLEN)
+    w, extent = (initial_speed * clock) ** 2, int(Extent.FALLEN)
     out, longest = np.empty(FIGURES), MAX_ENGAGEMENTS
     addresses, plain, cells = prepared(escapement)
     if count > 1:

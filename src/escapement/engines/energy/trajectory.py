@@ -11,11 +11,11 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from escapement.dynamics.codes import Event
 from escapement.dynamics.law import LOSSES
 from escapement.dynamics.trajectory import Events, Extrema, Trajectory
 from escapement.engines.energy.calls import prepared
 from escapement.engines.energy.cells import NO_CELLS
-from escapement.engines.energy.events import EventKind
 from escapement.engines.energy.peaks import PEAKS
 from escapement.engines.energy.pieces import MOTION_EVENT, events_of, follow, states_of
 from escapement.mechanisms.pattern import MEETING
@@ -30,7 +30,7 @@ _AT_ONCE = 1 << 15
 _PART = 512
 # The w at the end of an engagement may differ from that of its handoff by this share.
 _FAR = 1e-6
-_STOPS = [EventKind.ENTRY, EventKind.REVERSAL, EventKind.EXIT, EventKind.BREAK]
+_STOPS = [Event.ENTRY, Event.REVERSAL, Event.EXIT, Event.BREAK]
 
 
 class Pieces(NamedTuple):
@@ -53,7 +53,7 @@ class EnergyTrajectory(Trajectory):
     initial_speed : driver speed at the first entry [rad/s].
     times, speeds : of the handoffs [s, rad/s]; each of the first `turns` starts an engagement.
     end_time : time at which the motion ends [s].
-    numbers : its engagements, ascending; all of them by default.
+    engagements : their numbers, ascending; all of them by default.
     """
 
     escapement: Escapement
@@ -63,27 +63,27 @@ class EnergyTrajectory(Trajectory):
     speeds: FloatArray
     turns: int
     end_time: float
-    numbers: Any = None
+    engagements: Any = None
 
     def __post_init__(self) -> None:
-        if self.numbers is None:
-            self.numbers = np.arange(self.turns + 1)
+        if self.engagements is None:
+            self.engagements = np.arange(self.turns + 1)
 
     def around(self, t: FloatArray) -> "EnergyTrajectory":
         """A trajectory of only the engagements that contain these times [s]."""
-        if self.numbers.size <= _PART:
+        if self.engagements.size <= _PART:
             return self
         held = np.searchsorted(self.times[: self.turns], t, side="right")
-        return replace(self, numbers=np.unique(held))
+        return replace(self, engagements=np.unique(held))
 
     def parts(self) -> "Iterator[tuple[EnergyTrajectory, slice]]":
         """Trajectories of some engagements each, one after the other, and which these are."""
-        if self.numbers.size <= _PART:
+        if self.engagements.size <= _PART:
             yield self, slice(None)
             return
-        for first in range(0, self.numbers.size, _PART):
+        for first in range(0, self.engagements.size, _PART):
             some = slice(first, first + _PART)
-            yield replace(self, numbers=self.numbers[some]), some
+            yield replace(self, engagements=self.engagements[some]), some
 
     def _entries(self, numbers: np.ndarray) -> tuple[FloatArray, FloatArray]:
         """Times [s] and speeds [rad/s] at the starts of engagements."""
@@ -99,7 +99,7 @@ class EnergyTrajectory(Trajectory):
         """
         # a handoff is an extremum if theta_ddot changes its sign there, which needs the sign
         # before it; and before a blow there may be a maximum
-        numbers = wanted = self.numbers
+        numbers = wanted = self.engagements
         if wanted.size <= self.turns:
             numbers = np.unique(np.concatenate([wanted - 1, wanted, wanted + 1]))
             numbers = numbers[(numbers >= 0) & (numbers <= self.turns)]
@@ -141,9 +141,9 @@ class EnergyTrajectory(Trajectory):
         """Its pieces; s is 0 in a dwell."""
         found = self._events[np.isin(self._events["kind"], _STOPS)]
         engagement, kind, angle, time, w, side = (found[name] for name in MOTION_EVENT.names or ())
-        entry = kind == EventKind.ENTRY
+        entry = kind == Event.ENTRY
         first = np.flatnonzero(entry)[np.cumsum(entry) - 1]
-        turns, leaves = (np.cumsum(kind == k) for k in (EventKind.REVERSAL, EventKind.EXIT))
+        turns, leaves = (np.cumsum(kind == k) for k in (Event.REVERSAL, Event.EXIT))
         turns, leaves = turns - turns[first], leaves - leaves[first]
         side = np.where(leaves > 0, 0.0, side[first] * (1 - 2 * (turns % 2)))
         scenes, place = self.escapement.scenes, engagement % len(self.escapement.scenes)
@@ -190,7 +190,7 @@ class EnergyTrajectory(Trajectory):
     def _read_through(self, wanted: int) -> tuple[FloatArray, FloatArray]:
         """Losses of each piece in natural units, and so many of its peaks."""
         _start, _engagement, place, rows = self._pieces
-        if len(rows) and self.numbers[-1] == self.turns:
+        if len(rows) and self.engagements[-1] == self.turns:
             # the last piece ends where the motion does
             rows = rows.copy()
             rows[-1, 2] = self.states(np.array([len(rows) - 1]), np.array([self.end_time]))[0][0]
@@ -211,14 +211,14 @@ class EnergyTrajectory(Trajectory):
     @cached_property
     def reversals(self) -> Events:
         """Every pin reversal."""
-        return Events(*self._select(self._events["kind"] == EventKind.REVERSAL))
+        return Events(*self._select(self._events["kind"] == Event.REVERSAL))
 
     @cached_property
     def extrema(self) -> Extrema:
         """Every extremum of the driver speed."""
         kinds = self._events["kind"]
-        chosen = (kinds == EventKind.MINIMUM) | (kinds == EventKind.MAXIMUM)
-        return Extrema(*self._select(chosen), maximum=kinds[chosen] == EventKind.MAXIMUM)
+        chosen = (kinds == Event.MINIMUM) | (kinds == Event.MAXIMUM)
+        return Extrema(*self._select(chosen), maximum=kinds[chosen] == Event.MAXIMUM)
 
     def _select(self, chosen: np.ndarray) -> tuple[np.ndarray, FloatArray, FloatArray, FloatArray]:
         events, clock = self._events[chosen], self.escapement.time_unit
