@@ -20,7 +20,7 @@ from escapement.dynamics.figures_of_merit import (
     transient_length,
 )
 from escapement.dynamics.merit_table import TRANSIENT
-from escapement.engines.contact.rigid.march import PHI, SPEED, TIME, TURNING
+from escapement.engines.contact.rigid.march import SPEED, TIME, TURNING, WALL
 from escapement.engines.contact.rigid.simulate import (
     first_state,
     march_from,
@@ -57,7 +57,7 @@ def terminal(
 
 def _repeats(states: FloatArray, rtol: float) -> bool:
     """Whether the last two of these states are the same, and the ones before them nearly."""
-    moving = [SPEED, PHI, TURNING]
+    moving = slice(SPEED, WALL)
     changes = np.abs(np.diff(states[-3:, moving], axis=0)) / np.abs(states[-1, moving]).max()
     return bool(changes.max() <= max(1e-3 * rtol, 1e-14))
 
