@@ -80,7 +80,7 @@ def depth_share(motion: esc.Motion) -> float:
     flying = sense * np.sin(sense * theta - phi) - centre * np.sin(phi)
     # on a wall the second coordinate is the distance from the slot's middle line
     across = np.append(np.abs(states[touching, 1]), np.abs(flying))
-    depth = across.max() - joint.play
+    depth = across.max() - joint.half_clearance
     turning = rows.at(rows.steps, table[rows.steps, TIME])
     energy = 0.5 * (own.scene.rho * turning[1] ** 2 + turning[4] ** 2).max()
     energy += own.mechanism.cell_angle

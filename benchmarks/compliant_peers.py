@@ -79,8 +79,8 @@ def by_solve_ivp(
 ) -> Callable[[], tuple[float, float]]:
     """Handoff time and speed by a method of solve_ivp with the compiled law."""
     scene, joint = own.scene, own.joint
-    numbers = (own.mechanism.centre_distance, scene.rho, joint.play, scene.pin, joint.stiffness)
-    numbers += (joint.damping, scene.mu_plus, joint.slip)
+    numbers = (own.mechanism.centre_distance, scene.rho, joint.half_clearance, scene.pin)
+    numbers += (joint.stiffness, joint.damping, scene.mu_plus, joint.slip)
     start = float(scene.edges[0])
     phi = float(own.mechanism.follower_angle(np.array([start]))[0])
 

@@ -132,7 +132,7 @@ def test_energy_momentum_and_walls():
         state = motion.within(pieces, times)
         place, theta = ahead(drive, motion, state, pieces)
         free = theta <= drive.mechanism.breaks[-1]
-        assert np.abs(place[free]).max() <= drive.joint.play + 1e-13
+        assert np.abs(place[free]).max() <= drive.joint.half_clearance + 1e-13
         blows = motion.impacts
         assert (blows.energy >= -1e-15 * motion.ledger.work).all()
         assert (np.array([blows.approach_speed, blows.impulse]) >= 0.0).all()
@@ -157,7 +157,7 @@ def test_impulse_and_momentum_without_friction():
     gained = drive.inertia.follower * (behind.phi_dot - before.phi_dot)
     lost = drive.inertia.driver * (blows.speed_before - blows.theta_dot)
     theta = blows.theta - blows.engagement * drive.mechanism.cell_angle
-    offset, found = blows.wall * drive.joint.play, drive.mechanism.transmission(theta)
+    offset, found = blows.wall * drive.joint.half_clearance, drive.mechanism.transmission(theta)
     lever = np.sqrt(drive.mechanism.radius(theta) ** 2 - offset**2)
     ratio = found.g + offset * found.u / lever
     moment = blows.wall * RADIUS * lever

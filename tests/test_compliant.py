@@ -91,7 +91,7 @@ def _judged(own, end):
         across = (pin * out.conjugate()).imag
         side = 1.0 if across > 0.0 else -1.0
         normal = 1j * out * side
-        depth = side * across - joint.play
+        depth = side * across - joint.half_clearance
         touch = pin + scene.pin * normal
         at_pin = moves + 1j * sense * driver * scene.pin * normal
         relative = at_pin - 1j * follower * touch

@@ -89,7 +89,15 @@ def contact_summary(motion: Motion, intervals: int = 20) -> ContactSummary:
         # rounding must not exclude either end
         edges[0], edges[-1] = some[-1], some[0]
     counts = np.histogram(some, edges)[0] if some.size and some[0] > some[-1] else np.array([])
-    return ContactSummary(top, when, bounces, impulses, edges, counts, float(found.energy.sum()))
+    return ContactSummary(
+        force_max=top,
+        force_max_time=when,
+        bounces=bounces,
+        impulses=impulses,
+        edges=edges,
+        counts=counts,
+        energy=float(found.energy.sum()),
+    )
 
 
 @dataclass(frozen=True, repr=False)

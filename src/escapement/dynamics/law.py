@@ -46,7 +46,7 @@ J_s = rho + g p vanishes.
 import numpy as np
 
 from escapement.dynamics.torque import REST, gap_of_places, is_undriven
-from escapement.mechanisms.path import Path
+from escapement.mechanisms.path import OFFSET, PIN_RATE, Path
 from escapement.mechanisms.slotted import pose_at
 from escapement.model.scene import Scene
 from escapement.numerics.jit import inner_jit, jit
@@ -79,7 +79,7 @@ def signed_loss(side, scene):
 def is_ideal(scene):
     """Whether the pin is thin and slides towards the axis, and the journals have no friction."""
     plain = scene.pin == 0.0 and scene.driver_journal == 0.0 and scene.follower_journal == 0.0
-    return plain and (scene.path.table or scene.path.numbers[10] == 0.0)
+    return plain and (scene.path.table or scene.path.numbers[OFFSET] == 0.0)
 
 
 @inner_jit
@@ -111,7 +111,7 @@ def sign_of(value, known=0.0):
 @inner_jit
 def slide_at(g, u, radius, side, scene):
     """Sliding speed v per driver radian of the contact point along the wall."""
-    return radius * u + side * scene.pin * (g - scene.path.numbers[9])
+    return radius * u + side * scene.pin * (g - scene.path.numbers[PIN_RATE])
 
 
 @inner_jit
@@ -124,7 +124,7 @@ def grip(g, u, radius, side, scene, way=0.0, turn=0.0):
         return sign_of(u, way) * radius * u, radius
     slide = slide_at(g, u, radius, side, scene)
     way, turn = sign_of(slide, way), sign_of(g, turn)
-    arm = scene.pin + side * scene.path.numbers[10]
+    arm = scene.pin + side * scene.path.numbers[OFFSET]
     lever = radius - side * signed_loss(side, scene) * way * arm
     return way * slide, lever - side * turn * scene.follower_journal
 

@@ -383,4 +383,14 @@ def no_motion(escapement: Escapement, engine: str, rtol: float, invalid: str = "
     """A motion without pieces, and the reason: `invalid`, or else the Painleve limit."""
     message = invalid or painleve_message(escapement) or ""
     none, status = np.empty(0), Status.INVALID if invalid else Status.PAINLEVE
-    return Motion(escapement, engine, rtol, NoTrajectory(), 0.0, none, none, status, message)
+    return Motion(
+        escapement,
+        engine=engine,
+        rtol=rtol,
+        trajectory=NoTrajectory(),
+        end_time=0.0,
+        handoff_times=none,
+        handoff_velocities=none,
+        status=status,
+        message=message,
+    )

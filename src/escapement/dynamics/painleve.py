@@ -13,6 +13,7 @@ import numpy as np
 
 from escapement.dynamics.law import grip, is_ideal, sign_of, slide_at
 from escapement.dynamics.train_losses import FLOWS, in_flow, is_lossy, scene_in_flow
+from escapement.mechanisms.path import G0, G1, HALF_RATE, L0, L1, OFFSET
 from escapement.mechanisms.protocol import FloatArray, Mechanism
 from escapement.mechanisms.slotted import (
     circle,
@@ -75,10 +76,10 @@ def painleve_limit(path, rho, entry, exit_):
     for end in (g1, g2):
         g = _stationary(g1, g2, rho, end)
         # solve g = (G0 + G1 x)/(L0 + L1 x) for x, the squared sine of the half angle
-        x = (g * c[1] - c[3]) / (c[4] - g * c[2])
+        x = (g * c[L0] - c[G0]) / (c[G1] - g * c[L1])
         if not 0.0 < x <= 1.0:
             continue
-        turn = np.arcsin(np.sqrt(x)) / abs(c[0])
+        turn = np.arcsin(np.sqrt(x)) / abs(c[HALF_RATE])
         for theta in (-turn, turn):
             place = min(max(theta, entry), exit_)
             # the angle lies outside the engagement by more than rounding
@@ -105,7 +106,7 @@ def margin(theta, scene):
 def least_lever(scene, exit_):
     """Least lever of the contact force on the side s = +1, over the engagement that ends there."""
     radius = min(pose_at(scene.path, 0.0)[3], pose_at(scene.path, exit_)[3])
-    arm = scene.pin + abs(scene.path.numbers[10])
+    arm = scene.pin + abs(scene.path.numbers[OFFSET])
     return radius - scene.mu_plus * arm - scene.follower_journal
 
 
@@ -129,7 +130,7 @@ def _nearness_at(theta, way, scene):
     inertia, ratio, share = scene.rho + g * g, abs(g), np.hypot(1.0, scene.mu_minus)
     driver, follower = scene.driver_journal / share, scene.follower_journal / share
     slide = way * slide_at(g, u, radius, -1.0, scene)
-    slope = ratio * slide + inertia * way * (scene.pin - scene.path.numbers[10])
+    slope = ratio * slide + inertia * way * (scene.pin - scene.path.numbers[OFFSET])
     journal = ratio * (driver + ratio * follower) - inertia * sign_of(g) * follower
     return nearness(inertia * radius, slope, journal)
 
@@ -175,7 +176,7 @@ def friction_limit(scene, low, high):
         if behind > most:
             most, angle = behind, place
     radius = min(pose_at(scene.path, 0.0)[3], pose_at(scene.path, exit_)[3])
-    arm = scene.pin + abs(scene.path.numbers[10])
+    arm = scene.pin + abs(scene.path.numbers[OFFSET])
     lever = nearness(radius, arm, scene.follower_journal / np.hypot(1.0, scene.mu_minus))
     if lever > most:
         most, angle = lever, np.nan

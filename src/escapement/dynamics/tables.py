@@ -1,5 +1,7 @@
 """The law at many driver angles, for readers of a motion and for `solve_ivp`."""
 
+from typing import NamedTuple
+
 import numpy as np
 
 from escapement.dynamics.law import (
@@ -69,15 +71,28 @@ def cell_before(turned, theta, scene):
     return cell_after(turned - (theta - scene.edges[0]), scene)
 
 
+class ForceAndLosses(NamedTuple):
+    """Contact force N, and the work lost per driver angle in each of `dynamics.law.LOSSES`."""
+
+    force: float
+    friction: float
+    driver_bearing: float
+    follower_bearing: float
+    driver_drag: float
+    follower_drag: float
+    barrel: float
+    load_train: float
+
+
 @inner_jit
 def losses_at(g, u, radius, k, pull, w, side, here, way=0.0, turn=0.0):
-    """Contact force N, and the work lost per driver angle in each of `dynamics.law.LOSSES`.
+    """Contact force and losses at a driver angle.
 
     `here` is the scene of the flow, whose pull and k these are; signs are as in
     `dynamics.law.grip`.
     """
     unit, barrel, train = weight(here), 0.0, 0.0
-    force, slot, at_driver, at_follower, drag, air = losses_per_angle(
+    force, friction, at_driver, at_follower, drag, air = losses_per_angle(
         g, u, radius, k, pull, w, side, here, way, turn
     )
     if is_lossy(here):
@@ -86,10 +101,16 @@ def losses_at(g, u, radius, k, pull, w, side, here, way=0.0, turn=0.0):
         dg = k - here.follower_drag * (g * sign_of(g, turn) * g)
         torque = (pull + here.bearing) * unit / factors(here.flow, here)[0]
         barrel, train = train_losses(g, dg, rate, torque, w, here)
-    return (
-        unit * force, unit * slot, unit * at_driver, unit * at_follower, unit * drag, unit * air,
-        barrel, train,
-    )  # fmt: skip
+    return ForceAndLosses(
+        force=unit * force,
+        friction=unit * friction,
+        driver_bearing=unit * at_driver,
+        follower_bearing=unit * at_follower,
+        driver_drag=unit * drag,
+        follower_drag=unit * air,
+        barrel=barrel,
+        load_train=train,
+    )
 
 
 @jit

@@ -10,7 +10,7 @@ natural units the greatest torque is 1.
 
 import numpy as np
 
-from escapement.model.scene import Scene
+from escapement.dynamics.scenes import scene_with
 from escapement.numerics.jit import inner_jit, jit
 
 # Where nothing drives it a driver of this squared speed, in units of torque/I_f, is at rest.
@@ -48,7 +48,7 @@ def cell_of(scene):
 @inner_jit(inlined=True)
 def cell_after(turned, scene):
     """The scene in the cell after a driver angle turned."""
-    return Scene(scene.path, scene.edges, scene.dwell, scene.torque, turned, *scene[5:])
+    return scene_with(scene, turned=turned)
 
 
 @inner_jit

@@ -18,8 +18,8 @@ Inertias and torques are referred to the driver and the follower, in natural uni
 import numpy as np
 
 from escapement.dynamics.law import bent_pose, contact, net_torque, reduced_inertia, root_of
+from escapement.dynamics.scenes import scene_with
 from escapement.dynamics.torque import torque_at
-from escapement.model.scene import Scene
 from escapement.numerics.jit import inner_jit, jit
 
 UNKNOWN = -1.0
@@ -60,14 +60,18 @@ def in_flow(scene, flow):
     """
     barrel, train = factors(flow, scene)
     unit = 1.0 / (1.0 + (train - 1.0) * scene.load_train)
-    return Scene(
-        scene.path, scene.edges, scene.dwell, scene.torque, scene.turned,
-        unit * (scene.rho + (barrel - 1.0) * scene.barrel), scene.mu_plus, scene.mu_minus,
-        unit * train * scene.load, unit * scene.bearing, unit * scene.driver_drag,
-        unit * scene.follower_drag, unit * scene.driver_viscous, unit * scene.follower_viscous,
-        scene.pin, scene.driver_journal, scene.follower_journal, unit * barrel, flow,
-        scene.barrel, scene.barrel_efficiency, scene.load_train, scene.load_train_efficiency,
-    )  # fmt: skip
+    return scene_with(
+        scene,
+        rho=unit * (scene.rho + (barrel - 1.0) * scene.barrel),
+        load=unit * train * scene.load,
+        bearing=unit * scene.bearing,
+        driver_drag=unit * scene.driver_drag,
+        follower_drag=unit * scene.follower_drag,
+        driver_viscous=unit * scene.driver_viscous,
+        follower_viscous=unit * scene.follower_viscous,
+        gain=unit * barrel,
+        flow=flow,
+    )
 
 
 @jit(allocates=True)

@@ -156,7 +156,15 @@ def rundown(
     first = simulate(escapement, 1, initial_speed=initial_speed, rtol=rtol)
     if first.status is Status.INVALID:
         none = first.handoff_times
-        return Rundown(escapement, none, math.nan, 0.0, 0.0, first.status, first.message)
+        return Rundown(
+            escapement,
+            times=none,
+            nominal_period=math.nan,
+            end_time=0.0,
+            end_turns=0.0,
+            status=first.status,
+            message=first.message,
+        )
     count = None if duration is not None else _engagements(turns, escapement, spent)
     nominal = terminal(escapement.held, rtol=rtol).period
     motion = simulate(escapement, count, duration=duration, initial_speed=initial_speed, rtol=rtol)
@@ -175,7 +183,15 @@ def rundown(
     if status in (Status.STALL, Status.SPENT):
         reason = "the spring is spent" if status is Status.SPENT else MESSAGES[status]
         message = f"after {turned:.6g} turns, at {end:.6g} s, {reason}"
-    return Rundown(escapement, times[:whole], nominal, end, turned, status, message)
+    return Rundown(
+        escapement,
+        times=times[:whole],
+        nominal_period=nominal,
+        end_time=end,
+        end_turns=turned,
+        status=status,
+        message=message,
+    )
 
 
 def turns_before(escapement: Escapement, engagement: Any) -> Any:

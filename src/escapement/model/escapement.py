@@ -340,7 +340,7 @@ class Escapement(Declared):
         unit = self.torque_unit / length**2
         damping = self.critical_damping if self._damps_critically else self.damping or 0.0
         return Joint(
-            play=0.5 * wheel.clearance / length,
+            half_clearance=0.5 * wheel.clearance / length,
             restitution=self.restitution,
             stiffness=self.stiffness / unit,
             damping=damping / (unit * clock),

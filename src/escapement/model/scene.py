@@ -70,7 +70,7 @@ class Scene(NamedTuple):
 class Joint(NamedTuple):
     """The contact of pin and slot with clearance or compliance, in natural units.
 
-    play : half the difference between slot width and pin diameter, in crank radii r.
+    half_clearance : half the difference between slot width and pin diameter, in crank radii r.
     restitution : rebound impulse over the impulse of compression.
     stiffness : stiffness of each wall, over torque/r^2; 0 for rigid walls.
     damping : damping of each wall, over sqrt(I_f torque)/r^2.
@@ -78,7 +78,7 @@ class Joint(NamedTuple):
     slip : sliding speed below which friction fades, over r/sqrt(I_f/torque).
     """
 
-    play: float
+    half_clearance: float
     restitution: float
     stiffness: float
     damping: float

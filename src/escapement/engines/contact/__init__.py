@@ -5,5 +5,5 @@ There are two laws of contact, each in a folder of its own with `simulate` and `
     rigid      clearance and rigid bodies: contact on either wall, flights and blows
     compliant  elastic walls
 
-`state` converts the results of both to states of the motion in SI units.
+`state_rows` names the rows of their tables of states, and `state` converts them to SI units.
 """

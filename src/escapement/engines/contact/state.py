@@ -6,14 +6,12 @@ import numpy as np
 
 from escapement.dynamics.law import LOSSES
 from escapement.dynamics.motion import State
+from escapement.engines.contact.state_rows import FIRST_LOSS, STATE_ROWS, StateRow
 from escapement.mechanisms.protocol import FloatArray
 from escapement.model.escapement import Escapement
 
-COLUMNS = (
-    *("theta", "theta_dot", "theta_ddot", "phi", "phi_dot", "phi_ddot"),
-    *("contact_moment", "contact_force"),
-)
-"""Columns of a state, which the power lost in each of `LOSSES` follows."""
+_NUMBERS = [row for row in StateRow if row < FIRST_LOSS]
+"""Rows that are not losses."""
 
 
 def state_from(escapement: Escapement, t: FloatArray, table: FloatArray) -> State:
@@ -25,20 +23,23 @@ def state_from(escapement: Escapement, t: FloatArray, table: FloatArray) -> Stat
         A Geneva wheel with a crank radius.
     t : ndarray
         Times [s], of any shape.
-    table : ndarray, shape (len(COLUMNS) + len(LOSSES), t.size)
-        `COLUMNS`, angles since the start of the motion, and the power lost in each of `LOSSES`,
-        in natural units.
+    table : ndarray, shape (STATE_ROWS, t.size)
+        Its rows are `StateRow`, in natural units, with angles since the start of the motion.
     """
     clock, torque = escapement.time_unit, escapement.torque_unit
     wheel: Any = escapement.mechanism
-    rates, force = (1.0, 1.0 / clock, clock**-2.0), torque / wheel.crank_radius
-    scale = np.array([*rates, *rates, torque, force, *(torque / clock,) * len(LOSSES)])
-    rows = (table * scale[:, None]).reshape(len(scale), *t.shape)
-    reaction = np.abs(rows[7]) * np.hypot(1.0, escapement.scene.mu_plus)
+    scale = np.full(STATE_ROWS, torque / clock)
+    scale[[StateRow.THETA, StateRow.PHI]] = 1.0
+    scale[[StateRow.THETA_DOT, StateRow.PHI_DOT]] = 1.0 / clock
+    scale[[StateRow.THETA_DDOT, StateRow.PHI_DDOT]] = clock**-2.0
+    scale[StateRow.CONTACT_MOMENT] = torque
+    scale[StateRow.CONTACT_FORCE] = torque / wheel.crank_radius
+    rows = (table * scale[:, None]).reshape(STATE_ROWS, *t.shape)
+    reaction = np.abs(rows[StateRow.CONTACT_FORCE]) * np.hypot(1.0, escapement.scene.mu_plus)
     return State(
         t=t,
-        **dict(zip(COLUMNS, rows, strict=False)),
+        **{row.name.lower(): rows[row] for row in _NUMBERS},
         driver_bearing_reaction=reaction,
         follower_bearing_reaction=reaction,
-        power_lost=dict(zip(LOSSES, rows[len(COLUMNS) :], strict=True)),
+        power_lost=dict(zip(LOSSES, rows[FIRST_LOSS:], strict=True)),
     )

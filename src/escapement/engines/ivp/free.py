@@ -4,7 +4,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from escapement.engines.ivp.law import Law
+from escapement.engines.ivp.law import SceneLaw
 from escapement.engines.ivp.piece import Ending, Task
 from escapement.mechanisms.protocol import FloatArray
 
@@ -45,13 +45,13 @@ class FreeTurn(NamedTuple):
         )
 
 
-def is_free(law: Law, task: Task) -> bool:
+def is_free(law: SceneLaw, task: Task) -> bool:
     """Whether nothing but a constant torque acts: in a dwell, if no drag brakes the driver."""
     dragged = law.scene.driver_drag + law.scene.driver_viscous > 0.0
     return task.sign == 0.0 and law.is_steady and not dragged
 
 
-def turn_free(law: Law, task: Task) -> FreeTurn:
+def turn_free(law: SceneLaw, task: Task) -> FreeTurn:
     """Turn until the goal, a stop or the end of the time."""
     theta, speed = task.theta, task.speed
     rate, loss = law.acceleration(theta, speed, 0.0), law.loss_rates(theta, speed**2, 0.0)
@@ -66,6 +66,6 @@ def turn_free(law: Law, task: Task) -> FreeTurn:
     return FreeTurn(theta, speed, rate, loss, float(length), ending)
 
 
-def stand_still(law: Law, theta: float) -> FreeTurn:
+def stand_still(law: SceneLaw, theta: float) -> FreeTurn:
     """A driver that stands still for good."""
     return FreeTurn(theta, 0.0, 0.0, np.zeros(law.losses.size), np.inf, Ending.STOPPED)

@@ -25,7 +25,7 @@ _FAR = 4.0 * np.pi
 
 
 @dataclass(frozen=True)
-class Law:
+class SceneLaw:
     """The equation of motion of one scene, for use outside of kernels.
 
     scene : the scene. plain : the same as `model.scene.scene_tuple` gives it, for kernels.
@@ -35,7 +35,7 @@ class Law:
     plain: tuple[Any, ...]
 
     @classmethod
-    def all_of(cls, escapement: Escapement) -> "list[Law]":
+    def all_of(cls, escapement: Escapement) -> "list[SceneLaw]":
         """The law of each engagement of the pattern of an escapement."""
         return [cls(scene, scene_tuple(scene)) for scene in escapement.scenes]
 
@@ -85,19 +85,19 @@ class Law:
         """Driver angle turned since the start of the motion, at one in the cell."""
         return self.scene.turned + (theta - self.scene.edges[0])
 
-    def after(self, turned: float) -> "Law":
+    def after(self, turned: float) -> "SceneLaw":
         """The law in the cell after a driver angle turned."""
         scene = self.scene._replace(turned=turned)
-        return Law(scene, scene_tuple(scene))
+        return SceneLaw(scene, scene_tuple(scene))
 
-    def along(self, theta: float) -> "Law":
+    def along(self, theta: float) -> "SceneLaw":
         """The law whose torque goes on beyond its knots as it is at a driver angle."""
         turned = self.turned(theta)
         torque, slope = torque_after(turned, self.scene)
         ends = turned + np.array([-_FAR, _FAR])
         line = [0.0, *ends, *(torque + slope * (ends - turned))] if slope else [0.0, 0.0, torque]
         scene = self.scene._replace(torque=np.array(line))
-        return Law(scene, scene_tuple(scene))
+        return SceneLaw(scene, scene_tuple(scene))
 
     def force(self, theta: float, w: float, side: float) -> float:
         """A number with the sign of the contact force, whose zero is the pin reversal.

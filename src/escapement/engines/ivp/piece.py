@@ -18,7 +18,7 @@ from scipy.integrate import OdeSolution, solve_ivp
 
 from escapement.dynamics.law import settled as _settled
 from escapement.engines.ivp.crossings import ROUNDING, find_roots
-from escapement.engines.ivp.law import Law, slope
+from escapement.engines.ivp.law import SceneLaw, slope
 from escapement.mechanisms.protocol import FloatArray
 from escapement.numerics.jit import as_python
 
@@ -40,7 +40,7 @@ class NotConverged(Exception):
     """The solver failed on a piece, or took too many steps; the argument says why."""
 
 
-class Options(NamedTuple):
+class Tolerances(NamedTuple):
     """Tolerances and method; `atol` of (angle, speed, loss) or None, in natural units."""
 
     rtol: float
@@ -104,7 +104,7 @@ class Solution:
         return y[0] + self.anchor, y[1] * self.unit, y[2:] * self.unit**2
 
 
-def solve_piece(law: Law, task: Task, options: Options) -> Solution:
+def solve_piece(law: SceneLaw, task: Task, options: Tolerances) -> Solution:
     """Integrate until the goal, the next pin reversal, a stop or the end of the time.
 
     Raises
@@ -134,16 +134,25 @@ def solve_piece(law: Law, task: Task, options: Options) -> Solution:
         rates[:] = last_rate = rates[0]
     roots = [x / unit for x in find_roots(problem.rate, dense, times, rates)]
     first = float(rates[np.argmax(rates != 0.0)])
-    return Solution(dense, task.anchor, unit, end / unit, ending, roots, first, last_rate)
+    return Solution(
+        dense=dense,
+        anchor=task.anchor,
+        unit=unit,
+        length=end / unit,
+        ending=ending,
+        extrema=roots,
+        first_rate=first,
+        last_rate=last_rate,
+    )
 
 
 @dataclass(frozen=True)
 class _Problem:
     """A piece in its own units, which are those of `law.slope`."""
 
-    law: Law
+    law: SceneLaw
     task: Task
-    options: Options
+    options: Tolerances
     unit: float
     atol: FloatArray
 
@@ -306,7 +315,7 @@ def _too_many_steps(method: str) -> str:
     )
 
 
-def _absolute_tolerances(law: Law, task: Task, options: Options, unit: float) -> FloatArray:
+def _absolute_tolerances(law: SceneLaw, task: Task, options: Tolerances, unit: float) -> FloatArray:
     """Absolute tolerances of angle, speed and losses in the units of a piece."""
     scales = np.empty(2 + law.losses.size)
     if options.atol is None:
@@ -325,7 +334,7 @@ def _absolute_tolerances(law: Law, task: Task, options: Options, unit: float) ->
     return np.maximum(scales, _LEAST_ATOL)
 
 
-def _stops_soon(law: Law, task: Task) -> bool:
+def _stops_soon(law: SceneLaw, task: Task) -> bool:
     """Whether the driver, braked as at the start, would stop early in the piece.
 
     The rest of its speed then determines where it stops.

@@ -22,8 +22,15 @@ from escapement.dynamics.torque import KNOT_GAP, REST, SAME_PLACE, is_spent, is_
 from escapement.dynamics.train_losses import is_lossy
 from escapement.dynamics.trajectory import Events, Extrema, Trajectory
 from escapement.engines.ivp.free import FreeTurn, is_free, stand_still, turn_free
-from escapement.engines.ivp.law import Law, least_share
-from escapement.engines.ivp.piece import Ending, NotConverged, Options, Solution, Task, solve_piece
+from escapement.engines.ivp.law import SceneLaw, least_share
+from escapement.engines.ivp.piece import (
+    Ending,
+    NotConverged,
+    Solution,
+    Task,
+    Tolerances,
+    solve_piece,
+)
 from escapement.mechanisms.protocol import FloatArray
 from escapement.mechanisms.slotted import transmission_at
 from escapement.model.escapement import Escapement
@@ -106,12 +113,12 @@ class _Simulation:
     """
 
     escapement: Escapement
-    laws: list[Law]
+    laws: list[SceneLaw]
     cells: list[list[Span]]
     shares: list[float]
-    drive: Law
-    law: Law
-    options: Options
+    drive: SceneLaw
+    law: SceneLaw
+    options: Tolerances
     end_time: float
     speed: float
     theta: float = 0.0
@@ -219,7 +226,16 @@ class _Simulation:
         edges = self.law.scene.edges
         first, last = (edges[0], edges[-1]) if self.law.is_table else (self.theta, end)
         typical, time_left = 0.5 * (first + last), self.end_time - self.time
-        task = Task(self.theta, self.speed, sign, end, span.slow, typical, time_left, self.gap)
+        task = Task(
+            theta=self.theta,
+            speed=self.speed,
+            sign=sign,
+            end=end,
+            anchor=span.slow,
+            typical=typical,
+            time=time_left,
+            gap=self.gap,
+        )
         if is_free(self.law, task):
             solved: Solution | FreeTurn = turn_free(self.law, task)
         else:
@@ -293,13 +309,13 @@ def simulate(
     clock, torque = escapement.time_unit, escapement.torque_unit
     if escapement.friction >= friction_limits(escapement)[0]:
         return no_motion(escapement, "ivp", rtol)
-    laws, end_time = Law.all_of(escapement), np.inf if duration is None else duration / clock
+    laws, end_time = SceneLaw.all_of(escapement), np.inf if duration is None else duration / clock
     steep = min(least_share(law.scene) for law in laws) < _STEEP
     most = _MOST_RTOL_STEEP if steep else _MOST_RTOL
     # where the power in a train changes direction the acceleration has a corner, which a long
     # step would miss
     sharper = 0.0 if as_python(is_lossy)(laws[0].scene) else _SHARPER
-    options = Options(
+    options = Tolerances(
         min(max(rtol * sharper, _LEAST_RTOL), most),
         None if atol is None else (atol, atol * clock, atol / torque),
         method,
@@ -325,11 +341,19 @@ def simulate(
     times, speeds = np.array(run.handoffs, dtype=float).reshape(-1, 2).T
     trajectory = _in_si(run, escapement)
     return Motion(
-        escapement, "ivp", rtol, trajectory, end, times * clock, speeds / clock, status, message
+        escapement,
+        engine="ivp",
+        rtol=rtol,
+        trajectory=trajectory,
+        end_time=end,
+        handoff_times=times * clock,
+        handoff_velocities=speeds / clock,
+        status=status,
+        message=message,
     )
 
 
-def _smooth_spans(law: Law) -> list[Span]:
+def _smooth_spans(law: SceneLaw) -> list[Span]:
     """The smooth intervals of a cell, and its dwell."""
     edges, dwell = law.scene.edges, law.scene.dwell
     ratio = [abs(transmission_at(law.scene.path, angle)[0]) for angle in edges]

@@ -1,7 +1,7 @@
 """The equations of compliant contact between pin and slot, with two degrees of freedom.
 
 In natural units, with the coordinates of `slot`, the pin presses the wall s = +1 or -1 in by the
-depth d = s D - play. The wall pushes the pin with the force
+depth d = s D - c with half the clearance c. The wall pushes the pin with the force
 
     N = k d + b d'  or, after Hunt and Crossley,  N = k d^1.5 (1 + chi d')
 
@@ -23,6 +23,7 @@ import numpy as np
 from escapement.dynamics.torque import torque_after
 from escapement.dynamics.train_losses import is_lossy, passed_on, shared
 from escapement.engines.contact.compliant.slot import FREE, LOCKED, bend, place, slide, touches
+from escapement.mechanisms.path import PIN_RATE
 from escapement.model.scene import Joint, Scene
 from escapement.numerics.jit import inner_jit
 
@@ -34,7 +35,7 @@ LOAD, LOST, WALLS, IMPULSE = 4, 5, 12, 13
 """Places in it."""
 
 
-class Engagement(NamedTuple):
+class PinInSlot(NamedTuple):
     """A pin in its slot: what the law needs in addition to the state.
 
     turned : driver angle turned before this cell [rad].
@@ -100,13 +101,13 @@ def resistance(speed, rate, scene, least):
 def rates(y, mode, case, out):
     """Fill `out` with the derivative of a state by time; returns phi_ddot."""
     scene, joint = case.scene, case.joint
-    eps, mu, pin, sense = joint.slip, scene.mu_plus, scene.pin, scene.path.numbers[9]
+    eps, mu, pin, sense = joint.slip, scene.mu_plus, scene.pin, scene.path.numbers[PIN_RATE]
     at = place(y, mode, scene)
     driver, follower = at.driver, at.follower
     on_driver = on_follower = force = friction = reaction = sliding = wall = 0.0
     if touches(mode):
         side = float(mode)
-        depth, rate, arm = side * at.across - joint.play, side * at.speed, side * pin
+        depth, rate, arm = side * at.across - joint.half_clearance, side * at.speed, side * pin
         force, sliding = push(depth, rate, case), slide(at, side, scene)
         bent = mu * sliding / np.sqrt(sliding * sliding + eps * eps)
         friction = bent * force
@@ -171,7 +172,7 @@ def _reach(at, bending, side, case):
     bending : D'' of the place.
     """
     joint = case.joint
-    depth, rate = side * at.across - joint.play, side * at.speed
+    depth, rate = side * at.across - joint.half_clearance, side * at.speed
     if rate >= 0.0 or depth < 0.0:
         return depth, rate
     if joint.hertz:
@@ -207,7 +208,7 @@ def frequency(y, mode, case):
     lightness = at.radius * at.radius + at.cosine * at.cosine / case.scene.rho
     stiffness = joint.stiffness
     if joint.hertz:
-        depth = max(mode * at.across - joint.play, 0.0)
+        depth = max(mode * at.across - joint.half_clearance, 0.0)
         stiffness *= 1.5 * np.sqrt(depth) * max(1.0 + chi_of(case) * mode * at.speed, 0.0)
     return max(np.sqrt(stiffness * lightness), 1.0)
 
@@ -217,4 +218,4 @@ def stored(y, mode, case):
     """Energy stored in a wall while the pin touches it."""
     if not touches(mode):
         return 0.0
-    return elastic(abs(y[1]) - case.joint.play, case.joint)[1]
+    return elastic(abs(y[1]) - case.joint.half_clearance, case.joint)[1]

@@ -11,7 +11,7 @@ from escapement.dynamics.torque import REST, cell_after, cell_of, is_held, is_un
 from escapement.engines.contact.compliant.law import (
     STATE,
     WALLS,
-    Engagement,
+    PinInSlot,
     frequency,
     rates,
     room,
@@ -154,7 +154,7 @@ def _switch(y, clock, case):
     to_slot(y, case.scene)
     clock.mode = 1 if y[1] > 0.0 or (y[1] == 0.0 and y[3] >= 0.0) else -1
     # a wall may push again before the pin has left it
-    if abs(y[1]) - case.joint.play < _TOUCHED:
+    if abs(y[1]) - case.joint.half_clearance < _TOUCHED:
         clock.touch = abs(y[3])
     y[WALLS] -= stored(y, clock.mode, case)
 
@@ -261,10 +261,10 @@ def march(y, clocks, scene, joint, step, rtol, engagements, end, limit, rows):
     """
     clock, work, bare = clocks[0], workspace(), np.zeros((STAGES, 2))
     n, idle, fresh, enters = 0, 0, True, clock.time == 0.0
-    case = Engagement(scene, joint, 0.0, 0.0)
+    case = PinInSlot(scene, joint, 0.0, 0.0)
     while True:
         if fresh:
-            case = Engagement(scene, joint, clock.engagement * cell_of(scene), clock.touch)
+            case = PinInSlot(scene, joint, clock.engagement * cell_of(scene), clock.touch)
             rates(y, clock.mode, case, work.stages[0])
             there = clock.engagement >= engagements or clock.time >= end
             if not there and room(y, work.stages[0], clock.mode, case)[0] < -_TOUCHED:

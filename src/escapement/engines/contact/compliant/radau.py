@@ -79,10 +79,16 @@ def workspace():
     """Memory for a step."""
     pairs = ROOTS.size
     return Work(
-        np.empty((1 + STAGES, STATE)), np.empty(STATE), np.empty((STAGES, 2)),
-        np.empty((STAGES, 2)), np.zeros(2), np.empty((STAGES, 2)),
-        np.empty((pairs, 2), np.complex128), np.empty((2, 4)), np.empty((pairs, 4), np.complex128),
-    )  # fmt: skip
+        stages=np.empty((1 + STAGES, STATE)),
+        end=np.empty(STATE),
+        flow=np.empty((STAGES, 2)),
+        series=np.empty((STAGES, 2)),
+        span=np.zeros(2),
+        spare=np.empty((STAGES, 2)),
+        parts=np.empty((pairs, 2), np.complex128),
+        slopes=np.empty((2, 4)),
+        inverses=np.empty((pairs, 4), np.complex128),
+    )
 
 
 @inner_jit

@@ -8,7 +8,7 @@ from escapement.engines.contact.compliant.law import (
     LOST,
     STATE,
     WALLS,
-    Engagement,
+    PinInSlot,
     rates,
     resistance,
     stored,
@@ -33,7 +33,7 @@ def tabulate(rows, which, times, scene, joint, step, out):
         h, mode = then[TIME] - here[TIME], int(here[MODE])
         within((times[i] - here[TIME]) / h, h, here[FIRST:], then[SERIES:], y)
         turned = here[CELL] * cell_of(scene)
-        case = Engagement(scene, joint, turned, here[TOUCH])
+        case = PinInSlot(scene, joint, turned, here[TOUCH])
         bend, at = rates(y, mode, case, slopes), place(y, mode, scene)
         on = 1.0 if touches(mode) else 0.0
         out[15, i] = slide(at, mode, scene)

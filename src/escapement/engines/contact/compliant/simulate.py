@@ -98,7 +98,17 @@ class March:
         status, message = self._outcome(why)
         times, end = rows[cells, marching.TIME] * clock, float(rows[-1, marching.TIME] * clock)
         trajectory: Any = CompliantTrajectory(Rows(rows, own, self.joint))
-        return Motion(own, "contact", asked, trajectory, end, times, speeds, status, message)
+        return Motion(
+            own,
+            engine="contact",
+            rtol=asked,
+            trajectory=trajectory,
+            end_time=end,
+            handoff_times=times,
+            handoff_velocities=speeds,
+            status=status,
+            message=message,
+        )
 
     def _outcome(self, why: int) -> tuple[Status, str]:
         if why == marching.TOO_LONG:

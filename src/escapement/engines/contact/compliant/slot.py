@@ -20,6 +20,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from escapement.mechanisms.path import L1, PIN_RATE
 from escapement.numerics.jit import inner_jit
 
 FREE, LOCKED = 0, 2
@@ -41,7 +42,8 @@ class Place(NamedTuple):
 @inner_jit
 def _centres(scene):
     """beta, and the distance c of the centres."""
-    return scene.path.numbers[9], 0.25 * abs(scene.path.numbers[2])
+    numbers = scene.path.numbers
+    return numbers[PIN_RATE], 0.25 * abs(numbers[L1])
 
 
 @inner_jit
@@ -61,12 +63,18 @@ def place(y, mode, scene):
         p, q = (centre * cosine + sense) / square, sense * centre * sine / square
         sine, cosine = p * across + q * radius, p * radius - q * across
         follower = (cosine * y[2] - y[3]) / radius
-        return Place(across, radius, sine, cosine, y[3], y[2], follower)
+        return Place(
+            across=across, radius=radius, sine=sine, cosine=cosine, speed=y[3], driver=y[2],
+            follower=follower,
+        )  # fmt: skip
     angle = sense * y[0] - y[1]
     sine, cosine = np.sin(angle), np.cos(angle)
     across = sense * sine - centre * np.sin(y[1])
     radius = sense * cosine + centre * np.cos(y[1])
-    return Place(across, radius, sine, cosine, cosine * y[2] - radius * y[3], y[2], y[3])
+    return Place(
+        across=across, radius=radius, sine=sine, cosine=cosine,
+        speed=cosine * y[2] - radius * y[3], driver=y[2], follower=y[3],
+    )  # fmt: skip
 
 
 @inner_jit
@@ -89,13 +97,14 @@ def to_angle(y, scene):
 def slide(at, side, scene):
     """Sliding speed v of the contact point along the wall s = `side`."""
     arm = side * scene.pin
-    return (at.across + arm) * at.follower - (at.sine + scene.path.numbers[9] * arm) * at.driver
+    beta = scene.path.numbers[PIN_RATE]
+    return (at.across + arm) * at.follower - (at.sine + beta * arm) * at.driver
 
 
 @inner_jit
 def bend(at, on_driver, on_follower, scene):
     """D'' from the accelerations of driver and follower."""
     along = at.follower * at.across - at.sine * at.driver
-    turn = scene.path.numbers[9] * at.driver - at.follower
+    turn = scene.path.numbers[PIN_RATE] * at.driver - at.follower
     inertial = at.sine * turn * at.driver + along * at.follower
     return at.cosine * on_driver - at.radius * on_follower - inertial

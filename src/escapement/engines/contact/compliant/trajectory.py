@@ -8,7 +8,6 @@ from typing import Any
 
 import numpy as np
 
-from escapement.dynamics.law import LOSSES
 from escapement.dynamics.motion import State
 from escapement.dynamics.trajectory import Events, Extrema, Impacts, Trajectory
 from escapement.engines.contact.compliant.law import IMPULSE, LOAD, LOST, WALLS
@@ -22,7 +21,8 @@ from escapement.engines.contact.compliant.march import (
 )
 from escapement.engines.contact.compliant.rows import TABLE, tabulate
 from escapement.engines.contact.compliant.slot import LOCKED
-from escapement.engines.contact.state import COLUMNS, state_from
+from escapement.engines.contact.state import state_from
+from escapement.engines.contact.state_rows import STATE_ROWS
 from escapement.mechanisms.protocol import FloatArray
 from escapement.model.escapement import Escapement
 from escapement.model.scene import Joint
@@ -142,7 +142,7 @@ class CompliantTrajectory(Trajectory):
             np.searchsorted(time, times, side="right") - 1, first[owners], last[owners] - 1
         )
         times = np.clip(times, time[which], time[which + 1])
-        table = self.rows.at(which, times)[: len(COLUMNS) + len(LOSSES)]
+        table = self.rows.at(which, times)[:STATE_ROWS]
         return state_from(self.rows.escapement, t, table)
 
     def _events(

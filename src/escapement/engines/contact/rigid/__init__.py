@@ -5,7 +5,7 @@ radius r and sqrt(I_f/torque)), and beside the symbols of `dynamics`:
 
     theta, omega    driver angle from dead centre, and its speed        (theta, speed)
     phi, psi        follower angle from its nominal dead centre, speed  (phi, turning)
-    c               play, half of the clearance                         (case.play)
+    c               half of the clearance                        (half_clearance)
     D               distance by which the pin's centre is ahead of the slot's centre line (ahead)
     s               the wall: +1 is ahead of the pin, and is struck where D = c; -1 behind it
 
@@ -25,24 +25,15 @@ the walls of the next slot without a change of speeds. In a wheel with a dwell, 
 locked at its angle behind the exit and loses its speed. A motion starts with the follower at rest
 and the pin in the middle of the slot.
 
-Files, in the order in which they are best read:
+Read `engagement` first. The files, from the bottom to the top:
 
-    walls         the two walls as scenes, and the angles between which they are smooth
-    panel         contact with a wall over a panel of driver angles
-    free          accelerations of bodies that do not touch
-    flight        motion without contact, and the first wall that the pin reaches
-    blow          the impulse between pin and wall
-    engagement    contact, flights and blows from entry to the end of the cell
-    march         engagements one after the other, the events and the states of each
-    trajectory    the pieces of a motion, as `Motion` asks for them
-    simulate      the motion that `escapement.simulate` returns
-    terminal      the engagement that repeats itself
-
-Read `engagement` first.
-
-- `walls`, `panel`: a slotted path for each wall, and contact with it over a panel of driver angles
-- `flight`, `blow`: motion without contact, and the impulse at its end
+- `walls`: the two walls as scenes, and the angles between which they are smooth
+- `workspace`, `panel`: memory of the kernels, and contact with a wall over a panel of driver angles
+- `instant`, `notes`: driver and follower at an instant, and the record of pieces and events
+- `free`, `flight`, `arrival`: motion without contact, and the first wall that the pin reaches
+- `blow`: the impulse between pin and wall
+- `touching`: contact with a wall, panel by panel
 - `engagement`, `march`: one engagement, and one after the other
-- `trace`, `trajectory`: states at given times, and the pieces of the motion
+- `trace`, `trajectory`: states at given times, and the pieces that `Motion` asks for
 - `simulate`, `terminal`: what the engine offers
 """

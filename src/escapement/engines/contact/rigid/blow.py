@@ -15,10 +15,13 @@ Source: the equations of impulsive motion with dry friction in two dimensions, a
 Stronge, Impact Mechanics (2000), chapter 3.
 """
 
+from enum import IntEnum
 from typing import NamedTuple
 
 import numpy as np
 
+from escapement.engines.contact.rigid.walls import wall_of
+from escapement.mechanisms.path import OFFSET, PIN_RATE
 from escapement.mechanisms.slotted import pose_at
 from escapement.numerics.jit import inner_jit
 from escapement.numerics.roots import newton_in_bracket
@@ -26,7 +29,21 @@ from escapement.numerics.roots import newton_in_bracket
 CHATTER = 1e-5
 """A rebound slower than this, in crank radii over sqrt(I_f/torque), is neglected."""
 _MOST = 40
-_END, _STICK, _REST = 1, 2, 3
+"""Greatest number of changes in one blow."""
+
+
+class _Change(IntEnum):
+    """What happens next in a blow, at which its rates change.
+
+    FOREVER : nothing: the blow has no end, and no solution. ENDS : compression, or restitution,
+    ends. STICKS : the contact stops sliding. DRIVER_RESTS, FOLLOWER_RESTS : a body comes to rest.
+    """
+
+    FOREVER = 0
+    ENDS = 1
+    STICKS = 2
+    DRIVER_RESTS = 3
+    FOLLOWER_RESTS = 4
 
 
 class Blow(NamedTuple):
@@ -69,7 +86,7 @@ def _pushes(scene, side, g, radius, slide, f, speed, turning):
     """Impulses on driver and follower per unit of normal impulse, and their inertias."""
     # a contact that sticks loads the bearings with less than the friction of sliding
     share = np.sqrt((1.0 + f * f) / (1.0 + scene.mu_plus**2))
-    lever = radius - f * (scene.pin + side * scene.path.numbers[10])
+    lever = radius - f * (scene.pin + side * scene.path.numbers[OFFSET])
     on_driver = _left(-side * g * lever - f * slide, share * scene.driver_journal, speed)
     on_follower = _left(side * lever, share * scene.follower_journal, turning)
     driver = _felt(scene.rho, scene.barrel, scene.barrel_efficiency, on_driver, speed)
@@ -108,14 +125,15 @@ def _sticking(scene, side, g, radius, slide, by_speed, by_turning, speed, turnin
 
 
 @inner_jit
-def strike(case, side, theta, speed, turning):
+def strike(walls, side, theta, speed, turning):
     """The blow on the wall that the pin reaches at a driver angle with these speeds."""
-    scene = case.plus if side > 0.0 else case.minus
+    scene, restitution = wall_of(walls, side), walls.clearance.restitution
     g, u, _dg, radius = pose_at(scene.path, theta)
-    body, offset, mu = scene.path.numbers[9], scene.path.numbers[10], scene.mu_plus
-    slide = radius * u + side * scene.pin * (g - body)
+    numbers, mu = scene.path.numbers, scene.mu_plus
+    beta, offset = numbers[PIN_RATE], numbers[OFFSET]
+    slide = radius * u + side * scene.pin * (g - beta)
     # U = by_speed theta_dot + by_turning phi_dot
-    by_speed = radius * u - g * offset - side * scene.pin * body
+    by_speed = radius * u - g * offset - side * scene.pin * beta
     by_turning = offset + side * scene.pin
     # speed at which the gap opens
     opening = side * radius * (turning - g * speed)
@@ -128,31 +146,31 @@ def strike(case, side, theta, speed, turning):
     for _ in range(_MOST):
         a, b = _rates(scene, side, g, radius, slide, f, speed, turning)
         opens, slides = side * radius * (b - g * a), by_speed * a + by_turning * b
-        step, event, body = np.inf, 0, 0
+        step, change = np.inf, _Change.FOREVER
         if goal < np.inf:
-            step, event = goal - impulse, _END
+            step, change = goal - impulse, _Change.ENDS
         elif opens > 0.0:
-            step, event = -opening / opens, _END
+            step, change = -opening / opens, _Change.ENDS
         if not stuck and sliding * slides < 0.0 and -sliding / slides < step:
-            step, event = -sliding / slides, _STICK
+            step, change = -sliding / slides, _Change.STICKS
         if turns_driver and speed * a < 0.0 and -speed / a < step:
-            step, event, body = -speed / a, _REST, 1
+            step, change = -speed / a, _Change.DRIVER_RESTS
         if turns_follower and turning * b < 0.0 and -turning / b < step:
-            step, event, body = -turning / b, _REST, 2
-        if event == 0:
-            return Blow(speed, turning, approach, impulse, False, False)
+            step, change = -turning / b, _Change.FOLLOWER_RESTS
+        if change == _Change.FOREVER:
+            return Blow(speed, turning, approach, impulse, rebounds=False, sound=False)
         speed, turning, impulse = speed + a * step, turning + b * step, impulse + step
         opening, sliding = opening + opens * step, sliding + slides * step
-        if event == _END:
-            rebound = case.restitution * opens * impulse
+        if change == _Change.ENDS:
+            rebound = restitution * opens * impulse
             if goal < np.inf or not rebound > CHATTER:
-                return Blow(speed, turning, approach, impulse, goal < np.inf, True)
-            goal = (1.0 + case.restitution) * impulse
-        if event == _REST:
-            speed, turning = 0.0 if body == 1 else speed, 0.0 if body == 2 else turning
-        if event == _STICK or stuck:
+                return Blow(speed, turning, approach, impulse, rebounds=goal < np.inf, sound=True)
+            goal = (1.0 + restitution) * impulse
+        speed = 0.0 if change == _Change.DRIVER_RESTS else speed
+        turning = 0.0 if change == _Change.FOLLOWER_RESTS else turning
+        if change == _Change.STICKS or stuck:
             sliding = 0.0
             f, stuck = _sticking(
                 scene, side, g, radius, slide, by_speed, by_turning, speed, turning
             )
-    return Blow(speed, turning, approach, impulse, False, False)
+    return Blow(speed, turning, approach, impulse, rebounds=False, sound=False)

@@ -12,28 +12,28 @@ from escapement.numerics.jit import inner_jit
 
 
 @inner_jit
-def driver_rate(scene, theta, speed, way):
-    """theta_ddot of a driver without contact that turns in the sense `way`, 0 if it is held."""
-    if way == 0.0:
+def driver_rate(scene, theta, speed, sense):
+    """theta_ddot of a driver without contact that turns in this sense, 0 if it is held."""
+    if sense == 0.0:
         return 0.0
     torque = torque_at(theta, scene)[0]
     lost = scene.bearing + scene.driver_drag * speed * speed
-    # way times speed, not its magnitude: the law stays smooth if a trial passes a reversal
-    lost = way * (lost + scene.driver_viscous * way * speed)
+    # sense times speed, not its magnitude: the law stays smooth if a trial passes a reversal
+    lost = sense * (lost + scene.driver_viscous * sense * speed)
     if scene.barrel_efficiency == 1.0:
         return (torque - lost) / scene.rho
     own = scene.rho - scene.barrel
-    return passed_on(own, scene.barrel, torque, -lost, scene.barrel_efficiency, way)[0]
+    return passed_on(own, scene.barrel, torque, -lost, scene.barrel_efficiency, sense)[0]
 
 
 @inner_jit
-def follower_rate(scene, turning, way):
-    """phi_ddot of a follower without contact that turns in the sense `way`, 0 at rest."""
-    air = scene.follower_drag * turning * turning + scene.follower_viscous * way * turning
-    if scene.load_train_efficiency == 1.0 or way == 0.0:
-        return -way * (scene.load + air)
+def follower_rate(scene, turning, sense):
+    """phi_ddot of a follower without contact that turns in this sense, 0 at rest."""
+    air = scene.follower_drag * turning * turning + scene.follower_viscous * sense * turning
+    if scene.load_train_efficiency == 1.0 or sense == 0.0:
+        return -sense * (scene.load + air)
     own, efficiency = 1.0 - scene.load_train, scene.load_train_efficiency
-    return passed_on(own, scene.load_train, -way * scene.load, -way * air, efficiency, way)[0]
+    return passed_on(own, scene.load_train, -sense * scene.load, -sense * air, efficiency, sense)[0]
 
 
 @inner_jit

@@ -2,39 +2,22 @@
 
 import numpy as np
 
+from escapement.dynamics.codes import Ending
 from escapement.dynamics.law import scene_of
 from escapement.dynamics.torque import cell_after, cell_of, is_constant
-from escapement.engines.contact.rigid.engagement import (
-    DONE,
-    MOST_STEPS,
-    OVER,
-    RUNNING,
-    Body,
-    Notes,
-    engage,
-    turn_on,
-)
-from escapement.engines.contact.rigid.panel import PLACES, WORKSPACE
-from escapement.engines.contact.rigid.walls import Case, case_of
-from escapement.numerics.gauss import POINTS, N
+from escapement.engines.contact.rigid.engagement import MOST_STEPS, engage, turn_on
+from escapement.engines.contact.rigid.instant import Instant
+from escapement.engines.contact.rigid.notes import Notes
+from escapement.engines.contact.rigid.walls import Walls, walls_of
+from escapement.engines.contact.rigid.workspace import workspace
 from escapement.numerics.jit import inner_jit, jit
 
 STATE = 5
-"""Numbers of the state at a handoff: time, speed, phi, phi_dot and the wall, 0 for none."""
+"""Numbers of the state at a handoff."""
+TIME, SPEED, PHI, TURNING, WALL = range(STATE)
+"""Their columns: time, theta_dot, phi, phi_dot, and the wall that the pin touches, 0 for none."""
 AT_ONCE = 50_000
 """Steps of one call, which take a tenth of a second; between calls Ctrl-C takes effect."""
-
-
-@inner_jit(allocates=True)
-def workspace():
-    """Memory for one record of rows of values at the Gauss points.
-
-    The compiler frees memory after its last use, and does not count records among the uses: a
-    kernel that needs the record in a loop takes it from this memory within the loop.
-    """
-    memory = np.empty(1, WORKSPACE)
-    memory[0][PLACES][:] = POINTS
-    return memory
 
 
 @inner_jit
@@ -44,44 +27,61 @@ def tail_for(rtol):
 
 
 @inner_jit(allocates=True)
-def after(case, turned):
-    """The case with the torque of the cell that begins after a driver angle turned."""
-    return Case(cell_after(turned, case.plus), cell_after(turned, case.minus), *case[2:])
+def walls_after(walls, turned):
+    """The walls with the torque of the cell that begins after a driver angle turned."""
+    return Walls(
+        plus=cell_after(turned, walls.plus), minus=cell_after(turned, walls.minus),
+        plus_breaks=walls.plus_breaks, minus_breaks=walls.minus_breaks, clearance=walls.clearance,
+        rtol=walls.rtol,
+    )  # fmt: skip
 
 
 @inner_jit
-def pass_one(work, notes, case, state, step, end_time, trend, count):
-    """Follow an engagement from a state; returns the body at the next handoff, and why it ends."""
-    body = Body(case.plus.edges[0], state[1], state[2], state[3], 0.0, state[4], trend)
-    body, code = engage(work, notes, case, body, end_time, tail_for(case.rtol), count)
-    if code == DONE:
-        body, code = turn_on(work, notes, case, body, step, end_time, count)
-    return body, code
+def pass_one(work, notes, walls, state, end_time, trend):
+    """Follow an engagement from a state; returns the instant at the next handoff, and why it ends.
+
+    `trend` is the sign of theta_ddot before it, 0 if nothing is known of it.
+    """
+    now = Instant(
+        theta=walls.plus.edges[0], speed=state[SPEED], phi=state[PHI], turning=state[TURNING],
+        time=0.0, wall=state[WALL], trend=trend,
+    )  # fmt: skip
+    now, ending = engage(work, notes, walls, now, end_time, tail_for(walls.rtol))
+    if ending == Ending.DONE:
+        now, ending = turn_on(work, notes, walls, now, end_time)
+    return now, ending
+
+
+@inner_jit
+def _write(state, time, now):
+    """Write the state at a handoff."""
+    state[TIME], state[SPEED], state[PHI] = time, now.speed, now.phi
+    state[TURNING], state[WALL] = now.turning, now.wall
 
 
 @inner_jit
 def _same(one, two):
     """Whether two handoffs have the same state except for rounding, so that all later ones do."""
     apart = 0.0
-    for i in range(1, STATE):
+    for i in range(SPEED, STATE):
         apart = max(apart, abs(one[i] - two[i]))
-    return apart <= 4e-15 * two[1]
+    return apart <= 4e-15 * two[SPEED]
 
 
 @inner_jit
 def _repeat(states, k, length, limit):
     """Repeat the engagement that led to handoff k, to the end or the limit; returns the last."""
     for j in range(k + 1, len(states)):
-        for i in range(1, STATE):
+        for i in range(SPEED, STATE):
             states[j, i] = states[k, i]
-        states[j, 0] = states[k, 0] + (j - k) * length
-        if states[j, 0] >= limit:
+        states[j, TIME] = states[k, TIME] + (j - k) * length
+        if states[j, TIME] >= limit:
             return j
     return len(states) - 1
 
 
 @jit(allocates=True)
-def march(scene_tuple, joint, rtol, limit, first, states, numbers, rows, engagement, used):
+def march(scene_tuple, clearance, rtol, limit, first, states, numbers, rows, engagement, used):
     """Follow engagements until `states` is full, a time is passed, or the motion ends.
 
     It also returns, RUNNING, behind an engagement with which it has taken `AT_ONCE` steps.
@@ -89,7 +89,7 @@ def march(scene_tuple, joint, rtol, limit, first, states, numbers, rows, engagem
     Parameters
     ----------
     scene_tuple : as `model.scene.scene_tuple` gives it.
-    joint : centre distance, crank, play, restitution and follower angle of a cell.
+    clearance : Clearance
     rtol : relative error asked for.
     limit : time after which to stop.
     first : number of the engagement that begins with the first of the states.
@@ -103,43 +103,42 @@ def march(scene_tuple, joint, rtol, limit, first, states, numbers, rows, engagem
 
     Returns
     -------
-    code, done, angle, time
+    ending, done, angle, time
         How the last engagement ended, how many were completed, where and when it ended.
     """
     scene = scene_of(scene_tuple)
-    case, memory = case_of(scene, joint[:4], rtol), workspace()
-    count, cell, lost, constant = np.int64(N), cell_of(scene), 0.0, is_constant(scene)
-    code, end, trend, last = np.int64(DONE), states[0, 0], 0.0, np.int64(0)
+    walls, memory = walls_of(scene, clearance, rtol), workspace()
+    cell, lost, constant = cell_of(scene), 0.0, is_constant(scene)
+    ending, end, trend, last = Ending.DONE, states[0, TIME], 0.0, first
     wanted = numbers.size > 0
     for k in range(numbers.size if wanted else len(states) - 1):
-        notes = Notes(rows, used, wanted, used[1] + MOST_STEPS)
+        notes = Notes(rows=rows, used=used, wanted=wanted, limit=used[1] + MOST_STEPS)
         number = numbers[k] if wanted else first + k
         if not constant:
-            case = after(case, number * cell)
-        begin, begun, work = states[k, 0], used[0], memory[0]
+            walls = walls_after(walls, number * cell)
+        begin, begun, work = states[k, TIME], used[0], memory[0]
         # the sign of theta_ddot before is not known behind engagements that are left out
         trend = trend if number == last + 1 else 0.0
-        body, code = pass_one(work, notes, case, states[k], joint[4], limit - begin, trend, count)
-        trend, last = body.trend, number
+        now, ending = pass_one(work, notes, walls, states[k], limit - begin, trend)
+        trend, last = now.trend, number
         if wanted:
             for i in range(begun, min(used[0], rows.size)):
                 rows[i].time += begin
                 engagement[i] = number
             continue
         # Kahan's sum of the times
-        more = body.time - lost
+        more = now.time - lost
         end = begin + more
-        if code != DONE:
-            return code, k, body.theta, end
+        if ending != Ending.DONE:
+            return ending, k, now.theta, end
         lost = (end - begin) - more
-        states[k + 1, 0], states[k + 1, 1], states[k + 1, 2] = end, body.speed, body.phi
-        states[k + 1, 3], states[k + 1, 4] = body.turning, body.wall
+        _write(states[k + 1], end, now)
         if end >= limit:
-            return np.int64(OVER), k + 1, body.theta, end
+            return Ending.OVER, k + 1, now.theta, end
         if constant and _same(states[k], states[k + 1]):
-            done = _repeat(states, k + 1, body.time, limit)
-            over = states[done, 0] >= limit
-            return np.int64(OVER if over else DONE), done, 0.0, states[done, 0]
+            done = _repeat(states, k + 1, now.time, limit)
+            over = states[done, TIME] >= limit
+            return Ending.OVER if over else Ending.DONE, done, 0.0, states[done, TIME]
         if used[1] > AT_ONCE and k + 2 < len(states):
-            return np.int64(RUNNING), k + 1, 0.0, end
-    return code, len(states) - 1, 0.0, end
+            return Ending.RUNNING, k + 1, 0.0, end
+    return ending, len(states) - 1, 0.0, end

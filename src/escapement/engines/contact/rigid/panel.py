@@ -3,12 +3,16 @@
 Twice the kinetic energy, E = (rho + g^2) w, obeys dE/dx = A - B E with `dynamics.law.energy_rates`,
 so that with b = int B it is E = exp(-b) (E_left + int A exp(b)). Time is int dtheta/sqrt(w).
 A panel is halved until what it leaves out is small; see `gauss`.
+
+Where a row of its solution changes its sign, such as s X at a lift-off, a panel is cut: Newton's
+method finds the place, and the panel is solved again up to there.
 """
 
 from typing import NamedTuple
 
 import numpy as np
 
+from escapement.dynamics.codes import Ending
 from escapement.dynamics.law import (
     bend,
     contact,
@@ -35,40 +39,44 @@ from escapement.numerics.gauss import (
 )
 from escapement.numerics.jit import inner_jit
 
-_ROWS = (
-    *("g", "u", "slope", "radius", "bend", "inverse", "pull", "decay", "gain", "b", "energy"),
-    *("w", "slow", "net", "places", "x", "q", "z"),
-)
-G, U, SLOPE, RADIUS, BEND, INVERSE, PULL, DECAY, GAIN, B, ENERGY = _ROWS[:11]
-W, SLOW, NET, PLACES, X, Q, Z = _ROWS[11:]
-"""Rows of the workspace: values at the Gauss points. PLACES are those points, NET the torque that
-accelerates the driver, SLOW is dt/dx and SLOPE the k of `dynamics`. X is s X; Q and Z are the
-torques through lossy trains, positive while the power flows the same way."""
-# fields of a record do not overlap, so that loops over them become vector code
-WORKSPACE = np.dtype([(name, np.float64, N) for name in _ROWS])
-GOES_ON, LIFTS, TURNS_BARREL, TURNS_LOAD, RESTS, STOPS, JAMS = range(7)
-"""How a panel ends: while the contact lasts, at a lift-off, where power in the barrel's train
-or in that of the load turns back, where bodies that nothing drives count as at rest, where the
-driver stops, or where J_s is not positive."""
 SMALLEST = 1e-12
 """A panel of a smaller width [rad] is not halved."""
 _SAME = 1e-9
 """Torque through a train that counts as zero where the pin lifts off, over that of the drive."""
 
 
+_FAILED = Ending.STOPPED, Ending.JAM
+"""Endings of a panel without a solution."""
+
+
 class Panel(NamedTuple):
     """A solved panel.
 
-    code : how it ends. left, width : start and width; width < 0 if the driver turns back.
+    ending : TOUCHES, where the contact goes on, LIFTED, BARREL_TURNED, LOAD_TURNED or RESTED, where
+        it is cut; STOPPED, where the driver stops, or JAM, where J_s is not positive: it has no
+        solution then.
+    left, width : start and width; width < 0 if the driver turns back.
     w, time : squared speed at its end, and duration. tail : estimate of its error.
     """
 
-    code: int
+    ending: Ending
     left: float
     width: float
     w: float
     time: float
     tail: float
+
+
+@inner_jit
+def _unsolved(ending, left, width):
+    """A panel without a solution."""
+    return Panel(ending=ending, left=left, width=width, w=0.0, time=0.0, tail=1.0)
+
+
+@inner_jit
+def has_failed(panel):
+    """Whether a panel has no solution."""
+    return panel.ending in _FAILED
 
 
 @inner_jit
@@ -83,112 +91,113 @@ def law_at(scene, side, theta, w):
 
 
 @inner_jit
-def _kept_at(scene, side, theta, w, code):
+def _kept_at(scene, side, theta, w, ending):
     """s X, a torque through a train, or the energy above that of bodies at rest: what is positive
-    up to a panel's end with this code.
+    up to a panel's end of this kind.
     """
     force, rate, _sound = law_at(scene, side, theta, w)
-    if code == LIFTS:
+    if ending == Ending.LIFTED:
         return force
     g, _u, dg, _radius = pose_at(scene.path, theta)
-    if code == RESTS:
+    if ending == Ending.RESTED:
         return (scene.rho + g * g) * w - scene.rho * REST
     pull = torque_at(theta, scene)[0] - scene.bearing
     q, z = within_flow(g, dragged_slope(g, dg, scene), rate, pull, w, scene)
-    return q if code == TURNS_BARREL else z
+    return q if ending == Ending.BARREL_TURNED else z
 
 
 @inner_jit
-def _sample(work, scene, side, left, half, count):
+def _sample(work, scene, side, left, half):
     """Fill the rows that do not depend on the speed; returns whether J_s is positive throughout."""
-    g, u, k, radius = work[G], work[U], work[SLOPE], work[RADIUS]
-    transmission_on(scene.path, left, half, work[PLACES], count, g, u, k, radius)
+    count, g, u, k, radius = work.count, work.g, work.u, work.k, work.radius
+    transmission_on(scene.path, left, half, work.points, count, g, u, k, radius)
     middle, slope = torque_at(left + half, scene)
     middle, slope, unsound = middle - scene.bearing, slope * half, 0
     for i in range(count & N):
         k[i] = dragged_slope(g[i], k[i], scene)
-        work[BEND][i] = c = bend(g[i], u[i], radius[i], side, scene)
-        work[INVERSE][i] = 1.0 / (scene.rho + g[i] * g[i])
-        work[PULL][i] = middle + slope * work[PLACES][i]
+        work.c[i] = c = bend(g[i], u[i], radius[i], side, scene)
+        work.inverse_inertia[i] = 1.0 / (scene.rho + g[i] * g[i])
+        work.pull[i] = middle + slope * work.points[i]
         unsound += not reduced_inertia(g[i], c, scene) > 0.0
     return unsound == 0
 
 
 @inner_jit
-def _solve_energy(work, scene, half, energy, count):
+def _solve_energy(work, scene, half, energy):
     """Fill E and w from E at the left end, with drag linear about the speeds in w before.
 
     Returns E at the right end.
     """
-    viscous = is_viscous(scene)
+    count, viscous = work.count, is_viscous(scene)
     for i in range(count & N):
-        root = np.sqrt(max(work[W][i], 1e-300)) if viscous else 0.0
-        c, k, pull, inverse = work[BEND][i], work[SLOPE][i], work[PULL][i], work[INVERSE][i]
-        rates = energy_rates(work[G][i], c, k, pull, inverse, half, root, scene)
-        work[GAIN][i], work[DECAY][i] = rates[0], rates[1]
-    cumulate(work[DECAY], work[B])
-    fill_decay(work[B], work[SLOW], work[GAIN], count)
-    cumulate(work[GAIN], work[ENERGY])
+        root = np.sqrt(max(work.w[i], 1e-300)) if viscous else 0.0
+        c, k, pull, inverse = work.c[i], work.k[i], work.pull[i], work.inverse_inertia[i]
+        rates = energy_rates(work.g[i], c, k, pull, inverse, half, root, scene)
+        work.gain[i], work.decay[i] = rates[0], rates[1]
+    cumulate(work.decay, work.exponent)
+    fill_decay(work.exponent, work.alpha, work.gain, count)
+    cumulate(work.gain, work.energy)
     for i in range(count & N):
-        work[ENERGY][i] = work[SLOW][i] * (energy + work[ENERGY][i])
-        work[W][i] = work[ENERGY][i] * work[INVERSE][i]
-    return np.exp(-integral(work[DECAY], count)) * (energy + integral(work[GAIN], count))
+        work.energy[i] = work.alpha[i] * (energy + work.energy[i])
+        work.w[i] = work.energy[i] * work.inverse_inertia[i]
+    return np.exp(-integral(work.decay, count)) * (energy + integral(work.gain, count))
 
 
 @inner_jit
-def solve_panel(work, scene, side, left, width, w, count):
+def solve_panel(work, scene, side, left, width, w):
     """Solve a panel from the squared speed `w` at its start; `work` then holds the solution."""
-    half = 0.5 * width
-    if not _sample(work, scene, side, left, half, count):
-        return Panel(JAMS, left, width, 0.0, 0.0, 1.0)
+    count, half = work.count, 0.5 * width
+    if not _sample(work, scene, side, left, half):
+        return _unsolved(Ending.JAM, left, width)
     ratio, right = pose_at(scene.path, left)[0], pose_at(scene.path, left + width)[0]
     energy = (scene.rho + ratio * ratio) * w
     viscous, change, at_end = is_viscous(scene), 1.0, 0.0
     for i in range(count & N):
-        work[W][i] = energy * work[INVERSE][i]
+        work.w[i] = energy * work.inverse_inertia[i]
     for _ in range(30):
         for i in range(count & N):
-            work[X][i] = work[W][i]
-        at_end = _solve_energy(work, scene, half, energy, count)
+            work.w_before[i] = work.w[i]
+        at_end = _solve_energy(work, scene, half, energy)
         if not viscous:
             break
         change = 0.0
         for i in range(N):
-            value = work[W][i]
-            change = max(change, abs(value - work[X][i]) / max(value, 1e-300))
+            value = work.w[i]
+            change = max(change, abs(value - work.w_before[i]) / max(value, 1e-300))
         # where the driver stops, drag that is linear about its speed would grow without bound
         if not change < 1e6:
-            return Panel(STOPS, left, width, 0.0, 0.0, 1.0)
+            return _unsolved(Ending.STOPPED, left, width)
         # Newton's method squares the error, so the next change would be below rounding
         if change <= 1e-7:
             break
     at_end /= scene.rho + right * right
     slowest, greatest = at_end, energy
     for i in range(N):
-        slowest, greatest = min(slowest, work[W][i]), max(greatest, work[ENERGY][i])
+        slowest, greatest = min(slowest, work.w[i]), max(greatest, work.energy[i])
     if not slowest > 0.0:
-        return Panel(STOPS, left, width, 0.0, 0.0, 1.0)
+        return _unsolved(Ending.STOPPED, left, width)
     for i in range(count & N):
-        g, k, pull, speed = work[G][i], work[SLOPE][i], work[PULL][i], work[W][i]
-        root = root_of(speed, scene)
-        work[SLOW][i] = half / np.sqrt(speed)
-        work[X][i] = side * contact(g, k, pull, speed, root, scene)
-        work[NET][i] = net_torque(g, work[BEND][i], k, pull, speed, root, scene)
+        g, k, pull, squared = work.g[i], work.k[i], work.pull[i], work.w[i]
+        root = root_of(squared, scene)
+        work.slowness[i] = half / np.sqrt(squared)
+        work.force[i] = side * contact(g, k, pull, squared, root, scene)
+        work.net_torque[i] = net_torque(g, work.c[i], k, pull, squared, root, scene)
     if scene.flow != UNKNOWN:
         _fill_flow(work, scene)
-    tail = tail_of(work[ENERGY], count) / greatest
-    tail = max(tail, tail_of(work[SLOW], count) * np.sqrt(slowest) / abs(half))
-    tail = max(tail, tail_of(work[INVERSE], count) * scene.rho)
-    return Panel(GOES_ON, left, width, at_end, abs(integral(work[SLOW], count)), tail)
+    tail = tail_of(work.energy, count) / greatest
+    tail = max(tail, tail_of(work.slowness, count) * np.sqrt(slowest) / abs(half))
+    tail = max(tail, tail_of(work.inverse_inertia, count) * scene.rho)
+    time = abs(integral(work.slowness, count))
+    return Panel(ending=Ending.TOUCHES, left=left, width=width, w=at_end, time=time, tail=tail)
 
 
 @inner_jit
 def _fill_flow(work, scene):
     """Fill the rows of the torques through lossy trains."""
     for i in range(N):
-        g, k, pull, w = work[G][i], work[SLOPE][i], work[PULL][i], work[W][i]
-        rate = work[NET][i] / reduced_inertia(g, work[BEND][i], scene)
-        work[Q][i], work[Z][i] = within_flow(g, k, rate, pull, w, scene)
+        g, k, pull, w = work.g[i], work.k[i], work.pull[i], work.w[i]
+        rate = work.net_torque[i] / reduced_inertia(g, work.c[i], scene)
+        work.barrel_torque[i], work.load_torque[i] = within_flow(g, k, rate, pull, w, scene)
 
 
 @inner_jit
@@ -198,7 +207,7 @@ def width_after(found, tail):
 
 
 @inner_jit
-def next_panel(work, scene, side, theta, w, width, limit, tail, lifts, count):
+def next_panel(work, scene, side, theta, w, width, limit, tail, lifts):
     """Solve the panel from a driver angle towards a limit, as wide as its `tail` may be.
 
     `width` is the width to try first, infinite where none is known. With `lifts` the panel ends
@@ -209,46 +218,48 @@ def next_panel(work, scene, side, theta, w, width, limit, tail, lifts, count):
         width = span
     elif abs(width) > 0.5 * abs(span):
         width = 0.5 * span
-    found = solve_panel(work, scene, side, theta, width, w, count)
+    found = solve_panel(work, scene, side, theta, width, w)
     # a tail that is NaN counts as large
-    while found.code != GOES_ON or not found.tail <= tail:
+    while has_failed(found) or not found.tail <= tail:
         if abs(width) < SMALLEST:
             break
         width *= 0.5
-        found = solve_panel(work, scene, side, theta, width, w, count)
-    if found.code != GOES_ON:
+        found = solve_panel(work, scene, side, theta, width, w)
+    if has_failed(found):
         return found
     if lifts:
-        found = _ended(work, scene, side, found, w, work[X], LIFTS, count)
+        found = _cut(work, scene, side, found, w, work.force, Ending.LIFTED)
     # without inertia behind it the power of a train keeps its direction
     if scene.flow != UNKNOWN and scene.barrel > 0.0 and scene.barrel_efficiency != 1.0:
-        found = _ended(work, scene, side, found, w, work[Q], TURNS_BARREL, count)
+        turned = Ending.BARREL_TURNED
+        found = _cut(work, scene, side, found, w, work.barrel_torque, turned)
     if scene.flow != UNKNOWN and scene.load_train > 0.0 and scene.load_train_efficiency != 1.0:
-        found = _ended(work, scene, side, found, w, work[Z], TURNS_LOAD, count)
+        turned = Ending.LOAD_TURNED
+        found = _cut(work, scene, side, found, w, work.load_torque, turned)
     return found
 
 
 @inner_jit
-def slowed(work, scene, side, panel, w, count):
+def slowed(work, scene, side, panel, w):
     """The panel, or its part up to where viscous drag alone has slowed the bodies to rest."""
     for i in range(N):
-        work[Q][i] = work[ENERGY][i] - scene.rho * REST
-    return _ended(work, scene, side, panel, w, work[Q], RESTS, count)
+        work.above_rest[i] = work.energy[i] - scene.rho * REST
+    return _cut(work, scene, side, panel, w, work.above_rest, Ending.RESTED)
 
 
 @inner_jit
 def flow_behind(panel, flow, ends):
     """The flow of power behind a panel in a flow; unknown where the panel `ends` at a break."""
-    if panel.code == TURNS_BARREL:
+    if panel.ending == Ending.BARREL_TURNED:
         return flow + (1.0 if flow == 0.0 or flow == 2.0 else -1.0)
-    if panel.code == TURNS_LOAD:
+    if panel.ending == Ending.LOAD_TURNED:
         return flow + (2.0 if flow < 2.0 else -2.0)
     return UNKNOWN if ends else flow
 
 
 @inner_jit
 def _first_change(values, at_end):
-    """Places between which a row first becomes zero; they are equal where it stays positive."""
+    """Points x between which a row first becomes zero; they are equal where it stays positive."""
     low = -1.0
     for i in range(N):
         if not values[i] > 0.0:
@@ -260,41 +271,43 @@ def _first_change(values, at_end):
 @inner_jit
 def _first_dip(work, values):
     """As `_first_change`, of a row that is positive at all points but may not be between two."""
-    to_powers(values, work[B])
+    to_powers(values, work.series)
     for k in range(N):
-        work[DECAY][k] = (k + 1) * work[B][k + 1] if k + 1 < N else 0.0
+        work.series_slope[k] = (k + 1) * work.series[k + 1] if k + 1 < N else 0.0
     for i in range(1, N - 1):
         if values[i] <= values[i - 1] and values[i] <= values[i + 1]:
             low, high = POINTS[i - 1], POINTS[i + 1]
-            least = root_between(work[DECAY], POINTS[i], low, high, True)[0]
-            if series_at(work[B], least) < 0.0:
+            least = root_between(work.series_slope, POINTS[i], low, high, True)[0]
+            if series_at(work.series, least) < 0.0:
                 return (low if least < POINTS[i] else POINTS[i]), least
     return 1.0, 1.0
 
 
 @inner_jit
-def _ended(work, scene, side, panel, w, values, code, count):
-    """The panel, or its part up to where a row first becomes zero, which ends with a code."""
-    if panel.code >= STOPS:
+def _cut(work, scene, side, panel, w, values, ending):
+    """The panel, or its part up to where a row first becomes zero, which then has this ending."""
+    if has_failed(panel):
         return panel
     theta, width, found = panel.left, panel.width, panel
-    at_end = _kept_at(scene, side, theta + width, panel.w, code)
+    at_end = _kept_at(scene, side, theta + width, panel.w, ending)
     # without a load the force and the power of its train become zero at the same place
-    at_end += _SAME if panel.code == LIFTS else 0.0
+    at_end += _SAME if panel.ending == Ending.LIFTED else 0.0
     low, high = _first_change(values, at_end)
-    if low == high and code != LIFTS:
+    if low == high and ending != Ending.LIFTED:
         low, high = _first_dip(work, values)
     if low == high:
         return panel
-    to_powers(values, work[B])
-    x, slope = root_between(work[B], 0.5 * (low + high), low, high, False)
+    to_powers(values, work.series)
+    x, slope = root_between(work.series, 0.5 * (low + high), low, high, False)
     slope *= 2.0 / width
     width *= 0.5 * (1.0 + x)
     for _ in range(8):
-        found = solve_panel(work, scene, side, theta, width, w, count)
-        more = -_kept_at(scene, side, theta + width, found.w, code) / slope
+        found = solve_panel(work, scene, side, theta, width, w)
+        more = -_kept_at(scene, side, theta + width, found.w, ending) / slope
         # the motion itself depends on the lift-off by the cube of its error
-        if found.code != GOES_ON or not abs(more) > 1e-11 or abs(more) > 0.1 * abs(width):
+        if has_failed(found) or not abs(more) > 1e-11 or abs(more) > 0.1 * abs(width):
             break
         width += more
-    return Panel(code, theta, width, found.w, found.time, found.tail)
+    return Panel(
+        ending=ending, left=theta, width=width, w=found.w, time=found.time, tail=found.tail
+    )

@@ -6,24 +6,12 @@ import numpy as np
 
 from escapement.base.status import MESSAGES, Status
 from escapement.base.validate import fail
+from escapement.dynamics.codes import Ending
 from escapement.dynamics.motion import Motion, no_motion, stall_message
 from escapement.dynamics.painleve import friction_limits
 from escapement.dynamics.torque import is_spent
-from escapement.engines.contact.rigid.engagement import (
-    BACKS_OUT,
-    DONE,
-    JAM,
-    MOST_PIECES,
-    MOST_STEPS,
-    OVER,
-    RESTLESS,
-    RUNNING,
-    SPENT,
-    STALL,
-    TOO_LONG,
-    UNDRIVEN,
-)
-from escapement.engines.contact.rigid.march import STATE, march
+from escapement.engines.contact.rigid.engagement import MOST_PIECES, MOST_STEPS
+from escapement.engines.contact.rigid.march import PHI, SPEED, STATE, TIME, march
 from escapement.engines.contact.rigid.trajectory import (
     NO_NUMBERS,
     NO_ROWS,
@@ -36,25 +24,27 @@ from escapement.model.escapement import Escapement
 MOST_OVERALL, MOST_EACH = 2_000_000, 1000
 """Steps of a motion, and additional ones for each of its engagements. A usual engagement takes
 ten to fifty; a million take some seconds."""
-_STOPS = {STALL: Status.STALL, SPENT: Status.SPENT}
+_STOPS = {Ending.STALL: Status.STALL, Ending.SPENT: Status.SPENT}
 _REASONS = {
-    JAM: "the pin jams {}: rigid bodies have no motion there; give a stiffness",
-    BACKS_OUT: "a blow drives the driver back out of the slot {}; give a smaller clearance",
-    RESTLESS: f"the pin strikes more than {MOST_PIECES} times in one engagement, so far {{}}; give "
-    "a smaller restitution",
-    TOO_LONG: f"the motion was followed {{}}, where {MOST_STEPS} steps of one engagement, or those "
-    "of the whole motion, were used up",
+    Ending.JAM: "the pin jams {}: rigid bodies have no motion there; give a stiffness",
+    Ending.BACKS_OUT: "a blow drives the driver back out of the slot {}; give a smaller clearance",
+    Ending.RESTLESS: f"the pin strikes more than {MOST_PIECES} times in one engagement, so far "
+    "{}; give a smaller restitution",
+    Ending.TOO_LONG: f"the motion was followed {{}}, where {MOST_STEPS} steps of one engagement, "
+    "or those of the whole motion, were used up",
 }
 
 
-def outcome(escapement: Escapement, code: int, angle: float, engagement: int) -> tuple[Status, str]:
+def outcome(
+    escapement: Escapement, ending: Ending, angle: float, engagement: int
+) -> tuple[Status, str]:
     """Status and message of a motion that ends in an engagement, counted from 0."""
-    if code in (DONE, OVER):
+    if ending in (Ending.DONE, Ending.OVER):
         return Status.OK, MESSAGES[Status.OK]
-    if code in _STOPS:
-        return _STOPS[code], stall_message(angle, engagement, _STOPS[code])
+    if ending in _STOPS:
+        return _STOPS[ending], stall_message(angle, engagement, _STOPS[ending])
     place = f"{math.degrees(angle):.3f} degrees from dead centre of engagement {engagement + 1}"
-    if code == UNDRIVEN:
+    if ending == Ending.UNDRIVEN:
         turned = engagement * escapement.mechanism.cell_angle
         spent = is_spent(angle, escapement.scene._replace(turned=turned))
         status = Status.SPENT if spent else Status.STALL
@@ -62,14 +52,15 @@ def outcome(escapement: Escapement, code: int, angle: float, engagement: int) ->
             "the spring is spent" if spent else "the drive does not exceed the bearing's torque"
         )
         return status, f"a blow turns the driver back out of the slot {place}, and {reason}"
-    status = Status.PAINLEVE if code == JAM else Status.NOT_CONVERGED
-    return status, _REASONS[code].format(place)
+    status = Status.PAINLEVE if ending == Ending.JAM else Status.NOT_CONVERGED
+    return status, _REASONS[ending].format(place)
 
 
 def first_state(escapement: Escapement, initial_speed: float) -> FloatArray:
     """The state at the start: the follower at rest, the pin in the middle of the slot."""
-    speed, phi = initial_speed * escapement.time_unit, prepared(escapement)[2]
-    return np.array([0.0, speed, phi, 0.0, 0.0])
+    state = np.zeros(STATE)
+    state[SPEED], state[PHI] = initial_speed * escapement.time_unit, prepared(escapement)[2]
+    return state
 
 
 def simulate(
@@ -93,22 +84,22 @@ def simulate(
 
 def march_from(
     escapement: Escapement, start: FloatArray, count: int, rtol: float, horizon: float = math.inf
-) -> tuple[int, FloatArray, float, float]:
+) -> tuple[Ending, FloatArray, float, float]:
     """Follow engagements from a state; returns why they end, the states at handoffs, and the last
     angle and time.
     """
-    scene, joint, _entry = prepared(escapement)
+    scene, clearance, _entry = prepared(escapement)
     states, done, steps = np.empty((count + 1, STATE)), 0, 0
     states[0] = start
     while True:
         used = np.zeros(2, np.int64)
-        inputs = scene, joint, rtol, horizon, done, states[done:]
-        code, more, angle, end = march(*inputs, NO_NUMBERS, NO_ROWS, NO_NUMBERS, used)
+        inputs = scene, clearance, rtol, horizon, done, states[done:]
+        ending, more, angle, end = march(*inputs, NO_NUMBERS, NO_ROWS, NO_NUMBERS, used)
         done, steps = done + more, steps + int(used[1])
-        if code == RUNNING and steps > MOST_OVERALL + MOST_EACH * done:
-            code, angle = TOO_LONG, float(escapement.scene.edges[0])
-        if code != RUNNING:
-            return code, states[: done + 1], angle, end
+        if ending == Ending.RUNNING and steps > MOST_OVERALL + MOST_EACH * done:
+            ending, angle = Ending.TOO_LONG, float(escapement.scene.edges[0])
+        if ending != Ending.RUNNING:
+            return ending, states[: done + 1], angle, end
 
 
 def motion_from(
@@ -123,18 +114,28 @@ def motion_from(
     clock = escapement.time_unit
     horizon, size = math.inf if duration is None else duration / clock, engagements or 64
     while True:
-        code, states, angle, end = march_from(escapement, start, size, rtol, horizon)
-        if code != DONE or duration is None:
+        ending, states, angle, end = march_from(escapement, start, size, rtol, horizon)
+        if ending != Ending.DONE or duration is None:
             break
         if size >= longest:
             rule = f"at most {end * clock:.6g} s, in which {longest} engagements pass"
             raise fail("duration", rule, duration, "the figures of merit need no long motion")
         size = min(8 * size, longest)
-    status, message = outcome(escapement, code, angle, len(states) - 1)
-    end_time, times = float(end * clock), states[1:, 0] * clock
+    status, message = outcome(escapement, ending, angle, len(states) - 1)
+    end_time, times = float(end * clock), states[1:, TIME] * clock
     if duration is not None and (status is Status.OK or end_time >= duration):
         status, message, end_time = Status.OK, MESSAGES[Status.OK], duration
         times = times[times <= duration]
-    speeds = states[1 : times.size + 1, 1] / clock
+    speeds = states[1 : times.size + 1, SPEED] / clock
     trajectory = RigidTrajectory(escapement, rtol, states, end_time)
-    return Motion(escapement, "contact", rtol, trajectory, end_time, times, speeds, status, message)
+    return Motion(
+        escapement,
+        engine="contact",
+        rtol=rtol,
+        trajectory=trajectory,
+        end_time=end_time,
+        handoff_times=times,
+        handoff_velocities=speeds,
+        status=status,
+        message=message,
+    )

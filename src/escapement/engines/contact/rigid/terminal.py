@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from escapement.base.status import Status
+from escapement.dynamics.codes import Ending
 from escapement.dynamics.figures_of_merit import (
     Figures,
     fall_times,
@@ -19,7 +20,7 @@ from escapement.dynamics.figures_of_merit import (
     transient_length,
 )
 from escapement.dynamics.merit_table import TRANSIENT
-from escapement.engines.contact.rigid.engagement import DONE
+from escapement.engines.contact.rigid.march import SPEED, TIME, TURNING, WALL
 from escapement.engines.contact.rigid.simulate import (
     first_state,
     march_from,
@@ -44,8 +45,8 @@ def terminal(
     """Figures of merit with clearance; see `escapement.terminal`."""
     state = first_state(escapement, initial_speed)
     for _ in range(_ROUNDS):
-        code, states, _angle, _end = march_from(escapement, state, _STEPS, rtol)
-        if code != DONE:
+        ending, states, _angle, _end = march_from(escapement, state, _STEPS, rtol)
+        if ending != Ending.DONE:
             # an extrapolated speed may be one that the motion itself never has
             return _followed(escapement, base, initial_speed, rtol)
         if _repeats(states, rtol):
@@ -56,35 +57,36 @@ def terminal(
 
 def _repeats(states: FloatArray, rtol: float) -> bool:
     """Whether the last two of these states are the same, and the ones before them nearly."""
-    changes = np.abs(np.diff(states[-3:, 1:4], axis=0)) / np.abs(states[-1, 1:4]).max()
+    moving = slice(SPEED, WALL)
+    changes = np.abs(np.diff(states[-3:, moving], axis=0)) / np.abs(states[-1, moving]).max()
     return bool(changes.max() <= max(1e-3 * rtol, 1e-14))
 
 
 def _extrapolated(states: FloatArray) -> FloatArray:
     """The state to which the last ones tend, as a geometric series."""
-    speed, before, last = states[-3:, 1]
+    speed, before, last = states[-3:, SPEED]
     one, two = before - speed, last - before
     state = np.array(states[-1])
     ratio = two / one if one != 0.0 else 0.0
     if abs(ratio) < 0.999 and abs(two) > 1e-15 * last:
         to = max(last + two * ratio / (1.0 - ratio), 0.5 * last)
         # while the pin touches a wall, the follower's speed is proportional to the driver's
-        state[1], state[3] = to, state[3] * to / last
-    state[0] = 0.0
+        state[SPEED], state[TURNING] = to, state[TURNING] * to / last
+    state[TIME] = 0.0
     return state
 
 
 def _followed(escapement: Escapement, base: Figures, initial_speed: float, rtol: float) -> Figures:
     """The figures if no state repeats: those of a motion that ends, or of many engagements."""
     start = first_state(escapement, initial_speed)
-    code, states, angle, _end = march_from(escapement, start, _MANY, rtol)
-    if code != DONE:
-        status, message = outcome(escapement, code, angle, len(states) - 1)
+    ending, states, angle, _end = march_from(escapement, start, _MANY, rtol)
+    if ending != Ending.DONE:
+        status, message = outcome(escapement, ending, angle, len(states) - 1)
         return replace(base, status=status, message=message)
     if _repeats(states, rtol):
         return _figures(escapement, base, states[-1], initial_speed, rtol)
     clock = escapement.time_unit
-    periods, speeds = np.diff(states[-_KEPT - 1 :, 0]) * clock, states[-_KEPT:, 1] / clock
+    periods, speeds = np.diff(states[-_KEPT - 1 :, TIME]) * clock, states[-_KEPT:, SPEED] / clock
     period = float(periods.mean())
     spread = float(np.ptp(periods) / period)
     if spread <= _ALIKE:
@@ -102,7 +104,8 @@ def _figures(
     escapement: Escapement, base: Figures, state: FloatArray, initial_speed: float, rtol: float
 ) -> Figures:
     """Figures of the engagement that begins with a state and leads back to it."""
-    state = np.append(0.0, state[1:])
+    state = state.copy()
+    state[TIME] = 0.0
     cycle = motion_from(escapement, state, 1, None, rtol)
     figures = replace(read_cycle(cycle, base), contraction=_contraction(escapement, state, rtol))
     start = initial_speed / figures.handoff_velocity
@@ -126,7 +129,8 @@ def _contraction(escapement: Escapement, state: FloatArray, rtol: float) -> floa
     """dw_out/dw_in of an engagement, by a central difference."""
     ends = []
     for share in (1.0 - 1e-5, 1.0 + 1e-5):
-        changed = state * np.array([1.0, share, 1.0, share, 1.0])
-        code, states, _angle, _end = march_from(escapement, changed, 1, rtol)
-        ends.append(states[-1, 1] ** 2 if code == DONE else np.nan)
-    return float((ends[1] - ends[0]) / (4e-5 * state[1] ** 2))
+        changed = state.copy()
+        changed[[SPEED, TURNING]] *= share
+        ending, states, _angle, _end = march_from(escapement, changed, 1, rtol)
+        ends.append(states[-1, SPEED] ** 2 if ending == Ending.DONE else np.nan)
+    return float((ends[1] - ends[0]) / (4e-5 * state[SPEED] ** 2))

@@ -6,21 +6,15 @@ from typing import Any
 
 import numpy as np
 
+from escapement.dynamics.codes import EXTREMA, PIECES, Event
 from escapement.dynamics.motion import State
 from escapement.dynamics.trajectory import Events, Extrema, Impacts, Trajectory
-from escapement.engines.contact.rigid.engagement import (
-    BLOW,
-    EXTREMUM,
-    FLIGHT,
-    LIFT,
-    LOCKED,
-    ROW,
-    SLIDE,
-    WALL,
-)
-from escapement.engines.contact.rigid.march import march
-from escapement.engines.contact.rigid.trace import LOST, TABLE, trace
+from escapement.engines.contact.rigid.march import TIME, march
+from escapement.engines.contact.rigid.notes import ROW
+from escapement.engines.contact.rigid.trace import LOST, trace
+from escapement.engines.contact.rigid.walls import Clearance
 from escapement.engines.contact.state import state_from
+from escapement.engines.contact.state_rows import STATE_ROWS, StateRow
 from escapement.mechanisms.protocol import FloatArray
 from escapement.model.escapement import Escapement
 from escapement.model.scene import scene_tuple
@@ -33,19 +27,24 @@ _KEPT = 512
 NO_ROWS, NO_NUMBERS = np.empty(0, ROW), np.empty(0, np.int64)
 
 
-def prepared(escapement: Escapement) -> tuple[tuple[Any, ...], FloatArray, float]:
-    """Scene and joint as `march.march` takes them, and the follower angle of a pin at its entry.
+def prepared(escapement: Escapement) -> tuple[tuple[Any, ...], Clearance, float]:
+    """Scene and clearance as `march.march` takes them, and the follower angle at the pin entry.
 
     They are kept on the escapement, so that its next call does not compute them again.
     """
     kept = escapement.kept
     if _KEY not in kept:
         wheel: Any = escapement.mechanism
-        joint, crank = escapement.joint, 1.0 if wheel.internal else -1.0
-        numbers = (wheel.centre_distance, crank, joint.play, joint.restitution, wheel.follower_step)
+        clearance = Clearance(
+            centre=float(wheel.centre_distance),
+            crank=1.0 if wheel.internal else -1.0,
+            half_clearance=float(escapement.joint.half_clearance),
+            restitution=float(escapement.joint.restitution),
+            step=float(wheel.follower_step),
+        )
         entry = float(wheel.follower_angle(np.array(wheel.breaks[:1]))[0])
-        kept[_KEY] = scene_tuple(escapement.scene), np.array(numbers), entry
-    result: tuple[tuple[Any, ...], FloatArray, float] = kept[_KEY]
+        kept[_KEY] = scene_tuple(escapement.scene), clearance, entry
+    result: tuple[tuple[Any, ...], Clearance, float] = kept[_KEY]
     return result
 
 
@@ -71,14 +70,14 @@ class RigidTrajectory(Trajectory):
             return np.asarray(self.numbers)
         # a motion that ends at a handoff has no part of the next engagement
         last = self.end_time / self.escapement.time_unit * (1.0 - 1e-14)
-        return np.arange(max(int(np.searchsorted(self.begun[:, 0], last)), 1))
+        return np.arange(max(int(np.searchsorted(self.begun[:, TIME], last)), 1))
 
     def around(self, t: FloatArray) -> "RigidTrajectory":
         """A trajectory of only the engagements that contain these times [s]."""
         # a short motion is kept as a whole, so that its next states are there at once
         if self._numbers.size <= _KEPT:
             return self
-        starts = self.begun[self._numbers, 0] * self.escapement.time_unit
+        starts = self.begun[self._numbers, TIME] * self.escapement.time_unit
         held = np.unique(np.searchsorted(starts, t, side="right") - 1)
         return replace(self, numbers=held) if held.size else self
 
@@ -111,14 +110,14 @@ class RigidTrajectory(Trajectory):
         rows, engagement = rows[: used[0]], engagement[: used[0]]
         end = self.end_time / self.escapement.time_unit
         # no rounding may put an event into the next engagement
-        rows["time"] = np.minimum(rows["time"], np.append(self.begun[1:, 0], np.inf)[engagement])
+        rows["time"] = np.minimum(rows["time"], np.append(self.begun[1:, TIME], np.inf)[engagement])
         kept = (rows["time"] <= end) & np.isin(engagement, wanted)
         return rows[kept], engagement[kept]
 
-    def _events(self, kind: int) -> tuple[dict[str, Any], np.ndarray]:
-        """Columns of `Events` by name for the rows of a kind, and the rows."""
+    def _events(self, *kinds: Event) -> tuple[dict[str, Any], np.ndarray]:
+        """Columns of `Events` by name for the rows of some kinds, and the rows."""
         rows, engagement = self._happened
-        chosen = rows["kind"] == kind
+        chosen = np.isin(rows["kind"], kinds)
         rows, engagement, clock = rows[chosen], engagement[chosen], self.escapement.time_unit
         theta = rows["theta"] + engagement * self.escapement.mechanism.cell_angle
         columns = {"engagement": engagement, "time": rows["time"] * clock, "theta": theta}
@@ -127,7 +126,7 @@ class RigidTrajectory(Trajectory):
     @cached_property
     def _pieces(self) -> tuple[np.ndarray, np.ndarray]:
         rows, engagement = self._happened
-        chosen = np.isin(rows["kind"], (FLIGHT, WALL, LOCKED))
+        chosen = np.isin(rows["kind"], PIECES)
         return rows[chosen], engagement[chosen]
 
     @cached_property
@@ -144,28 +143,28 @@ class RigidTrajectory(Trajectory):
     def sign(self) -> FloatArray:
         """The wall that the pin touches in each piece, 0 in flights and dwells."""
         rows = self._pieces[0]
-        return np.where(rows["kind"] == WALL, rows["wall"], 0.0)
+        return np.where(rows["kind"] == Event.CONTACT, rows["wall"], 0.0)
 
     @cached_property
     def reversals(self) -> Events:
         """Every instant at which the pin lifts off a wall, because the force becomes zero."""
-        return Events(**self._events(LIFT)[0])
+        return Events(**self._events(Event.LIFT_OFF)[0])
 
     @cached_property
     def slide_changes(self) -> Events:
         """Every instant at which the contact point changes its sense of sliding on a wall."""
-        return Events(**self._events(SLIDE)[0])
+        return Events(**self._events(Event.SLIDE_CHANGE)[0])
 
     @cached_property
     def extrema(self) -> Extrema:
         """Every extremum of the driver speed."""
-        columns, rows = self._events(EXTREMUM)
-        return Extrema(**columns, maximum=rows["before"] > 0.0)
+        columns, rows = self._events(*EXTREMA)
+        return Extrema(**columns, maximum=rows["kind"] == Event.MAXIMUM)
 
     @cached_property
     def impacts(self) -> Impacts:
         """Every blow."""
-        columns, rows = self._events(BLOW)
+        columns, rows = self._events(Event.BLOW)
         own, wheel = self.escapement, self.escapement.mechanism
         length, clock, torque = wheel.crank_radius, own.time_unit, own.torque_unit
         return Impacts(
@@ -184,14 +183,14 @@ class RigidTrajectory(Trajectory):
         pieces, engagement = self._pieces
         end = self.end_time / self.escapement.time_unit
         # the last piece of an engagement lasts until the next engagement
-        after = np.append(self.begun[1:, 0], end)[engagement]
+        after = np.append(self.begun[1:, TIME], end)[engagement]
         follows = np.append(np.diff(engagement) == 0, False)
         until = np.where(follows, np.append(pieces["time"][1:], end), np.minimum(after, end))
         lengths = (until - pieces["time"])[which]
-        out, lost = np.empty((TABLE, times.size)), np.zeros((which.size, LOST))
+        states, lost = np.empty((STATE_ROWS, times.size)), np.zeros((which.size, LOST))
         chosen = pieces[which], engagement[which], lengths
-        trace(*self._inputs, *chosen, firsts, times, out, lost)
-        return out, lost
+        trace(*self._inputs, *chosen, firsts, times, states, lost)
+        return states, lost
 
     @cached_property
     def _work(self) -> FloatArray:
@@ -221,9 +220,9 @@ class RigidTrajectory(Trajectory):
         rows, engagement = self._pieces
         since = np.maximum(times / self.escapement.time_unit - rows["time"][owners], 0.0)[order]
         which, firsts = np.unique(owners[order], return_index=True)
-        table = np.empty((TABLE, times.size))
+        table = np.empty((STATE_ROWS, times.size))
         table[:, order] = self._traced(which, np.append(firsts, times.size), since)[0]
         mechanism = self.escapement.mechanism
-        table[0] += engagement[owners] * mechanism.cell_angle
-        table[3] += engagement[owners] * mechanism.follower_step
+        table[StateRow.THETA] += engagement[owners] * mechanism.cell_angle
+        table[StateRow.PHI] += engagement[owners] * mechanism.follower_step
         return state_from(self.escapement, t, table)

@@ -4,54 +4,105 @@ from typing import NamedTuple
 
 import numpy as np
 
+from escapement.dynamics.scenes import scene_with
 from escapement.dynamics.torque import last_knot, next_knot
 from escapement.dynamics.train_losses import UNKNOWN, flowing, in_flow
-from escapement.mechanisms.path import Path
+from escapement.mechanisms.path import OFFSET, Path
 from escapement.mechanisms.slotted import pose_at, slide_change
 from escapement.model.scene import Scene
 from escapement.numerics.jit import inner_jit
 from escapement.numerics.roots import newton_in_bracket
 
 
-class Case(NamedTuple):
-    """The numbers of an escapement that the kernels of this engine need.
+class Clearance(NamedTuple):
+    """Numbers of a wheel with clearance, which `march.march` takes; lengths in crank radii.
+
+    centre : distance of the axes. crank : +1 for an internal wheel, else -1: the pin is at
+        (centre + crank cos(theta), sin(theta)).
+    half_clearance : half the difference between the width of the slot and the diameter of the pin.
+    restitution : impulse of rebound over that of compression.
+    step : angle by which the follower turns from pin to pin [rad].
+    """
+
+    centre: float
+    crank: float
+    half_clearance: float
+    restitution: float
+    step: float
+
+
+class Breaks(NamedTuple):
+    """Driver angles at which the law of contact with a wall is not smooth; NaN for none.
+
+    slide_change : there the contact point changes its sense of sliding.
+    first_standstill, last_standstill : there the follower, and with it its losses, change their
+        sense, behind the entry and before the exit.
+    """
+
+    slide_change: float
+    first_standstill: float
+    last_standstill: float
+
+
+class Walls(NamedTuple):
+    """Both walls of the slots of an escapement.
 
     plus, minus : scenes of contact with either wall, whose paths have the offset of the wall.
-    breaks : driver angles at which the law of each wall is not smooth, shape (2, k).
-    centre, crank : centre distance in crank radii, and +1 for an internal wheel, else -1: the
-        pin is at (centre + crank cos(theta), sin(theta)).
-    play, restitution : of the joint.
+    plus_breaks, minus_breaks : breaks of either wall.
+    clearance : the numbers of the wheel.
     rtol : relative error asked for.
     """
 
     plus: Scene
     minus: Scene
-    breaks: np.ndarray
-    centre: float
-    crank: float
-    play: float
-    restitution: float
+    plus_breaks: Breaks
+    minus_breaks: Breaks
+    clearance: Clearance
     rtol: float
 
 
+@inner_jit
+def wall_of(walls, side):
+    """The scene of contact with the wall s = `side`."""
+    return walls.plus if side > 0.0 else walls.minus
+
+
+@inner_jit
+def breaks_of(walls, side):
+    """The breaks of the wall s = `side`."""
+    return walls.plus_breaks if side > 0.0 else walls.minus_breaks
+
+
 @inner_jit(allocates=True)
-def case_of(scene, joint, rtol):
-    """A case; `joint` holds the centre distance, the crank, the play and the restitution."""
-    centre, crank, play, restitution = joint
-    one, two = scene.path.numbers.copy(), scene.path.numbers.copy()
-    one[10], two[10] = play, -play
-    plus = Scene(Path(scene.path.table, one), *scene[1:])
-    minus = Scene(Path(scene.path.table, two), *scene[1:])
-    breaks = np.empty((2, 3))
-    # where the follower changes its sense, its losses change their sign
+def walls_of(scene, clearance, rtol):
+    """The walls of an escapement with the scene of a pin that fits its slot."""
+    plus = scene_with(scene, path=_beside(scene.path, clearance.half_clearance))
+    minus = scene_with(scene, path=_beside(scene.path, -clearance.half_clearance))
+    return Walls(
+        plus=plus, minus=minus, plus_breaks=_breaks_on(plus, 1.0),
+        minus_breaks=_breaks_on(minus, -1.0), clearance=clearance, rtol=rtol,
+    )  # fmt: skip
+
+
+@inner_jit
+def _breaks_on(scene, side):
+    """The breaks of the wall s = `side`, whose scene is given."""
+    entry, exit_ = scene.edges[0], scene.edges[-1]
     turns = scene.load + scene.follower_drag + scene.follower_journal > 0.0
     turns = turns or scene.load_train_efficiency != 1.0
-    for row, side, own in ((0, 1.0, plus), (1, -1.0, minus)):
-        entry, exit_ = scene.edges[0], scene.edges[-1]
-        breaks[row, 0] = slide_change(own.path, own.pin, side, entry, exit_)
-        breaks[row, 1] = _standstill(own.path, entry, 0.0) if turns else np.nan
-        breaks[row, 2] = _standstill(own.path, exit_, 0.0) if turns else np.nan
-    return Case(plus, minus, breaks, centre, crank, play, restitution, rtol)
+    return Breaks(
+        slide_change=slide_change(scene.path, scene.pin, side, entry, exit_),
+        first_standstill=_standstill(scene.path, entry, 0.0) if turns else np.nan,
+        last_standstill=_standstill(scene.path, exit_, 0.0) if turns else np.nan,
+    )
+
+
+@inner_jit(allocates=True)
+def _beside(path, offset):
+    """The path in a slot whose line passes the follower's axis at this distance."""
+    numbers = path.numbers.copy()
+    numbers[OFFSET] = offset
+    return Path(table=path.table, numbers=numbers)
 
 
 @inner_jit
@@ -73,34 +124,40 @@ def _standstill(path, outer, inner):
 
 
 @inner_jit
-def wall_scene(case, side, theta, way, w, flow):
+def wall_scene(walls, side, theta, sense, w, flow):
     """The scene of a wall at a driver angle, with signs such that all losses resist the motion.
 
     With trains that lose power it is that of the `flow`, or of the one that holds at the squared
     speed `w` where that is `UNKNOWN`.
 
-    The load resists the follower, which turns back where g < 0. While the driver turns back, `way`
-    is -1 and every loss has the other sign, so that the same law holds. For the same reason a train
-    has the efficiency 1/eta where the body next to it turns back.
+    The load resists the follower, which turns back where g < 0. While the driver turns back,
+    `sense` is -1 and every loss has the other sign, so that the same law holds. For the same reason
+    a train has the efficiency 1/eta where the body next to it turns back.
     """
-    scene = case.plus if side > 0.0 else case.minus
-    # exactly where g = 0, `way` decides on which side of it the motion continues
-    sense, free = 1.0, scene.load == 0.0 and scene.load_train_efficiency == 1.0
-    if not free and pose_at(scene.path, theta + 1e-12 * way)[0] < 0.0:
-        sense = -1.0
-    if way > 0.0 and sense > 0.0:
+    scene = wall_of(walls, side)
+    follower_sense, free = 1.0, scene.load == 0.0 and scene.load_train_efficiency == 1.0
+    # exactly where g = 0, `sense` decides on which side of it the motion continues
+    if not free and pose_at(scene.path, theta + 1e-12 * sense)[0] < 0.0:
+        follower_sense = -1.0
+    if sense > 0.0 and follower_sense > 0.0:
         return _flowing(scene, side, theta, w, flow)
     barrel, train = scene.barrel_efficiency, scene.load_train_efficiency
-    turned = Scene(
-        scene.path, scene.edges, scene.dwell, scene.torque, scene.turned, scene.rho,
-        way * scene.mu_plus, way * scene.mu_minus, way * sense * scene.load, way * scene.bearing,
-        way * scene.driver_drag, way * scene.follower_drag, way * scene.driver_viscous,
-        way * scene.follower_viscous, scene.pin, way * scene.driver_journal,
-        way * scene.follower_journal, scene.gain, scene.flow,
-        scene.barrel, barrel if way > 0.0 else 1.0 / barrel,
-        scene.load_train, train if way * sense > 0.0 else 1.0 / train,
-    )  # fmt: skip
-    return _flowing(turned, side, theta, w, flow)
+    reversed_ = scene_with(
+        scene,
+        mu_plus=sense * scene.mu_plus,
+        mu_minus=sense * scene.mu_minus,
+        load=sense * follower_sense * scene.load,
+        bearing=sense * scene.bearing,
+        driver_drag=sense * scene.driver_drag,
+        follower_drag=sense * scene.follower_drag,
+        driver_viscous=sense * scene.driver_viscous,
+        follower_viscous=sense * scene.follower_viscous,
+        driver_journal=sense * scene.driver_journal,
+        follower_journal=sense * scene.follower_journal,
+        barrel_efficiency=barrel if sense > 0.0 else 1.0 / barrel,
+        load_train_efficiency=train if sense * follower_sense > 0.0 else 1.0 / train,
+    )
+    return _flowing(reversed_, side, theta, w, flow)
 
 
 @inner_jit
@@ -112,13 +169,11 @@ def _flowing(scene, side, theta, w, flow):
 
 
 @inner_jit
-def next_break(case, side, theta, way, scene):
-    """The next driver angle in the sense `way` at which contact with a wall is not smooth."""
-    end = scene.edges[-1] if way > 0.0 else scene.edges[0]
-    row = 0 if side > 0.0 else 1
-    for i in range(3):
-        place = case.breaks[row, i]
-        # both comparisons are false for a place that is NaN
-        if way * (place - theta) > 1e-9 and way * (end - place) > 1e-9:
-            end = place
-    return next_knot(theta, end, scene) if way > 0.0 else last_knot(theta, end, scene)
+def next_break(walls, side, theta, sense, scene):
+    """The next driver angle in the given sense at which contact with a wall is not smooth."""
+    end = scene.edges[-1] if sense > 0.0 else scene.edges[0]
+    for angle in breaks_of(walls, side):
+        # both comparisons are false for NaN
+        if sense * (angle - theta) > 1e-9 and sense * (end - angle) > 1e-9:
+            end = angle
+    return next_knot(theta, end, scene) if sense > 0.0 else last_knot(theta, end, scene)
