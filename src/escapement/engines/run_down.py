@@ -154,9 +154,9 @@ def rundown(
     if turns is not None and duration is not None:
         raise validate.fail("duration", "left out with turns", duration, "leave one of them out")
     first = simulate(escapement, 1, initial_speed=initial_speed, rtol=rtol)
-    if first.status is Status.INVALID:
+    if first.outcome is Status.INVALID:
         none = first.handoff_times
-        return Rundown(escapement, none, math.nan, 0.0, 0.0, first.status, first.message)
+        return Rundown(escapement, none, math.nan, 0.0, 0.0, first.outcome, first.message)
     count = None if duration is not None else _engagements(turns, escapement, spent)
     nominal = terminal(escapement.held, rtol=rtol).period
     motion = simulate(escapement, count, duration=duration, initial_speed=initial_speed, rtol=rtol)
