@@ -50,6 +50,8 @@ SHORTEST_STOP = 4e-13
 TIME_SHARE = 0.1
 # One engagement needs fewer panels than this and two for every edge.
 TOO_MANY_PANELS = 128
+# Where power turns back in a train every other speed cuts out narrow panels of its own.
+TOO_MANY_NARROW = 24
 
 
 @inner_jit
@@ -76,7 +78,8 @@ def march(scene, cells, store, count, request, w, rising, events, used):
     # if the torque has a knot in this cell, the chain is for this cell only
     own, lossy = scene, is_lossy(scene)
     knotted = has_knot(scene)
-    if knotted or count == panels.NO_PANELS or count > TOO_MANY_PANELS + 2 * scene.edges.size:
+    most = (TOO_MANY_NARROW if lossy else TOO_MANY_PANELS) + 2 * scene.edges.size
+    if knotted or count == panels.NO_PANELS or count > most:
         count = panels.lay_out(scene, cells, store, request.loose)
     work = store.workspace[0]
     first = store.panels[panels.FIRST_PANEL]
@@ -120,7 +123,7 @@ def march(scene, cells, store, count, request, w, rising, events, used):
         if inside.split:
             if count >= panels.MAX_PANELS or panel.half < panels.SMALLEST:
                 return _found(NOT_CONVERGED, state, 0.0, state.time, count)
-            count = panels.halve(scene, cells, store, state.panel, count)
+            count = panels.halve(scene, cells, store, state.panel, count, passage.angle)
             continue
         state = _advance(scene, panel, chained.next, state, passage, extremum, inside)
         if state.used >= events.shape[0]:
@@ -242,14 +245,19 @@ def _pass_over(scene, work, panel, starting, state, request):
             return _stops(panel, way, w, 0.0, time, energy)
         return Passage(True, False, 0.0, energy, w_right, right, time, reversal, slowing, left)
     if sampling.turns_back(scene, work, panel, solution, side, w, w_right):
-        return Passage(True, False, 0.0, energy, w_right, right, time, reversal, slowing, left)
+        # in a start x does not grow with the angle
+        cut = 0.0 if starting else locate.cut_at_turn(scene, work, panel, side, w, w_right)
+        return Passage(True, False, cut, energy, w_right, right, time, reversal, slowing, left)
     negligible = NEGLIGIBLE * (scene.rho + panel.entry.g**2)
     if not panel.locked and (against > 0 or right < 0.0):
         split, reversal = _single_reversal(
             work, panel, against, left, right, negligible, starting or tail > request.strict
         )
         # a change of direction after a reversal would not be detected
-        split |= reversal >= 0 and is_lossy(scene) and panel.half > sampling.NARROW_TURN
+        if reversal >= 0 and is_lossy(scene) and panel.half > sampling.NARROW_TURN:
+            x = locate.locate(work, work.contact, reversal, left, right, 1.0)[0]
+            cut = 0.0 if split or starting else locate.cut_near(panel, x)
+            return Passage(True, False, cut, energy, w_right, right, time, reversal, slowing, left)
     if not split:
         passed, split = _time_over(
             work, panel, solution.noise, w, w_right, left, right, negligible, reversal, request

@@ -68,8 +68,9 @@ class MarchState(NamedTuple):
 class Passage(NamedTuple):
     """The motion over one panel.
 
-    split : whether the panel must be halved first, so that nothing else here counts.
-    stalled : whether the motion ends inside it, at driver angle `angle` [rad].
+    split : whether the panel must be halved first, so that nothing else here counts but `angle`.
+    stalled : whether the motion ends inside it.
+    angle : driver angle of a stall, or at which to split, 0 for the middle of the panel [rad].
     energy, w, contact : E, w and s X at the right end; where there is a reversal, as if s had
         not changed.
     time : from the entry to the right end, or to the stall; with Detail.MAP to the left end.
