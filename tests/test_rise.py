@@ -10,6 +10,9 @@ import pytest
 import escapement as esc
 from escapement.base.status import Status
 from escapement.base.units import INCH_POUND
+from escapement.dynamics.figures_of_merit import read_transient
+from escapement.dynamics.merit_table import TRANSIENT
+from nearly_perfect import random_timer, slight_errors
 
 INERTIA = esc.Inertia(3e-6 * INCH_POUND, 50e-6 * INCH_POUND)
 MEYER = esc.Escapement(esc.Geneva(4), INERTIA, 0.1 * INCH_POUND, 0.35)
@@ -103,6 +106,23 @@ def test_times_of_the_start_pass_smoothly_to_imperfect_parts(pins, friction):
         for name in ("rise_time", "settling_time", "rise_time_63", "rise_time_98"):
             expected = pytest.approx(getattr(perfect, name), rel=1e-5)
             assert getattr(found, name) == expected, (name, error)
+
+
+@pytest.mark.parametrize("seed", [1, 4, 9, 152, 173, 191, 260, 297])
+def test_no_time_of_the_start_jumps_with_an_error_nobody_could_make(seed):
+    timer, start, rng = random_timer(seed)
+    perfect = esc.terminal(timer, initial_speed=start)
+    for errors in slight_errors(timer.mechanism, rng):
+        uneven = replace(timer, mechanism=replace(timer.mechanism, **errors))
+        found = esc.terminal(uneven, initial_speed=start)
+        for name in TRANSIENT:
+            expected = pytest.approx(getattr(perfect, name), rel=2e-5)
+            assert getattr(found, name) == expected, (name, errors)
+    # the extrema of the motion itself, read by another function
+    motion, cycle = esc.simulate(uneven, 200, initial_speed=start), found
+    assert read_transient(motion, cycle) == pytest.approx(
+        (found.rise_time, found.settling_time), rel=1e-9
+    )
 
 
 @pytest.mark.parametrize("engine", ["energy", "ivp"])

@@ -10,7 +10,7 @@ import escapement as esc
 from escapement.base.status import Status
 from escapement.dynamics.figures_of_merit import fall_times, read_transient
 from escapement.dynamics.merit_table import TRANSIENT
-from slow_wheels import random_wheel
+from slow_wheels import random_wheel, with_lossy_trains, with_uneven_parts
 
 GENEVA, INERTIA, TORQUE = esc.Geneva(4), esc.Inertia(3.39e-7, 5.65e-6), 0.0113
 
@@ -64,6 +64,55 @@ def test_no_wheel_takes_long(seed):
     figures = esc.terminal(escapement, initial_speed=start)
     assert process_time() - before < 0.05
     assert not figures.status.failed
+
+
+@pytest.mark.parametrize(("kind", "most"), [(with_lossy_trains, 0.2), (with_uneven_parts, 0.05)])
+def test_trains_that_lose_power_and_uneven_parts_take_little_longer(kind, most):
+    """The least of three times. A few trains lose so much that the motion is marched, not leapt."""
+    esc.terminal(kind(np.random.default_rng(0))[0])
+    late = []
+    for seed in range(12):
+        escapement, start = kind(np.random.default_rng(seed))
+        seconds = []
+        for _ in range(3):
+            before = process_time()
+            status = esc.terminal(escapement, initial_speed=start).outcome
+            seconds.append(process_time() - before)
+        assert status is not Status.NOT_CONVERGED
+        late += [seed] if min(seconds) > most else []
+    assert late == []
+
+
+@pytest.mark.parametrize("friction", [1e-4, 5e-4])
+@pytest.mark.parametrize("load", [0.0, 1e-3])
+def test_uneven_parts_rise_as_their_motion_does(friction, load):
+    geneva = esc.Geneva(5, 2, crank_radius=0.01, slot_offsets=(1e-8, 0.0, 4e-8, 0.0, -2e-8))
+    escapement = wheel(geneva, friction=friction, load_torque=load)
+    figures = esc.terminal(escapement)
+    # long enough that its last engagements are those of the cycle
+    motion, cycle = esc.simulate(escapement, 40_000), figures.motion
+    rise, settled = read_transient(motion, figures)
+    told = (rise, *fall_times(motion, 0.0, cycle), settled)
+    for name, time in zip(TRANSIENT, told, strict=True):
+        assert getattr(figures, name) == pytest.approx(time, rel=1e-9, nan_ok=True)
+
+
+def test_trains_without_inertia_pass_on_a_constant_torque():
+    """They lose a share of the work of the drive, so that nothing else makes a terminal cycle."""
+    trains = {"barrel": esc.Train(10.0, 0.7), "load_train": esc.Train(2.0, 0.9)}
+    for load, status in (
+        (0.0, Status.NO_TERMINAL),
+        (1e-4, Status.NO_TERMINAL),
+        (5e-2, Status.STALL),
+    ):
+        before = process_time()
+        assert esc.terminal(wheel(friction=0.0, load_torque=load, **trains)).status is status
+        assert process_time() - before < 0.05
+    # what the trains leave of the torque carries this load just barely, and just not
+    most = 0.7 * TORQUE / 10.0 * 0.9 / 2.0
+    for share, status in ((0.99, Status.NO_TERMINAL), (1.01, Status.STALL)):
+        escapement = wheel(friction=0.0, load_torque=share * most, **trains)
+        assert esc.terminal(escapement, initial_speed=1e3).status is status
 
 
 def test_without_any_loss_there_is_no_terminal_cycle():

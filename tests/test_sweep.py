@@ -153,6 +153,7 @@ def test_a_bad_case_is_marked_and_the_rest_goes_on(monkeypatch):
     bad = Status.NOT_CONVERGED
     assert grid.results["status"].tolist() == [bad, bad, Status.INVALID, Status.OK]
     assert np.isnan(grid.results["velocity_max"]).tolist() == [True, True, True, False]
+    monkeypatch.undo()
     grid = sweep(TIMER, slots=[3, 6], pins=[3, 4])
     beyond = Status.PAINLEVE  # three slots at these inertias: friction 0.35 is too much
     assert grid.results["status"].tolist() == [[beyond, beyond], [0, Status.INVALID]]

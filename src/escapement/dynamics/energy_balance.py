@@ -8,13 +8,77 @@ from typing import Any
 
 import numpy as np
 
-from escapement.base.status import Status
+from escapement.base.status import MESSAGES, Status
 from escapement.base.text import Shown
 from escapement.dynamics.law import LOSSES
 from escapement.dynamics.trajectory import NoTrajectory
 
 TOLERATED = 1e-6
 """A motion whose energy balance misses more than this share of the work is not a result [-]."""
+
+
+class Judged:
+    """A status or a message on which the energy balance decides when it is first read.
+
+    The class of the result has a method `judge`, which does so. `outcome` below is what an engine
+    said, for those who go on computing.
+    """
+
+    def __init__(self, *default: Any) -> None:
+        self.default = default
+
+    def __set_name__(self, owner: type, name: str) -> None:
+        self.name = name
+
+    def __get__(self, result: Any, owner: type | None = None) -> Any:
+        if result is None:
+            # a dataclass asks for the default of the field
+            if not self.default:
+                raise AttributeError(self.name)
+            return self.default[0]
+        result.judge()
+        return vars(result)[self.name]
+
+    def __set__(self, result: Any, value: Any) -> None:
+        vars(result)[self.name] = value
+
+
+class JudgedResult:
+    """Base of results whose status and message are `Judged`."""
+
+    judged = False
+    """Whether the energy balance has decided on the status."""
+
+    @property
+    def outcome(self) -> Status:
+        """The status by the engine alone, before the energy balance decides on it."""
+        status: Status = vars(self)["status"]
+        return status
+
+    def add_notes(self, *notes: str | None) -> None:
+        """Add what a user should know to the message."""
+        said = [vars(self)["message"], *notes]
+        if said[0] == MESSAGES[Status.OK] and any(notes):
+            said = said[1:]
+        vars(self)["message"] = "; ".join(filter(None, said))
+
+    def judge(self) -> None:
+        """Decide on the status by the energy balance, once."""
+        if self.judged:
+            return
+        vars(self)["judged"] = True
+        if not self.outcome.failed:
+            self.judge_by(self._residual())
+
+    def judge_by(self, residual: float) -> None:
+        """Change the status if this residual of the energy balance shows a wrong motion."""
+        own: Any = self
+        status, message = judged(self.outcome, vars(self)["message"], residual, own._rtol)
+        vars(self).update(status=status, message=message)
+
+    def _residual(self) -> float:
+        """Residual of the energy balance that decides."""
+        raise NotImplementedError
 
 
 @dataclass(frozen=True, repr=False)

@@ -15,7 +15,7 @@ import numpy as np
 from escapement.base.status import MESSAGES, Status
 from escapement.base.text import Shown
 from escapement.base.units import printed
-from escapement.dynamics.energy_balance import judged
+from escapement.dynamics.energy_balance import Judged, JudgedResult
 from escapement.dynamics.merit_table import FIGURES
 from escapement.dynamics.motion import Motion
 from escapement.dynamics.trajectory import Extrema
@@ -63,7 +63,7 @@ class Spread:
 
 # NaN is not equal to itself, so two would never compare equal
 @dataclass(frozen=True, eq=False, repr=False)
-class Figures(Shown):
+class Figures(JudgedResult, Shown):
     """Figures of merit of an escapement; NaN where there is none.
 
     Those from acceleration_max to reversal_angles need samples of the terminal
@@ -75,7 +75,8 @@ class Figures(Shown):
         over the engagements after which pins and slots meet again.
     rise_time : first velocity extremum within 2 % of its terminal value [s]. It jumps, by
         half an engagement or so, where a change of the design brings an earlier extremum
-        into the band or takes one out.
+        into the band or takes one out. A blow that takes less than 1e-4 of the speed is no
+        extremum.
     settling_time : first extremum after which every engagement's extremes are within 1 % [s]; it
         jumps in the same way.
     rise_time_63, rise_time_98 : times at which the deviation of the handoff speed from its
@@ -100,7 +101,8 @@ class Figures(Shown):
     motion : the terminal cycle, one engagement or all of these, None where there is none.
     spread : scatter of engagements that never repeat, otherwise None. Velocities and period are
         then means.
-    status, message : outcome, and its reason in a sentence.
+    status, message : outcome, and its reason in a sentence. The energy balance of the cycle decides
+        on them when they are first read.
     """
 
     _most = 600
@@ -120,8 +122,8 @@ class Figures(Shown):
     jam_margin: float = _NAN
     motion: Motion | None = field(default=None, repr=False)
     spread: Spread | None = None
-    status: Status = Status.OK
-    message: str = MESSAGES[Status.OK]
+    status: Judged = Judged(Status.OK)  # noqa: RUF009 - the descriptor of the field
+    message: Judged = Judged(MESSAGES[Status.OK])  # noqa: RUF009
 
     @property
     def _units(self) -> dict[str, str]:  # type: ignore[override]
@@ -165,14 +167,16 @@ class Figures(Shown):
     def energy_residual(self) -> float:
         """Energy unaccounted for, as a share of the work [-].
 
-        If it is above 1e-6, `status` becomes NOT_CONVERGED.
+        If it is above 1e-6, `status` is NOT_CONVERGED.
         """
-        if self.motion is None:
-            return _NAN
-        residual, rtol = self.motion.ledger.residual, self.motion.rtol
-        status, message = judged(self.status, self.message, residual, rtol)
-        vars(self).update(status=status, message=message)
-        return residual
+        return _NAN if self.motion is None else self.motion.ledger.residual
+
+    def _residual(self) -> float:
+        return 0.0 if self.motion is None else self.energy_residual
+
+    @property
+    def _rtol(self) -> float:
+        return 0.0 if self.motion is None else self.motion.rtol
 
     @property
     def reversal_angles(self) -> tuple[float, ...]:

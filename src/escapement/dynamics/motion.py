@@ -19,7 +19,7 @@ from escapement.base.errors import InvalidValue
 from escapement.base.status import Status
 from escapement.base.text import Shown
 from escapement.base.validate import fail
-from escapement.dynamics.energy_balance import Ledger, judged, ledger_of
+from escapement.dynamics.energy_balance import Judged, JudgedResult, Ledger, ledger_of
 from escapement.dynamics.events import blows_among, handoffs_of, slide_changes_of
 from escapement.dynamics.flow_changes import FlowChanges, flow_changes_of
 from escapement.dynamics.law import LOSSES
@@ -87,7 +87,7 @@ def _on_grid(name: str, meaning: str) -> cached_property[FloatArray]:
 
 # creating a frozen instance would take longer than solving an engagement
 @dataclass(eq=False, repr=False)
-class Motion(Shown):
+class Motion(JudgedResult, Shown):
     """Motion of an escapement, exact between its handoffs and reversals.
 
     Attributes
@@ -104,8 +104,10 @@ class Motion(Shown):
         End of each completed engagement [s] and the driver speed there [rad/s], after the blow if
         there is one.
     status, message : Status, str
-        How it ended, and the reason in a sentence. It becomes NOT_CONVERGED where the `ledger`
-        does not close, and where there are no states at the times asked for.
+        How it ended, and the reason in a sentence. It is NOT_CONVERGED where the energy balance
+        does not close, and becomes so where there are no states at the times asked for. For the
+        balance the `ledger` is computed when the status is first read; of a motion of more than 512
+        engagements only that of the first 512, until the whole `ledger` is asked for.
     """
 
     escapement: Escapement
@@ -115,8 +117,8 @@ class Motion(Shown):
     end_time: float
     handoff_times: FloatArray
     handoff_velocities: FloatArray
-    status: Status
-    message: str
+    status: Judged = Judged()  # noqa: RUF009 - the descriptor of the field, not its default
+    message: Judged = Judged()  # noqa: RUF009
 
     def _shown(self) -> list[tuple[str, Any, str]]:
         speeds, failed = self.handoff_velocities, self.status != Status.OK
@@ -228,7 +230,7 @@ class Motion(Shown):
         mechanism, owners, flat = escapement.mechanism, pieces.reshape(-1), times.reshape(-1)
         theta, speed = trajectory.states(owners, flat)
         if np.isnan(speed).any():
-            self._judge(np.nan)
+            self.judge_by(np.nan)
         engagement, sign = trajectory.engagement[owners], trajectory.sign[owners]
         turned = escapement.turned_before(engagement) + np.zeros(theta.size)
         # the sense from the nearer end of the piece into it
@@ -371,12 +373,16 @@ class Motion(Shown):
         """The `ledger`, computed with a progress bar as in `write_motion`."""
         ledger = ledger_of(self, progress)
         vars(self)["ledger"] = ledger
-        self._judge(ledger.residual)
+        self.judge_by(ledger.residual)
         return ledger
 
-    def _judge(self, residual: float) -> None:
-        """Say so if a residual of the energy balance shows that the motion is wrong."""
-        self.status, self.message = judged(self.status, self.message, residual, self.rtol)
+    def _residual(self) -> float:
+        part = next(self.parts(), self)
+        return self.ledger.residual if part is self else ledger_of(part).residual
+
+    @property
+    def _rtol(self) -> float:
+        return self.rtol
 
 
 def no_motion(escapement: Escapement, engine: str, rtol: float, invalid: str = "") -> Motion:

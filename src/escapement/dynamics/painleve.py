@@ -183,6 +183,28 @@ def friction_limit(scene, low, high):
     return 1.0 / most if most > 0.0 else np.inf, angle
 
 
+@jit
+def first_beyond(scene, low, high):
+    """First driver angle between two at which `margin` is not positive, NaN if there is none."""
+    change = slide_change(scene.path, scene.pin, -1.0, scene.edges[0], scene.edges[-1])
+    middle = change if low < change < high else high
+    while low < high:
+        if not margin(low, scene) > 0.0:
+            return low
+        # the margin falls to one minimum, or rises, so that it vanishes once on the way there
+        left, right = low, _nearest(low, middle, scene)[1]
+        if not margin(right, scene) > 0.0:
+            while left < 0.5 * (left + right) < right:
+                place = 0.5 * (left + right)
+                if margin(place, scene) > 0.0:
+                    left = place
+                else:
+                    right = place
+            return right
+        low, middle = middle, high
+    return np.nan if margin(high, scene) > 0.0 else high
+
+
 @inner_jit
 def beyond_painleve(scene):
     """Whether friction reaches the Painleve limit for any direction of power in the trains."""
@@ -316,10 +338,9 @@ def painleve_message(escapement: Escapement) -> str | None:
             0,
         )
     else:
-        ends = ((k, scene, scene.edges[-1]) for k, scene in enumerate(scenes))
-        places = ((x, k, scene) for k, scene, end in ends for x in np.linspace(0.0, end, 2001))
-        found = ((x, k) for x, k, scene in places if not margin(x, scene) > 0.0)
-        angle, k = next(found, (0.0, 0))
+        found = [(first_beyond(scene, 0.0, scene.edges[-1]), k) for k, scene in enumerate(scenes)]
+        # at the limit itself rounding may leave no place
+        angle, k = next(((x, k) for x, k in found if x == x), (0.0, 0))
     wheel: Any = escapement.mechanism
     where = f" of pin {k % wheel.pins} in slot {k % wheel.slots}" if count > 1 else ""
     return (

@@ -154,7 +154,7 @@ def rundown(
     if turns is not None and duration is not None:
         raise validate.fail("duration", "left out with turns", duration, "leave one of them out")
     first = simulate(escapement, 1, initial_speed=initial_speed, rtol=rtol)
-    if first.status is Status.INVALID:
+    if first.outcome is Status.INVALID:
         none = first.handoff_times
         return Rundown(
             escapement,
@@ -162,7 +162,7 @@ def rundown(
             nominal_period=math.nan,
             end_time=0.0,
             end_turns=0.0,
-            status=first.status,
+            status=first.outcome,
             message=first.message,
         )
     count = None if duration is not None else _engagements(turns, escapement, spent)

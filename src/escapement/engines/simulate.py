@@ -112,16 +112,9 @@ def simulate(
         return no_motion(escapement, engine, settings["rtol"], why)
     run = _engine(engine, escapement.contact, "simulate")
     motion: Motion = run(escapement, engagements=engagements, duration=duration, **settings)
-    note = uniqueness_note(escapement) if motion.status is not Status.PAINLEVE else ""
-    motion.message = _joined(motion.message, note, escapement.assumed, escapement.idle)
+    note = uniqueness_note(escapement) if motion.outcome is not Status.PAINLEVE else ""
+    motion.add_notes(note, escapement.assumed, escapement.idle)
     return motion
-
-
-def _joined(message: str, *notes: str | None) -> str:
-    note = "; ".join(filter(None, notes))
-    if not note:
-        return message
-    return note if message == MESSAGES[Status.OK] else f"{message}; {note}"
 
 
 @cache
@@ -183,8 +176,8 @@ def terminal(
     solver = choose_solver(solver, engine, rtol, atol, method, max_step)
     engine, settings = _settings(escapement, solver, initial_speed)
     found = _terminal(escapement, engine, settings)
-    notes = escapement.assumed, escapement.idle
-    return replace(found, message=_joined(found.message, *notes)) if any(notes) else found
+    found.add_notes(escapement.assumed, escapement.idle)
+    return found
 
 
 def _terminal(escapement: Escapement, engine: str, settings: dict[str, Any]) -> Figures:
@@ -197,8 +190,8 @@ def _terminal(escapement: Escapement, engine: str, settings: dict[str, Any]) -> 
         if first == 0.0:
             return replace(base, status=Status.STALL, message=_NO_START)
         found = _terminal(escapement.held, engine, settings)
-        note = _FULL if escapement.spring_rate else _AT_START
-        return replace(found, message=_joined(found.message, note))
+        found.add_notes(_FULL if escapement.spring_rate else _AT_START)
+        return found
     # the limit is decided before anything is integrated
     contact = escapement.contact
     if contact != "compliant" and (message := painleve_message(escapement)):
@@ -210,18 +203,19 @@ def _terminal(escapement: Escapement, engine: str, settings: dict[str, Any]) -> 
         # every engagement gains the same energy, so that one tells whether all stop, or none
         # is steady
         one = _engine(engine, "", "simulate")(escapement, engagements=1, duration=None, **settings)
-        status, message = one.status, one.message
+        status, message = one.outcome, one.message
         if status is Status.OK:
             mechanism = escapement.mechanism
-            pull = escapement.torque_unit - escapement.driver_bearing_torque
-            gain = pull * mechanism.cell_angle
-            carries = gain > escapement.load_work(mechanism.follower_step)
+            # what trains without inertias pass on is constant
+            scene, held = escapement.scene, escapement.driver_bearing_torque
+            pull = scene.barrel_efficiency * escapement.torque_unit - held
+            load = escapement.load_work(mechanism.follower_step) / scene.load_train_efficiency
+            carries = pull * mechanism.cell_angle > load
             status = Status.NO_TERMINAL if carries else Status.STALL
             message = MESSAGES[status]
         return replace(base, status=status, message=message)
     figures: Figures = _engine(engine, contact, "terminal")(escapement, base, **settings)
-    if limit := uniqueness_note(escapement):
-        figures = replace(figures, message=_joined(figures.message, limit))
+    figures.add_notes(uniqueness_note(escapement))
     return figures
 
 

@@ -258,13 +258,16 @@ def _read(hdf5: Any) -> Motion:
     none = np.zeros_like(pieces["start"])
     pieces["losses"] = np.array([pieces.pop(key, none) for key in LOST])
     pieces |= {"reversals": Events(**reversals), "extrema": Extrema(**extrema)}
-    return Motion(
+    motion = Motion(
         escapement=escapement,
         trajectory=SampledTrajectory(escapement, **pieces, theta=theta, theta_dot=speed),
         status=Status[str(hdf5.attrs["status"]).upper()],
         **attributes,
         **handoffs,
     )
+    # its status was decided before it was written
+    motion.judged = True
+    return motion
 
 
 def _in_si(dataset: Any, kind: str) -> Any:

@@ -3,7 +3,7 @@
 A study is planned, solved case by case, kept, and written. Read `plan` and `run` first.
 
 - `parse`, `plan`, `varied`, `elements`, `sizes`, `configuration`: from a file to a plan
-- `scenes`: equal scenes once, then each case with its own unit of time
+- `scenes`, `checked`: equal scenes once, then each case with its own unit of time; some are checked
 - `run`, `pool`, `block`: blocks of cases on threads or on a cluster
 - `journal`, `writer`, `hdf5`, `tables`: finished blocks, and the files that are made of them
 - `reader`, `stored`, `result`, `labelled`: the results, from a file or in memory

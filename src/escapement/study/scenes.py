@@ -28,6 +28,7 @@ from escapement.model.escapement import Escapement, Inertia
 from escapement.model.natural import natural, resistances, resisting
 from escapement.model.scene import Scene
 from escapement.model.train import seen, train_numbers
+from escapement.study.checked import check_scenes
 from escapement.study.plan import StudyPlan
 
 FOLLOWER = "follower_inertia"
@@ -104,6 +105,7 @@ def solve_scenes(plan: StudyPlan, cases: NDArray[np.int64]) -> SceneFigures:
                 rows = rows[scene[_PIN, rows] < mechanism.widest_pin]
                 found = _solve(plan, mechanism, scene[:, rows], cases[first[rows]])
                 figures[:, rows], status[rows] = found
+    check_scenes(plan, cases[first], figures, status)
     return figures[:, which], status[which]
 
 
@@ -178,6 +180,7 @@ def _solve_patterns(plan: StudyPlan, cases: NDArray[np.int64]) -> SceneFigures:
     table, found = pattern_rows.solve(wheel, given, numbers[:, sound], *settings)
     named = dict(zip(pattern_rows.COLUMNS, table.T, strict=True))
     figures[:, sound], status[sound] = _in_order(plan, wheel, named, cases[sound]), found
+    check_scenes(plan, cases, figures, status)
     return figures, status
 
 

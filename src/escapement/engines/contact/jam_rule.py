@@ -17,7 +17,7 @@ import numpy as np
 
 from escapement.base import validate
 from escapement.base.text import Shown
-from escapement.dynamics.painleve import friction_limits, margin
+from escapement.dynamics.painleve import first_beyond, friction_limits, margin
 from escapement.dynamics.tables import tabulate
 from escapement.dynamics.train_losses import is_lossy, scene_in_flow
 from escapement.model.escapement import Escapement
@@ -25,7 +25,6 @@ from escapement.numerics.jit import as_python
 
 _MOST = 200
 _RTOL = 1e-11
-_GRID = 2001
 _BEFORE, _ALMOST = 1e-7, 1e-3
 """Shares of the way to a place where J_- vanishes: before it the integration ends; X vanishes there
 as well, and a change of its sign in the last share of the way is rounding."""
@@ -140,10 +139,9 @@ def _at(scene: Any, theta: float, speed: float, side: float) -> tuple[float, flo
     return float(found[2, 0]), float(found[4, 0])
 
 
-def _wedges(theta: float, scene: Any) -> float:
-    """J_- of a pin that wedges, times its lever: it jams where this is not positive."""
-    lossy = as_python(is_lossy)(scene)
-    return float(margin(theta, scene_in_flow(scene, _WEDGED) if lossy else scene))
+def _wedging(scene: Any) -> Any:
+    """The scene of a pin that wedges: it jams where `margin`, J_- by its lever, is not positive."""
+    return scene_in_flow(scene, _WEDGED) if as_python(is_lossy)(scene) else scene
 
 
 def _greatest(found: Any, row: int) -> float:
@@ -161,7 +159,7 @@ def _engage(scene: Any, speed: float) -> _Passed:
         time, top = time + spent, max(top, most)
         if theta >= end:
             break
-        if _wedges(theta, scene) > 0.0:
+        if margin(theta, _wedging(scene)) > 0.0:
             theta, speed, spent, most, jammed = _hold(scene, theta, speed, end)
             time, top = time + spent, max(top, most)
             if not jammed:
@@ -214,14 +212,10 @@ def _hold(
     the pin, and whether it jams.
     """
     from scipy.integrate import solve_ivp
-    from scipy.optimize import brentq
 
-    places = np.linspace(theta, end, _GRID)
-    lost = np.flatnonzero([not _wedges(x, scene) > 0.0 for x in places])
-    goal = end
-    if lost.size:
-        first = lost[0]
-        goal = float(brentq(_wedges, places[first - 1], places[first], (scene,), xtol=1e-14))
+    lost = float(first_beyond(_wedging(scene), theta, end))
+    jams = lost == lost
+    goal = lost if jams else end
 
     def slope(x: float, y: Any) -> list[float]:
         now = max(float(y[0]), 1e-12) ** 0.5
@@ -235,12 +229,12 @@ def _hold(
 
     turns.terminal, turns.direction = True, 1.0  # type: ignore[attr-defined]
     # where J vanishes the acceleration is unbounded, but the speed is finite
-    last = goal - _BEFORE * (goal - theta) if lost.size else goal
+    last = goal - _BEFORE * (goal - theta) if jams else goal
     found = solve_ivp(
         slope, (theta, last), [speed**2, 0.0], "Radau", events=[turns, peaks], rtol=1e-9, atol=1e-12
     )
     reached = found.status == 0 or goal - found.t[-1] <= _ALMOST * (goal - theta)
-    jammed = reached and lost.size > 0
+    jammed = reached and jams
     at, top = goal if reached else float(found.t[-1]), _greatest(found, 0)
     now = float(max(found.y[0, -1], 0.0) ** 0.5)
     return at, now, float(found.y[1, -1]), float(max(top, 0.0) ** 0.5), jammed

@@ -173,7 +173,7 @@ def _leap_on(case, request, ends, start, w, k, found, extent, rows, out):
         goals[0] = _first_in_band(case, request, w, found.rising, RISE_BAND, False, out)
         goals[1] = _first_in_band(case, request, far, found.rising, SETTLING_BAND, True, out)
     goal = _goal(goals, start, w, extent, out)
-    if not is_worth_it(w, step, final, goal):
+    if not is_worth_it(w, 1.0 - step.contraction, final, goal):
         return none
     return leap(case, request, ends, w, final, goal, MAX_ENGAGEMENTS - k, rows)
 
@@ -186,12 +186,21 @@ def _goal(goals, start, w, extent, out):
     for i in range(2):
         if np.isnan(out[cycle.SETTLING if i > 0 else cycle.RISE]):
             nearest = _further(nearest, goals[i], sense)
+    nearest = next_fall(nearest, start, w, extent, out)
+    return nearest if nearest != final * final else w
+
+
+@inner_jit
+def next_fall(nearest, start, w, extent, out):
+    """Of a w and those at which `rise_time_63` and `_98` are known, that which w passes first."""
+    final = out[cycle.HANDOFF]
+    sense = 1.0 if w > final * final else -1.0
     for place in range(cycle.RISE_63, cycle.RISE_98 + 1):
         if extent == Extent.FALLEN and np.isnan(out[place]):
             level = FALL_63 if place == cycle.RISE_63 else FALL_98
             speed = final + level * (np.sqrt(start) - final)
             nearest = _further(nearest, speed * speed, sense)
-    return nearest if nearest != final * final else w
+    return nearest
 
 
 @inner_jit
@@ -208,7 +217,7 @@ def _first_in_band(case, request, w, rising, band, every, out):
         w, following = following, following * factor
         if (following - final) * (w - final) <= 0.0:
             following = final
-    for _ in range(40):
+    for _ in range(24):
         middle = 0.5 * (w + following)
         if _in_band(case, request, middle, rising, band, every, out):
             following = middle
@@ -252,7 +261,8 @@ def _take_stock(case, start, handoffs, k, used, in_band, rtol, out):
 @inner_jit
 def _only_gains(scene):
     """Whether every engagement without losses adds the drive's work, which is positive."""
-    return scene.load == 0.0 and torque_at(scene.edges[0], scene)[0] > scene.bearing
+    reaches = scene.barrel_efficiency * torque_at(scene.edges[0], scene)[0]
+    return scene.load == 0.0 and reaches > scene.bearing
 
 
 @inner_jit

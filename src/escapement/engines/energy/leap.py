@@ -62,10 +62,25 @@ def is_gentle(w, step):
 
 
 @inner_jit
-def is_worth_it(w, step, final, goal):
-    """Whether many engagements pass up to the goal; `step` is that of Newton's method from w."""
-    gap, way = 1.0 - step.contraction, distance(w, final) - distance(goal, final)
+def is_worth_it(w, gap, final, goal):
+    """Whether many engagements pass up to the goal, where one contracts w by `gap`."""
+    way = distance(w, final) - distance(goal, final)
     return SHARE * way > WORTH * gap * max(1.0, final / w)
+
+
+@inner_jit
+def half_way(w, final, goal):
+    """Half of the change of log q in a leap from w towards `goal`."""
+    return -0.5 * min(SHARE * (distance(w, final) - distance(goal, final)), WIDEST)
+
+
+@inner_jit
+def point_of(i, w, final, half):
+    """w at the Gauss point i of a leap from w, and its derivative by x."""
+    z = distance(w, final) + half + half * POINTS[i]
+    below = w < final
+    here = _at(z, below, final)
+    return here, half * np.exp(z) * (-here * here / final if below else final)
 
 
 @inner_jit
@@ -74,11 +89,22 @@ def leap(case, request, ends, w, final, goal, most, rows):
 
     At most `most` engagements are passed; `rows` is memory of shape (ROWS, N).
     """
+    panels, half = NO_PANELS, half_way(w, final, goal)
+    for i in range(N):
+        here, rows[SLOPE, i] = point_of(i, w, final, half)
+        found = march_case(case, panels, request, here, 0.0, NO_EVENTS)
+        panels = found.panels
+        _contraction, gap, offset = map_of(found, case.scene, ends)
+        if found.status != OK or not gap > 0.0:
+            return Leap(0, w, 0.0)
+        rows[GAIN, i], rows[GAP, i], rows[TIME, i] = offset - gap * here, gap, found.time
+    return pass_over(case.store.workspace[0], w, final, half, most, rows)
+
+
+@inner_jit
+def pass_over(work, w, final, half, most, rows):
+    """The leap from w whose rows are filled."""
     none, below, start = Leap(0, w, 0.0), w < final, distance(w, final)
-    half = -0.5 * min(SHARE * (start - distance(goal, final)), WIDEST)
-    if not _march(case, request, ends, start + half, half, below, final, rows):
-        return none
-    work = case.store.workspace[0]
     count = points_of(work)
     for i in range(N):
         gap, gain = rows[GAP, i], rows[GAIN, i]
@@ -102,23 +128,6 @@ def leap(case, request, ends, w, final, goal, most, rows):
     time += _correction(work, rows, here, count)
     weights_to(work, -1.0)
     return Leap(passed, here, time - _correction(work, rows, w, count))
-
-
-@inner_jit
-def _march(case, request, ends, middle, half, below, final, rows):
-    """Fill the rows of a leap; returns whether all engagements are sound."""
-    panels = NO_PANELS
-    for i in range(N):
-        z = middle + half * POINTS[i]
-        here = _at(z, below, final)
-        found = march_case(case, panels, request, here, 0.0, NO_EVENTS)
-        panels = found.panels
-        _contraction, gap, offset = map_of(found, case.scene, ends)
-        if found.status != OK or not gap > 0.0:
-            return False
-        rows[GAIN, i], rows[GAP, i], rows[TIME, i] = offset - gap * here, gap, found.time
-        rows[SLOPE, i] = half * np.exp(z) * (-here * here / final if below else final)
-    return True
 
 
 @inner_jit

@@ -46,6 +46,8 @@ from escapement.numerics.roots import newton_in_bracket
 # A last step of Newton's method for a reversal that is longer than this, in x, is due to
 # rounding and left out.
 LARGEST_CORRECTION = 1e-4
+# A panel is split this share of the way to a change before it, which is known to that accuracy.
+NEAR_CHANGE = 1e-4
 
 
 @inner_jit(reorders=True)
@@ -103,6 +105,42 @@ def locate(work, values, point, left, right, high):
                 value += work.from_left[i] * (values[i] - left)
             x = max(-1.0, x - value / slope)
     return x, slope
+
+
+@inner_jit
+def cut_at_turn(scene, work, panel, side, w_left, w_right):
+    """Where to split the panel in which `sampling.turns_back` found a change of direction."""
+    left_q, left_z = sampling.flow_at_end(scene, panel.entry, side, w_left)
+    right_q, right_z = sampling.flow_at_end(scene, panel.exit, side, w_right)
+    one = _first_change(work, work.decay, left_q, right_q)
+    two = _first_change(work, work.gain, left_z, right_z)
+    return cut_near(panel, min(one, two))
+
+
+@inner_jit
+def _first_change(work, values, left, right):
+    """The x at which values that are positive at first change their sign; infinite without one."""
+    point = N if right < 0.0 else N + 1
+    for i in range(N - 1, -1, -1):
+        point = i if values[i] < 0.0 else point
+    if point > N:
+        return np.inf
+    return locate(work, values, point, max(left, 0.0), right, 1.0)[0]
+
+
+@inner_jit
+def cut_near(panel, x):
+    """Driver angle at which to split a panel so that a change at x gets a narrow panel of its own.
+
+    The part to its left ends a little before it. Where the change is next to the left end, this
+    part is the narrow panel. The result is 0, for the middle, where x is not in the panel.
+    """
+    if not -1.0 <= x <= 1.0:
+        return 0.0
+    way, width = panel.half * (1.0 + x), sampling.NARROW_TURN
+    if way <= width:
+        return panel.left + way + 0.5 * width
+    return panel.left + way - max(0.5 * width, NEAR_CHANGE * way)
 
 
 @inner_jit

@@ -51,6 +51,8 @@ STALL, PAINLEVE, NOT_CONVERGED = int(Status.STALL), int(Status.PAINLEVE), int(St
 SPENT = int(Status.SPENT)
 # One engagement needs fewer panels than this and two for every edge.
 TOO_MANY_PANELS = 128
+# Where power turns back in a train every other speed cuts out narrow panels of its own.
+TOO_MANY_NARROW = 24
 
 
 @inner_jit
@@ -78,7 +80,8 @@ def march(scene, cells, store, count, request, w, rising, events, used):
     # whose trains lose nothing, to which E belongs outside the march
     own, lossy = scene, is_lossy(scene)
     knotted = has_knot(scene)
-    if knotted or count == panels.NO_PANELS or count > TOO_MANY_PANELS + 2 * scene.edges.size:
+    most = (TOO_MANY_NARROW if lossy else TOO_MANY_PANELS) + 2 * scene.edges.size
+    if knotted or count == panels.NO_PANELS or count > most:
         count = panels.lay_out(scene, cells, store, request.loose)
     work = store.workspace[0]
     first = store.panels[panels.FIRST_PANEL]
@@ -121,7 +124,7 @@ def march(scene, cells, store, count, request, w, rising, events, used):
         if inside.split:
             if count >= panels.MAX_PANELS or panel.half < panels.SMALLEST:
                 return ended(NOT_CONVERGED, state, 0.0, state.time, count)
-            count = panels.halve(scene, cells, store, state.panel, count)
+            count = panels.halve(scene, cells, store, state.panel, count, passage.angle)
             continue
         state = _advance(scene, panel, chained.next, state, passage, extremum, inside)
         if state.used >= events.shape[0]:

@@ -10,7 +10,7 @@ import numpy as np
 from escapement.dynamics.law import is_drag_free, is_viscous
 from escapement.dynamics.torque import REST, is_undriven
 from escapement.dynamics.train_losses import is_lossy
-from escapement.engines.energy import panels, sampling
+from escapement.engines.energy import locate, panels, sampling
 from escapement.engines.energy.passage import (
     NOWHERE,
     Detail,
@@ -18,6 +18,7 @@ from escapement.engines.energy.passage import (
     Passage,
     halved,
     passed,
+    split_at,
     stalled,
     with_contact,
 )
@@ -93,13 +94,18 @@ def pass_over(scene, work, panel, starting, state, request):
             return _stops(panel, -w / slope_of_w(scene, panel, side, w), w, 0.0, time)
         return too_coarse
     if sampling.turns_back(scene, work, panel, solution, side, w, ends.w):
-        return too_coarse
+        # in a start x does not grow with the angle
+        cut = 0.0 if starting else locate.cut_at_turn(scene, work, panel, side, w, ends.w)
+        return split_at(ends, time, cut)
     split, reversal = False, NOWHERE
     if not panel.locked and (against > 0 or ends.contact < 0.0):
         rough = starting or solution.tail > request.strict
         split, reversal = _single_reversal(scene, work, panel, against, ends, rough)
         # a change of direction after a reversal would not be detected
-        split |= reversal >= 0 and is_lossy(scene) and panel.half > sampling.NARROW_TURN
+        if reversal >= 0 and is_lossy(scene) and panel.half > sampling.NARROW_TURN:
+            left, right = ends.left_contact, ends.contact
+            x = locate.locate(work, work.contact, reversal, left, right, 1.0)[0]
+            return split_at(ends, time, 0.0 if split or starting else locate.cut_near(panel, x))
     if not split:
         length, split = _time_over(scene, work, panel, solution.noise, ends, reversal, request)
         time += length

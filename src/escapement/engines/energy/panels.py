@@ -273,8 +273,9 @@ def finish_geometry(panel, scene, count):
 
 
 @inner_jit
-def halve(scene, cells, store, index, count):
-    """Split the panel at `index` in two; returns the new number of panels.
+def halve(scene, cells, store, index, count, cut=0.0):
+    """Split the panel at `index` in two at a driver angle, 0 for its middle; returns the new number
+    of panels.
 
     The left half keeps its index. The right half gets the index `count` and follows the left
     one in the chain.
@@ -282,7 +283,7 @@ def halve(scene, cells, store, index, count):
     work = store.workspace[0]
     panel, new = store.panels[index], store.panels[count]
     left = panel.left
-    middle = left + panel.half
+    middle = left + panel.half if cut == 0.0 else cut
     right = left + 2.0 * panel.half
     # the sum may round, but an edge of the scene must keep its exact angle
     if panel.next != CHAIN_END:
@@ -291,6 +292,8 @@ def halve(scene, cells, store, index, count):
     new.interval, new.locked = panel.interval, panel.locked
     new.cell = 2 * panel.cell + 1
     panel.cell = 2 * panel.cell
+    if cut != 0.0:
+        panel.cell = new.cell = max(panel.cell, cells.shape[1])
     fill_geometry(work, panel, scene, cells, left, middle)
     fill_geometry(work, new, scene, cells, middle, right)
     new.next = panel.next

@@ -126,9 +126,9 @@ def with_rho(state, g, before, after):
 class Passage(NamedTuple):
     """The motion over one panel.
 
-    split : whether the panel must be halved first, so that nothing else here counts.
-    has_stalled : whether the motion ends inside it, at driver angle `angle` [rad]; of the rest
-        only the time counts then.
+    split : whether the panel must be halved first, so that nothing else here counts but `angle`.
+    has_stalled : whether the motion ends inside it; of the rest only angle and time count then.
+    angle : driver angle of a stall, or at which to split, 0 for the middle of the panel [rad].
     energy, w, contact : E, w and s X at the right end; where there is a reversal, as if s had
         not changed.
     time : from the entry to the right end, or to the stall; with Detail.MAP to the left end.
@@ -174,12 +174,18 @@ def with_contact(ends, contact):
 
 @inner_jit(inlined=True)
 def halved(ends, time):
-    """The passage over a panel that must be halved first.
+    """The passage over a panel that must be halved first."""
+    return split_at(ends, time, 0.0)
+
+
+@inner_jit(inlined=True)
+def split_at(ends, time, angle):
+    """The passage over a panel that must be split first, at a driver angle.
 
     The rest of it is not read; with these numbers the march is faster than with zeros.
     """
     return Passage(
-        split=True, has_stalled=False, angle=0.0, energy=ends.energy, w=ends.w,
+        split=True, has_stalled=False, angle=angle, energy=ends.energy, w=ends.w,
         contact=ends.contact, time=time, reversal=NOWHERE, slowing=0,
         left_contact=ends.left_contact,
     )  # fmt: skip

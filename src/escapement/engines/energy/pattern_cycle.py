@@ -10,7 +10,7 @@ import numpy as np
 
 from escapement.dynamics.codes import Event, is_extremum
 from escapement.dynamics.figures_of_merit import MAX_ENGAGEMENTS
-from escapement.dynamics.law import is_drag_free
+from escapement.dynamics.law import is_drag_free, is_felt
 from escapement.engines.energy.cycle import NO_LOSS
 from escapement.engines.energy.march import NO_TERMINAL, NOT_CONVERGED, OK
 from escapement.engines.energy.passage import Detail, request_of, with_detail
@@ -22,7 +22,7 @@ MOST_STEPS = 25
 
 
 class Round(NamedTuple):
-    """One passage of the pattern from w_in, and the map w = exp(slope) w_in + source.
+    """One passage of the pattern from w_in in a time, and the map w = exp(slope) w_in + source.
 
     Of a stall `angle` is the driver angle, and `place` the engagement. `rising` is the sign of
     theta_ddot at the end, with a `Detail` that tells it.
@@ -35,44 +35,47 @@ class Round(NamedTuple):
     place: int
     angle: float
     rising: float
+    time: float
 
 
 @inner_jit(inlined=True)
-def completed(w, slope, source, rising):
+def completed(w, slope, source, rising, time):
     """The round that ends with w."""
-    return Round(status=OK, w=w, slope=slope, source=source, place=0, angle=0.0, rising=rising)
+    return Round(
+        status=OK, w=w, slope=slope, source=source, place=0, angle=0.0, rising=rising, time=time
+    )
 
 
 @inner_jit(inlined=True)
-def stopped(found, place):
+def stopped(found, place, time):
     """The round that a march ends in the engagement at a place."""
     return Round(
         status=found.status, w=0.0, slope=0.0, source=0.0, place=place, angle=found.angle,
-        rising=0.0,
+        rising=0.0, time=time,
     )  # fmt: skip
 
 
 @inner_jit
 def rising_after(case, place, found):
     """Sign of theta_ddot before an engagement, from the march over the one at `place` before it."""
-    return -1.0 if case.shares[place] < 1.0 else found.rising
+    return -1.0 if is_felt(case.shares[place]) else found.rising
 
 
 @inner_jit
-def _pass(case, w, request):
+def pass_round(case, w, request):
     """Pass all engagements of the pattern, and note what `Finals` holds if extrema are told."""
-    slope, source, rising = 0.0, 0.0, 0.0
+    slope, source, rising, time = 0.0, 0.0, 0.0, 0.0
     for place in range(case.meetings.size):
         found = engage(case, place, w, rising, request)
         if found.status != OK:
-            return stopped(found, place)
+            return stopped(found, place, time)
         w = found.w * case.shares[place] ** 2
         change = case.slopes[place] - found.exponent
         slope, source = slope + change, np.exp(change) * source + case.gains[place] * found.source
-        rising = rising_after(case, place, found)
+        rising, time = rising_after(case, place, found), time + found.time
         if request.detail >= Detail.EXTREMA:
             _note_finals(case, place, found)
-    return completed(w, slope, source, rising)
+    return completed(w, slope, source, rising, time)
 
 
 @inner_jit
@@ -89,7 +92,7 @@ def _note_finals(case, place, found):
 @inner_jit
 def extrema_of(found, share):
     """Number of events of an engagement, a fall by a blow at its end included as the last."""
-    return found.used + 1 if share < 1.0 and found.rising > 0.0 else found.used
+    return found.used + 1 if is_felt(share) and found.rising > 0.0 else found.used
 
 
 @inner_jit
@@ -144,7 +147,7 @@ def find_cycle(case, w, rtol):
     request = request_of(Detail.MAP if alone else Detail.TIME, rtol)
     size, next_try = case.meetings.size, 1
     for k in range(1, MAX_ENGAGEMENTS):
-        found = _pass(case, w, request)
+        found = pass_round(case, w, request)
         if found.status != OK:
             return found.status, 0.0, 0.0, found.angle, (k - 1) * size + found.place
         if k == next_try:
@@ -184,7 +187,7 @@ def _seek(case, w, found, rtol, request):
         if not better > 0.0:
             break
         w = better
-        found = _pass(case, w, with_detail(request, Detail.EXTREMA if near else far))
+        found = pass_round(case, w, with_detail(request, Detail.EXTREMA if near else far))
         if found.status != OK:
             break
     return w, 0.0, NOT_CONVERGED

@@ -11,7 +11,20 @@ from escapement.dynamics.law import scene_of
 from escapement.engines.energy import cycle
 from escapement.engines.energy.calls import kernel_addresses
 from escapement.engines.energy.cells import NO_CELLS
-from escapement.engines.energy.figures import Extent, note_fall
+from escapement.engines.energy.figures import RETRY, Extent, next_fall, note_fall
+from escapement.engines.energy.leap import (
+    GAIN,
+    GAP,
+    GENTLE,
+    ROWS,
+    SLOPE,
+    TIME,
+    Leap,
+    half_way,
+    is_worth_it,
+    pass_over,
+    point_of,
+)
 from escapement.engines.energy.march import OK
 from escapement.engines.energy.passage import Detail, request_of
 from escapement.engines.energy.pattern import LONGEST_TRANSIENT, case_of, engage, memory
@@ -21,6 +34,7 @@ from escapement.engines.energy.pattern_cycle import (
     is_top,
     is_turn,
     outermost,
+    pass_round,
     rising_after,
     speed_at,
 )
@@ -29,6 +43,7 @@ from escapement.mechanisms.pattern import FITS, MEETING, lay_pattern, path_in
 from escapement.mechanisms.protocol import FloatArray
 from escapement.mechanisms.slotted import transmission_at
 from escapement.model.scene import Scene
+from escapement.numerics.gauss import N
 from escapement.numerics.jit import inner_jit, jit
 
 COLUMNS = (*cycle.COLUMNS, "beat_error", "blow_max")
@@ -39,6 +54,9 @@ _FIRST = Scene._fields.index("rho")
 _NUMBERS = len(Scene._fields) - _FIRST
 _PIN = Scene._fields.index("pin") - _FIRST
 _INVALID = int(Status.INVALID)
+# Where a round of the cycle contracts w by less than the first share, engagements whose w differs
+# by more than the second share, and four times the contraction, have no extremum in a band of 2 %.
+SLOW, NEAR = 0.05, 0.06
 
 
 @jit(allocates=True)
@@ -92,7 +110,7 @@ def solve_pattern(addresses, scene_tuple, none, meetings, w, rtol, extent, out):
     return _figures(case, w, rtol, extent, out) if status == OK else status
 
 
-@inner_jit
+@inner_jit(allocates=True)
 def _figures(case, w, rtol, extent, out):
     """Figures of one pattern into `out`; returns the status.
 
@@ -136,32 +154,79 @@ def _start_ratio(meeting):
     return transmission_at(path_in(meeting), meeting.edges[0])[0]
 
 
-@inner_jit
+@inner_jit(allocates=True)
 def _read_transient(case, start, rtol, extent, out):
     """Times of the motion that starts with w = `start`, as `metrics` reads them off a motion."""
-    request = request_of(Detail.EXTREMA, rtol)
+    near, far = request_of(Detail.EXTREMA, rtol), request_of(Detail.TIME, rtol)
     size, w, rising, time, calm = case.meetings.size, start, 0.0, 0.0, 0
-    handoffs, finals = case.handoffs, case.finals
+    handoffs, finals, rows = case.handoffs, case.finals, np.empty((ROWS, N))
     handoffs[0, 0], handoffs[0, 1] = 0.0, start
-    for k in range(LONGEST_TRANSIENT):
+    k, attempt = 0, 0
+    while k < LONGEST_TRANSIENT:
         place = k % size
-        found = engage(case, place, w, rising, request)
-        if _judge(case, place, found, time, out):
+        if place == 0 and k >= attempt:
+            most = (LONGEST_TRANSIENT - k) // size
+            passed = _leap_rounds(case, start, w, most, rtol, extent, rows, out)
+            attempt = k if passed.number > 0 else k + RETRY * size
+            k, w, time = k + passed.number * size, passed.w, time + passed.time
+            handoffs[k % 2, 0], handoffs[k % 2, 1] = time, w
+            if k >= LONGEST_TRANSIENT:
+                break
+        distant = _is_distant(w, finals.after[place - 1], out[cycle.CONTRACTION])
+        found = engage(case, place, w, rising, far if distant else near)
+        if not distant and _judge(case, place, found, time, out):
             calm += 1
         else:
             calm = 0
         w, time = found.w * case.shares[place] ** 2, time + found.time
-        rising = rising_after(case, place, found)
+        # without extrema the trend is not known
+        rising = 0.0 if distant else rising_after(case, place, found)
         # the speed is compared with that of the cycle at the same handoff
         handoffs[(k + 1) % 2, 0], handoffs[(k + 1) % 2, 1] = time, w
         last, following = np.sqrt(finals.after[place - 1]), np.sqrt(finals.after[place])
         note_fall(start, handoffs, k, last, following, rtol, out)
+        k += 1
         # two motions never cross: when a whole round is in the band, all later ones are
         settled = calm >= size and not np.isnan(out[cycle.SETTLING])
         if settled and (extent < Extent.FALLEN or not np.isnan(out[cycle.RISE_98])):
             return
     if calm < size:
         out[cycle.SETTLING] = np.nan
+
+
+@inner_jit
+def _leap_rounds(case, start, w, most, rtol, extent, rows, out):
+    """Leap over at most so many rounds while all extrema are far from those of the cycle."""
+    final, none = out[cycle.HANDOFF] ** 2, Leap(0, w, 0.0)
+    gap = 1.0 - out[cycle.CONTRACTION]
+    gentle = gap < GENTLE and gap * abs(final - w) < GENTLE * w
+    if not gentle or not _is_distant(w, final, out[cycle.CONTRACTION]):
+        return none
+    near = (NEAR + 4.0 * gap) * final
+    goal = next_fall(final + near if w > final else final - near, start, w, extent, out)
+    if not is_worth_it(w, gap, final, goal):
+        return none
+    half, request = half_way(w, final, goal), request_of(Detail.TIME, rtol)
+    for i in range(N):
+        here, rows[SLOPE, i] = point_of(i, w, final, half)
+        found = pass_round(case, here, request)
+        shrinks = -np.expm1(found.slope)
+        if found.status != OK or not shrinks > 0.0:
+            return none
+        rows[GAIN, i], rows[GAP, i] = found.source - shrinks * here, shrinks
+        rows[TIME, i] = found.time
+    return pass_over(case.store.workspace[0], w, final, half, most, rows)
+
+
+@inner_jit
+def _is_distant(w, final, contraction):
+    """Whether an engagement from w has no extremum near one of the cycle, which begins at `final`.
+
+    Where a round hardly changes the energy, all speeds of an engagement are as far from those of
+    the cycle as the first one, but for a share of the order of this change.
+    """
+    gap = 1.0 - contraction
+    return gap < SLOW and abs(w - final) > (NEAR + 4.0 * gap) * final
 
 
 @inner_jit

@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from escapement.dynamics.codes import Event
-from escapement.dynamics.law import LOSSES, left_by_blow, scene_of
+from escapement.dynamics.law import LOSSES, is_felt, left_by_blow, scene_of
 from escapement.dynamics.tables import losses_at
 from escapement.dynamics.torque import cell_after, next_knot
 from escapement.dynamics.train_losses import flowing
@@ -99,12 +99,13 @@ def events_of(addresses, scene_tuple, cells, meetings, numbers, turned, squares,
             scene = scene_in(common, meetings[k % size], turned[i])
             if k > 0 and meetings[k % size].kind == Handoff.STRIKE:
                 # the speed falls at once, from a maximum if it rose
-                if rising > 0.0:
+                share = left_by_blow(scene)
+                if rising > 0.0 and is_felt(share):
                     before, kind = meetings[(k - 1) % size], Event.MAXIMUM
                     end = before.edges[before.used - 1] + before.dwell
-                    high = w / left_by_blow(scene) ** 2
+                    high = w / share**2
                     filled = _append(table, filled, k - 1, kind, end, np.inf, high, 0.0)
-                rising = -1.0
+                rising = -1.0 if is_felt(share) else rising
         count = panels.NO_PANELS
         found = march(addresses, scene, cells, store, count, request, w, rising, events, NO_EVENTS)
         rising, used = found.rising, found.used

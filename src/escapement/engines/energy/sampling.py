@@ -120,29 +120,30 @@ def turns_back(scene, work, panel, solution, side, w_left, w_right):
     """Whether power in a lossy train changes direction, on a panel wide enough to matter.
 
     The panel is the one just sampled; `w_left` and `w_right` are at its ends. Two changes between
-    neighbouring points count as well.
+    neighbouring points count as well. The torques at the points whose signs tell the direction are
+    left in the rows `decay` and `gain` of the workspace.
     """
     if not is_lossy(scene) or panel.half <= NARROW_TURN:
         return False
-    left_q, left_z = _at_end(scene, panel.entry, side, w_left)
-    right_q, right_z = _at_end(scene, panel.exit, side, w_right)
+    left_q, left_z = flow_at_end(scene, panel.entry, side, w_left)
+    right_q, right_z = flow_at_end(scene, panel.exit, side, w_right)
     rounding = NEGLIGIBLE * (1.0 + max(w_left, w_right))
     least = min(right_q, right_z)
     for i in range(N):
         g = panel.g[i]
         rate = work.net_torque[i] / reduced_inertia(g, solution.bend[i], scene)
         q, z = within_flow(g, panel.dg[i], rate, panel.pull[i], work.w[i], scene)
-        work.scratch[i], work.slowness_change[i] = q, z
+        work.decay[i], work.gain[i] = q, z
         least = min(least, min(q, z))
     if least < -rounding:
         return True
-    return may_vanish(work, work.scratch, rounding, left_q, right_q, EVERY_POINT) or may_vanish(
-        work, work.slowness_change, rounding, left_z, right_z, EVERY_POINT
+    return may_vanish(work, work.decay, rounding, left_q, right_q, EVERY_POINT) or may_vanish(
+        work, work.gain, rounding, left_z, right_z, EVERY_POINT
     )
 
 
 @inner_jit
-def _at_end(scene, end, side, w):
+def flow_at_end(scene, end, side, w):
     """`within_flow` at an end of a panel."""
     rate = net_torque_at(end, side, w, scene)
     rate /= reduced_inertia(end.g, bend_at(end, side, scene), scene)

@@ -15,7 +15,7 @@ import numpy as np
 from escapement.base.spoken import told
 from escapement.base.status import MESSAGES, Status
 from escapement.base.validate import fail
-from escapement.dynamics.law import LOSSES, left_by_blow
+from escapement.dynamics.law import LOSSES, is_felt, left_by_blow
 from escapement.dynamics.motion import Motion, no_motion, stall_message
 from escapement.dynamics.painleve import friction_limits
 from escapement.dynamics.torque import KNOT_GAP, REST, SAME_PLACE, is_spent, is_undriven, next_knot
@@ -159,7 +159,7 @@ class _Simulation:
             if self.over:
                 return
             share = self.shares[(self.engagement + 1) % len(self.shares)]
-            if share < 1.0 and self.engagement + 1 != engagements:
+            if is_felt(share) and self.engagement + 1 != engagements:
                 # the speed falls at once, from a maximum if it rose
                 self._note_corner(-1.0)
             self.speed *= share

@@ -51,8 +51,8 @@ class _Engagement(NamedTuple):
 def terminal(escapement: Escapement, base: Figures, **settings: Any) -> Figures:
     """Figures of merit by integration; see `escapement.terminal`."""
     cycle, contraction = bracketed_cycle(escapement, **settings)
-    if cycle.status is not Status.OK:
-        return replace(base, status=cycle.status, message=cycle.message)
+    if cycle.outcome is not Status.OK:
+        return replace(base, status=cycle.outcome, message=cycle.message)
     figures = replace(read_cycle(cycle, base), contraction=contraction)
     size, start = len(escapement.scenes), settings["initial_speed"] / figures.handoff_velocity
     count = transient_length(abs(contraction) ** (1.0 / size), start)
@@ -93,12 +93,12 @@ def bracketed_cycle(
 
     w = initial_speed**2
     first = engage(w)
-    if first.motion.status is not Status.OK:
+    if first.motion.outcome is not Status.OK:
         return first.motion, math.nan
     grows = first.gain > 0.0
     bracket = _bracket_above(engage, w, first.gain) if grows else _bracket_below(engage, w)
     if isinstance(bracket, Motion):
-        if bracket.status is Status.STALL:
+        if bracket.outcome is Status.STALL:
             bracket = _until_stall(escapement, initial_speed=initial_speed, **settings)
         return bracket, math.nan
     # only the relative tolerance matters, because w may have any size
@@ -151,7 +151,7 @@ def _bracket_above(
     high = max(4.0 * low, low + 2.0 * gain)
     while True:
         trial = engage(high)
-        if trial.motion.status is not Status.OK:
+        if trial.motion.outcome is not Status.OK:
             return trial.motion
         if not trial.gain > 0.0:
             return low, high
@@ -172,12 +172,12 @@ def _bracket_below(engage: Callable[[float], _Engagement], high: float) -> _Brac
     stops_at, trial = 0.0, 0.5 * high
     while stopped is None or stops_at < (1.0 - _CLOSE) * high:
         found = engage(trial)
-        if found.motion.status is Status.OK:
+        if found.motion.outcome is Status.OK:
             if not found.gain < 0.0:
                 return trial, high
             # still a loss: the terminal speed, if there is one, is lower
             high = trial
-        elif found.motion.status is Status.STALL:
+        elif found.motion.outcome is Status.STALL:
             # too slow to pass: the terminal speed, if there is one, is higher
             stops_at, stopped = trial, found.motion
         else:
@@ -190,6 +190,6 @@ def _until_stall(escapement: Escapement, **settings: Any) -> Motion:
     """The motion up to its stall, or a motion with status `stall` if that comes late."""
     for count in (50, 500):
         motion = simulate(escapement, engagements=count, duration=None, **settings)
-        if motion.status is not Status.OK:
+        if motion.outcome is not Status.OK:
             return motion
     return replace(motion, status=Status.STALL, message=MESSAGES[Status.STALL])

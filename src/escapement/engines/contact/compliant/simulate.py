@@ -152,7 +152,7 @@ def simulate(
     end = math.inf if duration is None else duration / escapement.time_unit
     rows, why = march.go(LONGEST if engagements is None else engagements, end)
     motion = march.motion(rows, why, rtol)
-    if duration is not None and motion.status is Status.OK:
+    if duration is not None and motion.outcome is Status.OK:
         if march.clock["time"][0] < end:
             raise InvalidValue(
                 f"duration must be of at most {LONGEST} engagements with stiffness, got "

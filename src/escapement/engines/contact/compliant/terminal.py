@@ -27,9 +27,11 @@ from escapement.dynamics.law import is_lossless
 from escapement.dynamics.merit_table import TRANSIENT
 from escapement.dynamics.motion import Motion
 from escapement.dynamics.painleve import friction_limits
+from escapement.dynamics.train_losses import is_lossy
 from escapement.engines.contact.compliant.law import STATE
 from escapement.engines.contact.compliant.simulate import MOST_TRIES, March, simulate
 from escapement.model.escapement import Escapement
+from escapement.numerics.jit import as_python
 
 SETTLE = 60
 """A motion that does not repeat itself after so many engagements is assumed never to do so."""
@@ -61,7 +63,7 @@ class _Cycle:
         march = self.march
         march.set_back()
         motion = march.motion(*march.go(1), self.asked)
-        if motion.status is not Status.OK:
+        if motion.outcome is not Status.OK:
             return _Passed(motion, {})
         figures = read_cycle(motion, Figures())
         names = ("period", "velocity_max", "velocity_min", "handoff_velocity")
@@ -77,7 +79,9 @@ def terminal(
 ) -> Figures:
     """Figures of merit with compliant contact; see `escapement.terminal`."""
     cycle = _Cycle(escapement, initial_speed, rtol)
-    lossless = is_lossless(escapement.scene) and escapement.scene.dwell == 0.0
+    # between walls that yield a body may turn back, and then any train with an efficiency loses
+    scene = escapement.scene
+    lossless = is_lossless(scene) and scene.dwell == 0.0 and not as_python(is_lossy)(scene)
     joint = cycle.march.joint
     if lossless and joint.damping == 0.0 and not joint.hertz:
         status = Status.NO_TERMINAL
@@ -87,8 +91,8 @@ def terminal(
     last: dict[str, float] = {}
     for count in range(SETTLE):
         passed = cycle.engage()
-        if passed.motion.status is not Status.OK:
-            return replace(base, status=passed.motion.status, message=passed.motion.message)
+        if passed.motion.outcome is not Status.OK:
+            return replace(base, status=passed.motion.outcome, message=passed.motion.message)
         numbers = passed.numbers
         # if the mechanism jams, the least speed is almost zero and says little by itself
         scales = {"velocity_min": numbers["velocity_max"]}
@@ -147,11 +151,11 @@ def _spread(cycle: _Cycle, base: Figures) -> Figures:
     passed: list[_Passed] = []
     while len(passed) < SAMPLE:
         one = cycle.engage()
-        if one.motion.status is not Status.OK:
-            if one.motion.status is Status.NOT_CONVERGED and len(passed) >= 2 * BATCHES:
+        if one.motion.outcome is not Status.OK:
+            if one.motion.outcome is Status.NOT_CONVERGED and len(passed) >= 2 * BATCHES:
                 # the steps are used up, and these engagements are enough
                 break
-            return replace(base, status=one.motion.status, message=one.motion.message)
+            return replace(base, status=one.motion.outcome, message=one.motion.message)
         passed.append(one)
     count, last = len(passed) // BATCHES * BATCHES, passed[-1].motion
     rows = [one.numbers for one in passed[:count]]
