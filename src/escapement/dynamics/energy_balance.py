@@ -57,18 +57,18 @@ class JudgedResult:
 
     def add_notes(self, *notes: str | None) -> None:
         """Add what a user should know to the message."""
-        said = [vars(self)["message"], *notes]
-        if said[0] == MESSAGES[Status.OK] and any(notes):
-            said = said[1:]
-        vars(self)["message"] = "; ".join(filter(None, said))
+        if any(notes):
+            own = vars(self)["message"]
+            said = (own if own != MESSAGES[Status.OK] else None, *notes)
+            vars(self)["message"] = "; ".join(filter(None, said))
 
     def judge(self) -> None:
         """Decide on the status by the energy balance, once."""
         if self.judged:
             return
         vars(self)["judged"] = True
-        if not self.outcome.failed:
-            self.judge_by(self._residual())
+        if not self.outcome.failed and (residual := self._residual()) != 0.0:
+            self.judge_by(residual)
 
     def judge_by(self, residual: float) -> None:
         """Change the status if this residual of the energy balance shows a wrong motion."""
