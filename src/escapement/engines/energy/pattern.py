@@ -58,7 +58,7 @@ class Case(NamedTuple):
     slopes, gains : of the map w_out = exp(slope - exponent) w_in + gain source of each.
     """
 
-    addresses: tuple[int, int]
+    addresses: np.ndarray
     shared: Any
     none: Any
     meetings: Any

@@ -30,6 +30,7 @@ from escapement.engines.contact.rigid.walls import next_break, wall_scene
 from escapement.mechanisms.slotted import pose_at
 from escapement.numerics.gauss import POINTS, N, root_between, to_powers
 from escapement.numerics.jit import inner_jit
+from escapement.numerics.records import record_dtype
 
 DONE, OVER, STALL, SPENT, JAM, BACKS_OUT, UNDRIVEN, RESTLESS, TOO_LONG, RUNNING = range(10)
 """How an engagement ends: at the handoff; after the time asked for; because the drive stalls or the
@@ -49,14 +50,14 @@ MOST_TURNS = 1000
 MOST_EXTREMA = 4
 """Greatest number of extrema of the speed in one panel."""
 
-ROW = np.dtype(
-    [
-        *(("kind", np.int64), ("wall", np.float64), ("time", np.float64)),
-        *((name, np.float64) for name in ("theta", "speed", "phi", "turning")),
-        # `before` is the speed before a blow, and of an extremum 1 for a maximum, else 0
-        *((name, np.float64) for name in ("before", "approach", "impulse", "energy")),
-    ]
-)
+ROW = record_dtype({
+    "kind": np.int64,
+    # `before` is the speed before a blow, and of an extremum 1 for a maximum, else 0
+    **dict.fromkeys(
+        ("wall", "time", "theta", "speed", "phi", "turning", "before", "approach", "impulse",
+         "energy"), np.float64,
+    ),
+})  # fmt: skip
 """A row of the record: the start of a piece, or an event."""
 
 

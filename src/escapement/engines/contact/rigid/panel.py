@@ -34,6 +34,7 @@ from escapement.numerics.gauss import (
     to_powers,
 )
 from escapement.numerics.jit import inner_jit
+from escapement.numerics.records import record_dtype
 
 _ROWS = (
     *("g", "u", "slope", "radius", "bend", "inverse", "pull", "decay", "gain", "b", "energy"),
@@ -45,7 +46,7 @@ W, SLOW, NET, PLACES, X, Q, Z = _ROWS[11:]
 accelerates the driver, SLOW is dt/dx and SLOPE the k of `dynamics`. X is s X; Q and Z are the
 torques through lossy trains, positive while the power flows the same way."""
 # fields of a record do not overlap, so that loops over them become vector code
-WORKSPACE = np.dtype([(name, np.float64, N) for name in _ROWS])
+WORKSPACE = record_dtype(dict.fromkeys(_ROWS, (np.float64, N)))
 GOES_ON, LIFTS, TURNS_BARREL, TURNS_LOAD, RESTS, STOPS, JAMS = range(7)
 """How a panel ends: while the contact lasts, at a lift-off, where power in the barrel's train
 or in that of the load turns back, where bodies that nothing drives count as at rest, where the
