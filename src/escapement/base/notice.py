@@ -15,20 +15,34 @@ class Notice:
 
     silent : whether it says nothing; the environment variable ESCAPEMENT_QUIET asks for that.
     lost : the folder in which compiled code cannot be kept, and why; told once.
-    spent : time that compiling took so far [s].
+    done, spent : functions compiled so far, and the time that it took [s].
     """
 
     def __init__(self) -> None:
         self.silent = bool(os.environ.get("ESCAPEMENT_QUIET"))
-        self._depth = self._done = 0
+        self._depth = self.done = 0
         self._start = self.spent = 0.0
-        self._told = False
+        self._told = self._told_python = False
         self.lost = ""
 
     @property
     def busy(self) -> bool:
         """Whether a kernel is being compiled."""
         return self._depth > 0
+
+    def interpret(self) -> None:
+        """The answer comes from Python source, since nothing is compiled yet."""
+        from multiprocessing import parent_process
+
+        if self.silent or self._told_python or parent_process() is not None:
+            return
+        self._told_python = True
+        with contextlib.suppress(AttributeError, OSError, ValueError):
+            print(
+                "escapement: not compiled yet, so that short work runs as plain Python; "
+                "'escapement compile' compiles all, once",
+                file=sys.stderr,
+            )
 
     def begin(self) -> None:
         """A kernel has to be compiled, and perhaps others for it."""
@@ -39,7 +53,7 @@ class Notice:
 
     def end(self) -> None:
         """It is compiled."""
-        self._depth, self._done = self._depth - 1, self._done + 1
+        self._depth, self.done = self._depth - 1, self.done + 1
         self.spent = time.monotonic() - self._start
         self._show()
 
@@ -61,7 +75,7 @@ class Notice:
             if sys.stderr.isatty():
                 self._told = True
                 columns = shutil.get_terminal_size().columns - 1
-                text += f": {self._done} functions, {time.monotonic() - self._start:.0f} s"
+                text += f": {self.done} functions, {time.monotonic() - self._start:.0f} s"
                 sys.stderr.write(f"\r{text * (self._depth > 0):{columns}.{columns}}\r")
                 sys.stderr.flush()
             elif not self._told:

@@ -19,6 +19,7 @@ from escapement.base.files import replace_file
 from escapement.base.text import as_json
 from escapement.benchmark.problems import PROBLEMS, MeasuredSolver, Problem, own_solvers
 from escapement.engines.solver import DEFAULT_RTOL
+from escapement.numerics.interpreted import compile_from_now_on
 from escapement.plots import save, style
 
 COMPARED_AT = 1e-10
@@ -120,6 +121,7 @@ def run(
     note : callable
         Called with a description of each measurement.
     """
+    compile_from_now_on()
     machine = benchmark.describe_machine(list(dict.fromkeys(each.family for each in further)))
     solvers = [each for each in own_solvers() if not quick or each.solver in QUICK_SOLVERS]
     solvers += further

@@ -6,7 +6,8 @@ that are not SI. Only the module of the command is imported, and it imports noth
 its arguments are parsed, so that help appears at once.
 
 Each command is a file of its name: `run`, `rundown`, `sweep`, `budget`, `design`, `explore`,
-`plot`, `mechanism`, `export`, `drive_torque`, `measure`, `reproduce` and `bench`. Read `run` as an
+`plot`, `mechanism`, `export`, `drive_torque`, `measure`, `reproduce`, `compile` and
+`bench`. Read `run` as an
 example.
 
 - `_arguments`: the parser, options that several commands share, and the objects they describe
@@ -40,6 +41,7 @@ COMMANDS = {
     "drive-torque": "torque and pin reversals at constant driver speed",
     "measure": "measured positions against theory, with statistics",
     "reproduce": "a source's printed numbers compared with computed ones",
+    "compile": "compile the numerical code, so that all later work begins at once",
     "bench": "run time against error of all engines",
 }
 

@@ -50,12 +50,12 @@ def _watch(command: str) -> None:
     if _over.wait(_PATIENCE):
         return
     from escapement.base import progress
-    from escapement.numerics import jit
+    from escapement.base.notice import notice
 
     interval = _REDRAW if _on_terminal() else _LINE - _PATIENCE
     while not _over.wait(interval):
         # compiling, and work that is counted, show themselves
-        if progress.active or jit.notice.busy:
+        if progress.active or notice.busy:
             continue
         what = f"{command}: {progress.stage}" if progress.stage else command
         with _drawing:

@@ -33,6 +33,7 @@ from escapement.mechanisms.path import OFFSET, PIN_RATE, Meeting, Path, PinNumbe
 from escapement.mechanisms.protocol import FloatArray
 from escapement.mechanisms.slotted import path_numbers, pose_at, slide_edges
 from escapement.numerics.jit import as_python, inner_jit, jit
+from escapement.numerics.records import record_dtype
 from escapement.numerics.roots import newton_in_bracket
 
 
@@ -49,22 +50,22 @@ class Handoff(IntEnum):
         return self.name.lower().replace("_", "-")
 
 
-MEETING = np.dtype((np.record, np.dtype([
-    ("pin_numbers", float, (len(PinNumbers._fields),)),  # of the path
-    ("edges", float, (4,)),  # of the scene, of which the first `used` are filled
-    ("used", np.int64),
-    ("dwell", float),  # driver angle from the exit to the start of the next engagement
-    ("late", float),  # psi
-    ("ahead", float),  # chi
+MEETING = record_dtype({
+    "pin_numbers": (float, (len(PinNumbers._fields),)),  # of the path
+    "edges": (float, (4,)),  # of the scene, of which the first `used` are filled
+    "used": np.int64,
+    "dwell": float,  # driver angle from the exit to the start of the next engagement
+    "late": float,  # psi
+    "ahead": float,  # chi
     # C = exp(i drift x) [long + short exp(i turn x)], counted in the sense `forward`
-    *[(name, float) for name in ("long", "short", "drift", "turn", "forward")],
-    ("entry", float),  # driver angles x at which g = 0
-    ("exit", float),
+    **dict.fromkeys(("long", "short", "drift", "turn", "forward"), float),
+    "entry": float,  # driver angles x at which g = 0
+    "exit": float,
     # its start: a `Handoff`, Gamma, and R
-    ("kind", np.int64),
-    ("jump", float),
-    ("radius", float),
-], align=True)))  # fmt: skip
+    "kind": np.int64,
+    "jump": float,
+    "radius": float,
+})  # fmt: skip
 """One engagement of a pattern. Angles in rad from where the pin crosses the line of centres,
 lengths in crank radii."""
 

@@ -13,48 +13,58 @@ import numba
 from numba.core import types
 from numba.extending import intrinsic
 
+from escapement.numerics.interpreted import in_both_forms
+
 
 def by_address(
     kernel: Any, index: int, arguments: tuple[Any, ...]
 ) -> tuple[Any, Callable[[], int]]:
-    """Make a call of a kernel whose address is handed over in a tuple of addresses.
+    """Make a call of a kernel whose address is handed over in an array of addresses.
 
     Parameters
     ----------
-    kernel : dispatcher
+    kernel : callable
         A kernel made by `jit` that neither raises nor allocates arrays.
     index : int
-        Index of its address in the tuple.
+        Index of its address in the array of addresses.
     arguments : tuple of Numba types
         Types of its arguments. A caller with other types does not compile.
 
     Returns
     -------
     call
-        For use in kernels: call(addresses, ...) gives what kernel(...) gives.
+        For use in kernels: call(addresses, ...) gives what kernel(...) gives, where `addresses`
+        is an array of int64.
     address
         Returns the kernel's address in this process; the first call compiles or loads it.
     """
+
+    def in_python(_addresses: Any, *given: Any) -> Any:
+        return kernel(*given)
+
     config: Any = numba.config
     if config.DISABLE_JIT:
-        return (lambda _addresses, *given: kernel(*given)), (lambda: 0)
+        return in_python, (lambda: 0)
+    dispatcher = getattr(kernel, "compiled", kernel)
 
     @cache
     def compiled() -> Any:
-        kernel.compile(arguments)
-        return kernel.overloads[arguments]
+        dispatcher.compile(arguments)
+        return dispatcher.overloads[arguments]
 
     @cache
     def address() -> int:
         code = compiled()
         return int(code.library.get_pointer_to_function(code.fndesc.llvm_func_name))
 
-    # the address is read from the tuple when the call runs, since it differs between processes
+    # the address is read from the array when the call runs, since it differs between processes
     def emit(context: Any, builder: Any, full: Any, values: Any) -> Any:
         addresses, given = values
         result = full.return_type
         pointer = context.call_conv.get_function_type(result, arguments).as_pointer()
-        function = builder.inttoptr(builder.extract_value(addresses, index), pointer)
+        held = context.make_array(full.args[0])(context, builder, addresses)
+        place = builder.gep(held.data, [context.get_constant(types.intp, index)])
+        function = builder.inttoptr(builder.load(place), pointer)
         row = [builder.extract_value(given, k) for k in range(len(arguments))]
         return context.call_conv.call_function(builder, function, result, arguments, row)[1]
 
@@ -65,4 +75,4 @@ def by_address(
         row = types.StarArgTuple.from_types(arguments)
         return compiled().signature.return_type(addresses, row), emit
 
-    return call, address
+    return in_both_forms(call, in_python), address

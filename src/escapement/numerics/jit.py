@@ -16,9 +16,17 @@ from pathlib import Path
 from typing import Any
 
 import numba
+from llvmlite.binding import get_host_cpu_name
 from numba.core.runtime import rtsys  # type: ignore[attr-defined]
+from numba.np.unsafe.ndarray import to_fixed_tuple
 
 from escapement.base.notice import notice
+from escapement.numerics.interpreted import (
+    Kernel,
+    begin_interpreted,
+    in_both_forms,
+    interprets,
+)
 
 _IMPORT = re.compile(rb"^(?:from|import) +([\w.]+)(?: +import +(\([^)]*\)|[^\n]*))?", re.MULTILINE)
 
@@ -78,6 +86,33 @@ def _cache_directory() -> str | None:
     except OSError as error:
         notice.lost = f"{usual / 'escapement'} ({error.strerror})"
         return None
+
+
+def _all_compiled() -> Path | None:
+    """File that says that all kernels are compiled for this processor; None without a cache."""
+    folder = _cache_directory()
+    config: Any = numba.config
+    return Path(folder, f"{config.CPU_NAME or get_host_cpu_name()}.complete") if folder else None
+
+
+def note_all_compiled() -> None:
+    """Later processes shall use compiled kernels from their start."""
+    mark = _all_compiled()
+    if mark is not None:
+        with contextlib.suppress(OSError):
+            mark.touch()
+
+
+def _choose() -> None:
+    """Begin with Python source where compiled kernels are missing.
+
+    The environment variable ESCAPEMENT_COMPILE asks for compiling at once.
+    """
+    if numba.config.DISABLE_JIT:  # type: ignore[attr-defined]
+        return
+    mark = _all_compiled()
+    if not os.environ.get("ESCAPEMENT_COMPILE") and (mark is None or not mark.exists()):
+        begin_interpreted()
 
 
 def _watch_cache(dispatcher: Any) -> None:
@@ -154,8 +189,12 @@ def jit(function: Any = None, **traits: bool) -> Any:
     finally:
         config.CACHE_DIR = previous
     _watch_cache(dispatcher)
-    return dispatcher
+    return Kernel(dispatcher, function) if interprets() else dispatcher
 
+
+_choose()
+row_tuple = in_both_forms(to_fixed_tuple, lambda row, count: tuple(row[:count].tolist()))
+"""The first numbers of an array as a tuple; their count is a constant."""
 
 inner_jit = partial(jit, inner=True)
 """`jit` of a kernel that is called by kernels alone."""

@@ -19,6 +19,7 @@ from escapement.base.files import AnyPath
 from escapement.base.progress import Progress
 from escapement.engines.solver import Solver, choose_solver
 from escapement.model.escapement import Escapement
+from escapement.numerics.interpreted import compile_from_now_on
 from escapement.study import scenes, tables
 from escapement.study.block import Block, Tiling, blocks_of, encode_block
 from escapement.study.parse import plan_from
@@ -219,6 +220,7 @@ def _run(
     workers, scheduler = options.get("workers", 1), options.get("scheduler")
     here = scheduler is None or not study.missing
     pool = in_threads(workers) if here else in_cluster(scheduler, workers)
+    compile_from_now_on()
     done, failed, told = study.resumed, study.failed, options.get("progress")
     shown = nullcontext(told) if callable(told) else Progress(quiet=not told)
     with pool as solvers, shown as report:

@@ -3,7 +3,6 @@
 from dataclasses import replace
 
 import numpy as np
-from numba.np.unsafe.ndarray import to_fixed_tuple
 
 from escapement.dynamics.law import scene_of
 from escapement.dynamics.painleve import beyond_painleve
@@ -16,7 +15,7 @@ from escapement.mechanisms.path import smooth_intervals, writeable
 from escapement.mechanisms.protocol import FloatArray, Mechanism, dwell_angle
 from escapement.mechanisms.slotted import slide_edges
 from escapement.model.scene import Scene
-from escapement.numerics.jit import jit
+from escapement.numerics.jit import jit, row_tuple
 
 FIXED = Scene._fields.index("rho")
 """Fields of a scene that all scenes of a mechanism share; those behind them are numbers."""
@@ -42,7 +41,7 @@ def solve_rows(addresses, scene_tuple, cells, none, numbers, rtol, extent, table
     shared = scene_of(scene_tuple)
     store, events, handoffs, rows = workspace(shared.edges)
     for i in range(status.size):
-        own = to_fixed_tuple(numbers[i], _NUMBERS)
+        own = row_tuple(numbers[i], _NUMBERS)
         drive = (shared.torque, shared.turned)
         scene, known = Scene(shared.path, shared.edges, shared.dwell, *drive, *own), cells
         if scene.pin > 0.0:

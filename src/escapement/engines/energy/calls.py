@@ -21,6 +21,7 @@ from escapement.mechanisms.protocol import FloatArray
 from escapement.model.escapement import Escapement
 from escapement.model.scene import Scene, scene_tuple
 from escapement.numerics.by_address import by_address
+from escapement.numerics.interpreted import when_compiled
 from escapement.numerics.jit import inner_jit
 
 _KEY = "energy.cells"
@@ -34,7 +35,7 @@ class MarchInputs(NamedTuple):
     store, events : memory that the marches fill, a `Store` and an array of `EVENT`.
     """
 
-    addresses: tuple[int, int]
+    addresses: np.ndarray
     scene: Scene
     cells: Any
     store: Store
@@ -66,13 +67,24 @@ def march_case(case, count, request, w, rising, first):
     )  # fmt: skip
 
 
+_ADDRESSES = np.zeros(2, dtype=np.int64)
+
+
+def _fill_addresses() -> None:
+    _ADDRESSES[:] = _march_address(), _refine_address()
+
+
 @cache
-def kernel_addresses() -> tuple[int, int]:
-    """Addresses of `march` and `refine` in this process, the first argument of their calls."""
-    return _march_address(), _refine_address()
+def kernel_addresses() -> np.ndarray:
+    """Addresses of `march` and `refine` in this process, the first argument of their calls.
+
+    They are 0 as long as kernels are not compiled.
+    """
+    when_compiled(_fill_addresses)
+    return _ADDRESSES
 
 
-def prepared(escapement: Escapement) -> tuple[Any, tuple[Any, ...], FloatArray]:
+def prepared(escapement: Escapement) -> tuple[np.ndarray, tuple[Any, ...], FloatArray]:
     """Addresses of the long kernels, scene as plain tuples, and cells of the mechanism.
 
     They are kept on the escapement, so that its next call does not tabulate the cells again.
@@ -81,5 +93,5 @@ def prepared(escapement: Escapement) -> tuple[Any, tuple[Any, ...], FloatArray]:
     if _KEY not in kept:
         scene = escapement.scene
         kept[_KEY] = kernel_addresses(), scene_tuple(scene), cells_of(scene.path, scene.edges)
-    result: tuple[Any, tuple[Any, ...], FloatArray] = kept[_KEY]
+    result: tuple[np.ndarray, tuple[Any, ...], FloatArray] = kept[_KEY]
     return result

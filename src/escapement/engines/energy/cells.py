@@ -7,12 +7,13 @@ of cell k.
 
 import numpy as np
 
-from escapement.engines.energy.panels import END, ROW, WORKSPACE, fill_end, record_dtype
+from escapement.engines.energy.panels import END, ROW, WORKSPACE, fill_end
 from escapement.mechanisms.path import Path
 from escapement.mechanisms.protocol import FloatArray
 from escapement.mechanisms.slotted import transmission_on
 from escapement.numerics.gauss import POINTS, N
 from escapement.numerics.jit import jit
+from escapement.numerics.records import record_dtype
 
 CELL = record_dtype({"g": ROW, "u": ROW, "dg": ROW, "radius": ROW, "entry": END, "exit": END})
 """g, u, g' and R at the Gauss points, and at the two ends of a cell."""

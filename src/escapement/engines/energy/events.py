@@ -18,13 +18,13 @@ from escapement.engines.energy.panels import (
     ROW,
     WHOLE,
     copy_row,
-    record_dtype,
     solution_of,
 )
 from escapement.engines.energy.sampling import duration, sample_panel
 from escapement.engines.energy.solve import solve_side
 from escapement.numerics.gauss import POINTS, N, cumulate, dot
 from escapement.numerics.jit import inner_jit
+from escapement.numerics.records import record_dtype
 
 EVENT = record_dtype(
     {

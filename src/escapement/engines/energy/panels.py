@@ -10,7 +10,7 @@ The panels of an engagement form a chain from left to right. The workspace is on
 the values that are needed on a single panel at a time.
 """
 
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -20,26 +20,11 @@ from escapement.dynamics.train_losses import is_lossy
 from escapement.mechanisms.slotted import pose_at, transmission_on
 from escapement.numerics.gauss import POINTS, N, tail_of
 from escapement.numerics.jit import inner_jit
+from escapement.numerics.records import record_dtype
 
 NUMBER, WHOLE, FLAG = np.float64, np.int64, np.bool_
 ROW = (NUMBER, (N,))
 """Type of a row: the values at the Gauss points."""
-
-
-def record_dtype(fields: dict[str, Any]) -> np.dtype:
-    """Type of a record whose fields are attributes, both in kernels and in plain Python.
-
-    Parameters
-    ----------
-    fields : dict
-        Name of each field and its type: a number, a row or another record.
-    """
-    # numbers lie at multiples of eight bytes, which a flag before them would otherwise prevent
-    plain = np.dtype(
-        [(name, *kind) if kind is ROW else (name, kind) for name, kind in fields.items()],
-        align=True,
-    )
-    return np.dtype((np.record, plain))
 
 
 END = record_dtype({**dict.fromkeys(("g", "u", "dg", "radius", "pull"), NUMBER)})

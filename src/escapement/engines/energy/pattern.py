@@ -59,7 +59,7 @@ class PatternInputs(NamedTuple):
     slopes, gains : of the map w_out = exp(slope - exponent) w_in + gain source of each.
     """
 
-    addresses: tuple[int, int]
+    addresses: np.ndarray
     shared: Scene
     none: Any
     meetings: Any

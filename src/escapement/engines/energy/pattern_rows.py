@@ -3,7 +3,6 @@
 from typing import Any
 
 import numpy as np
-from numba.np.unsafe.ndarray import to_fixed_tuple
 
 from escapement.base.status import Status
 from escapement.dynamics.figures_of_merit import RISE_BAND, SETTLING_BAND
@@ -44,7 +43,7 @@ from escapement.mechanisms.protocol import FloatArray
 from escapement.mechanisms.slotted import transmission_at
 from escapement.model.scene import Scene
 from escapement.numerics.gauss import N
-from escapement.numerics.jit import inner_jit, jit
+from escapement.numerics.jit import inner_jit, jit, row_tuple
 
 COLUMNS = (*cycle.COLUMNS, "beat_error", "blow_max")
 """Figures of merit that these kernels compute."""
@@ -84,7 +83,7 @@ def solve_patterns(
     torque, no_edges = np.array([0.0, 0.0, 1.0]), np.empty(0)
     for i in range(status.size):
         table[i, :] = np.nan
-        own = to_fixed_tuple(numbers[i], _NUMBERS)
+        own = row_tuple(numbers[i], _NUMBERS)
         shared = Scene(Path(path[0], path[1]), no_edges, 0.0, torque, 0.0, *own)
         if lay_pattern(arms, turns, longer[i], own[_PIN], pins[i], slots[i], meetings) != FITS:
             status[i] = _INVALID

@@ -20,7 +20,7 @@ from escapement.engines.energy.calls import march, refine
 from escapement.engines.energy.events import EVENT, NO_EVENTS
 from escapement.engines.energy.locate import invert
 from escapement.engines.energy.march import OK
-from escapement.engines.energy.panels import NUMBER, WHOLE, record_dtype
+from escapement.engines.energy.panels import NUMBER, WHOLE
 from escapement.engines.energy.passage import Detail, request_of
 from escapement.engines.energy.pattern import scene_in
 from escapement.engines.energy.peaks import raise_peaks
@@ -33,6 +33,7 @@ from escapement.model.scene import Scene
 from escapement.model.torque_curve import MOST_KNOTS
 from escapement.numerics.gauss import WEIGHTS, N, cumulate, dot
 from escapement.numerics.jit import inner_jit, jit
+from escapement.numerics.records import record_dtype
 
 MOTION_EVENT = record_dtype(
     {

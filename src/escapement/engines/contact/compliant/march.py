@@ -28,11 +28,12 @@ from escapement.engines.contact.compliant.slot import (
     touches,
 )
 from escapement.numerics.jit import inner_jit, jit
+from escapement.numerics.records import record_dtype
 
-CLOCK = np.dtype([
-    ("time", "f8"), ("step", "f8"), ("mode", "i8"), ("engagement", "i8"), ("touch", "f8"),
-    ("moved", "f8"), ("tries", "i8"),
-])  # fmt: skip
+CLOCK = record_dtype({
+    "time": float, "step": float, "mode": np.int64, "engagement": np.int64, "touch": float,
+    "moved": float, "tries": np.int64,
+})  # fmt: skip
 """What the next step needs in addition to the state. `moved` is the last time at which the
 mechanism was faster than the slip speed, `tries` the number of steps that were tried, those that
 locate an event included."""

@@ -18,6 +18,7 @@ from escapement.engines.contact.compliant.trajectory import CompliantTrajectory,
 from escapement.mechanisms.protocol import FloatArray
 from escapement.model.escapement import Escapement
 from escapement.model.scene import Joint
+from escapement.numerics.interpreted import compile_from_now_on
 
 LONGEST = 2000
 """Greatest number of engagements in one motion: each takes up to a megabyte."""
@@ -63,6 +64,7 @@ class March:
     """
 
     def __init__(self, escapement: Escapement, speed: float, rtol: float) -> None:
+        compile_from_now_on()  # even a short motion takes a million steps of a stiff equation
         self.escapement, self.rtol = escapement, rtol
         self.joint, scene = joint_of(escapement), escapement.scene
         self.state = np.zeros(STATE)

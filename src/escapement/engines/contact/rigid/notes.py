@@ -7,15 +7,16 @@ import numpy as np
 from escapement.dynamics.codes import Event
 from escapement.engines.contact.rigid.instant import instant_with
 from escapement.numerics.jit import inner_jit
+from escapement.numerics.records import record_dtype
 
-ROW = np.dtype((np.record, np.dtype([
-    ("kind", np.int64),  # an `Event`
-    ("wall", float),
-    ("time", float),
-    *[(name, float) for name in ("theta", "speed", "phi", "turning")],
+ROW = record_dtype({
+    "kind": np.int64,  # an `Event`
+    "wall": float,
+    "time": float,
+    **dict.fromkeys(("theta", "speed", "phi", "turning"), float),
     # of a blow: driver speed before it, speed of approach, impulse, and the energy that it takes
-    *[(name, float) for name in ("before", "approach", "impulse", "energy")],
-])))  # fmt: skip
+    **dict.fromkeys(("before", "approach", "impulse", "energy"), float),
+})  # fmt: skip
 """A row of the record: the start of a piece, or an event."""
 
 

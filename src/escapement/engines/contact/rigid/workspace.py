@@ -7,6 +7,7 @@ import numpy as np
 
 from escapement.numerics.gauss import POINTS, N
 from escapement.numerics.jit import inner_jit
+from escapement.numerics.records import record_dtype
 
 _PANEL = (
     # of the path at the points: g, u, k = g' + c_f g |g|, R and c = p - g; and 1/(rho + g^2)
@@ -26,10 +27,10 @@ bodies at rest, coefficients of a power series and of its slope, and the times a
 reaches the points."""
 _FLIGHT = ("driver_angle", "driver_speed", "follower_angle", "follower_speed")
 """Coefficients of Taylor series in time, from the constant one upwards."""
-WORKSPACE = np.dtype((np.record, [
-    *[(name, np.float64, N) for name in ("points", *_PANEL, *_SCRATCH, *_FLIGHT)],
-    ("count", np.int64),
-]))  # fmt: skip
+WORKSPACE = record_dtype({
+    **dict.fromkeys(("points", *_PANEL, *_SCRATCH, *_FLIGHT), (float, N)),
+    "count": np.int64,
+})  # fmt: skip
 """The rows by name. `points` are the Gauss points themselves, and `count` is their number, which
 the compiler does not know: see `numerics.gauss`. Fields of a record do not overlap, so that loops
 over them become vector code."""
