@@ -53,7 +53,7 @@ class EnergyTrajectory:
     initial_speed : driver speed at the first entry [rad/s].
     times, speeds : of the handoffs [s, rad/s]; each of the first `turns` starts an engagement.
     end_time : time at which the motion ends [s].
-    numbers : its engagements, ascending; all of them by default.
+    some : its engagements, ascending; all of them by default.
     """
 
     escapement: Escapement
@@ -63,18 +63,19 @@ class EnergyTrajectory:
     speeds: FloatArray
     turns: int
     end_time: float
-    numbers: Any = None
+    some: Any = None
 
-    def __post_init__(self) -> None:
-        if self.numbers is None:
-            self.numbers = np.arange(self.turns + 1)
+    @cached_property
+    def numbers(self) -> np.ndarray:
+        """Its engagements, ascending."""
+        return np.arange(self.turns + 1) if self.some is None else self.some
 
     def around(self, t: FloatArray) -> "EnergyTrajectory":
         """A trajectory of only the engagements that contain these times [s]."""
         if self.numbers.size <= _PART:
             return self
         held = np.searchsorted(self.times[: self.turns], t, side="right")
-        return replace(self, numbers=np.unique(held))
+        return replace(self, some=np.unique(held))
 
     def parts(self) -> "Iterator[tuple[EnergyTrajectory, slice]]":
         """Trajectories of some engagements each, one after the other, and which these are."""
@@ -83,7 +84,7 @@ class EnergyTrajectory:
             return
         for first in range(0, self.numbers.size, _PART):
             some = slice(first, first + _PART)
-            yield replace(self, numbers=self.numbers[some]), some
+            yield replace(self, some=self.numbers[some]), some
 
     def _entries(self, numbers: np.ndarray) -> tuple[FloatArray, FloatArray]:
         """Times [s] and speeds [rad/s] at the starts of engagements."""
