@@ -18,7 +18,7 @@ from numpy.typing import ArrayLike
 from escapement.base import validate
 from escapement.base.text import Shown
 from escapement.mechanisms import Geneva
-from escapement.mechanisms.path import Path
+from escapement.mechanisms.path import HALF_RATE, RATE_SUM, Path
 from escapement.mechanisms.protocol import FloatArray
 from escapement.mechanisms.slotted import transmission_at
 from escapement.numerics.jit import inner_jit, jit
@@ -190,20 +190,29 @@ def reversal_study(
     # F12 and F23 themselves belong to the zones without a second reversal
     late = np.where(ratio >= upper * (1.0 - _ROUNDING), 3, 2)
     zone = np.where(ratio <= lower * (1.0 + _ROUNDING), 1, late).astype(np.uint8)
-    found = np.full((4, n.size), np.nan)
+    reversals, top, at_top = np.full((n.size, 2), np.nan), np.empty(n.size), np.empty(n.size)
     every = which.flatten(), ratio.flatten(), zone.flatten()
-    _fill(np.array(paths, dtype=float, ndmin=2), *angles, *every, found)
+    _fill(np.array(paths, dtype=float, ndmin=2), *angles, *every, reversals, top, at_top)
     d, a = (factor[which] for factor in mean_factors(wheels, internal))
-    reversals, (top, place) = found[:2].T.reshape(*n.shape, 2), found[2:].reshape(2, *n.shape)
-    return ReversalStudy(n, ratio, zone, reversals, top, place, d * (1.0 + ratio * a))
+    return ReversalStudy(
+        slots=n, inertia_ratio=ratio, zone=zone, reversals=reversals.reshape(*n.shape, 2),
+        torque_max=top.reshape(n.shape), torque_max_angle=at_top.reshape(n.shape),
+        torque_mean=d * (1.0 + ratio * a),
+    )  # fmt: skip
 
 
 @jit
 def derivatives_at(path, theta):
     """(g, g', g'', g''') of a slotted path, from u' = a b - (a + b) g - u^2 + g^2."""
     g, u, dg = transmission_at(path, theta)
-    total = path.numbers[6] - 2.0 * g
-    du = 0.25 * path.numbers[6] ** 2 - path.numbers[0] ** 2 - path.numbers[6] * g - u * u + g * g
+    total = path.numbers[RATE_SUM] - 2.0 * g
+    du = (
+        0.25 * path.numbers[RATE_SUM] ** 2
+        - path.numbers[HALF_RATE] ** 2
+        - path.numbers[RATE_SUM] * g
+        - u * u
+        + g * g
+    )
     ddg, ddu = du * total - 2.0 * u * dg, -dg * total - 2.0 * u * du
     return g, dg, ddg, ddu * total - 4.0 * du * dg - 2.0 * u * ddg
 
@@ -226,22 +235,22 @@ def _root(path, ratio, low, high, rising, of_torque):
 
 
 @jit
-def _fill(paths, steepest, exits, wheel, ratio, zone, found):
+def _fill(paths, steepest, exits, wheel, ratio, zone, reversals, top, at_top):
     """Reversal angles and torque maxima of many wheels and inertia ratios.
 
     paths, steepest, exits hold one row a wheel: numbers of its path, angle of greatest
     deceleration and pin exit; wheel, ratio and zone, one entry a case, say which wheel, at what
-    F and in which zone. The rows of `found` are filled: two reversal angles, NaN where there
-    is none, and the greatest g (1 + F g') with its angle.
+    F and in which zone. Filled are the two reversal angles of each case, which are NaN
+    where there is none, the greatest g (1 + F g'), and its angle.
     """
     for i in range(ratio.size):
         k, f = wheel[i], ratio[i]
         path = Path(False, paths[k])
         # g' falls from dead centre to its least value and rises again towards the exit
         if zone[i] > 1:
-            found[0, i] = _root(path, f, 0.0, steepest[k], False, False)
+            reversals[i, 0] = _root(path, f, 0.0, steepest[k], False, False)
         if zone[i] == 2:
-            found[1, i] = _root(path, f, steepest[k], exits[k], True, False)
-        found[3, i] = _root(path, f, -exits[k], 0.0, False, True)
-        g, dg, _ddg, _dddg = derivatives_at(path, found[3, i])
-        found[2, i] = g * (1.0 + f * dg)
+            reversals[i, 1] = _root(path, f, steepest[k], exits[k], True, False)
+        at_top[i] = _root(path, f, -exits[k], 0.0, False, True)
+        g, dg, _ddg, _dddg = derivatives_at(path, at_top[i])
+        top[i] = g * (1.0 + f * dg)

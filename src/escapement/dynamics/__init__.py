@@ -2,6 +2,7 @@
 
 Read `law` first: it is the equation of motion.
 
+- `codes`: kinds of events, and how an engagement ends
 - `law`, `torque`, `train_losses`, `tables`: the equation, the torque of the drive, trains that
   lose power, and what kernels tabulate
 - `painleve`: the friction at which the equation loses its solution

@@ -15,12 +15,46 @@ else:
     np = Lazy("numpy")
 
 
+class PinNumbers(NamedTuple):
+    """The numbers of a pin path: of a pin that moves along C = P exp(i a theta) + Q exp(i b theta).
+
+    With h = (a - b) theta/2 and L = L0 + L1 sin^2 h, `slotted.pose_at` computes
+    g = (G0 + G1 sin^2 h)/L, u = U1 sin h cos h/L and R^2 = L from them.
+
+    half_rate : h/theta.
+    l0, l1, g0, g1, u1 : the coefficients above.
+    rate_sum : a + b, in the sense in which the follower turns.
+    exit : driver angle of the exit [rad] if g is zero there, otherwise 0.
+    g2 : G0 if `exit` is 0, otherwise 0.
+    pin_rate : b in the follower's sense, by which the pin's body turns per driver radian.
+    offset : distance of the slot's line from the follower's axis.
+    """
+
+    half_rate: float
+    l0: float
+    l1: float
+    g0: float
+    g1: float
+    u1: float
+    rate_sum: float
+    exit: float
+    g2: float
+    pin_rate: float
+    offset: float
+
+
+HALF_RATE, L0, L1, G0, G1, U1, RATE_SUM, EXIT, G2, PIN_RATE, OFFSET = range(len(PinNumbers._fields))
+"""Indices of `PinNumbers` in the array `Path.numbers`."""
+PIECES, TERMS, EDGES = range(3)
+"""Indices of a table's numbers: how many pieces and terms of a series there are; the first edge."""
+
+
 class Path(NamedTuple):
     """Flat numbers from which kernels evaluate the transmission of a mechanism.
 
     table : whether `numbers` tabulate g over the driver angle, as `mechanisms.table` makes
-        them; otherwise they describe the path of a pin in a slot, see `mechanisms.slotted`.
-    numbers : shape (n,), in the order that `mechanisms.table` or `mechanisms.slotted` defines.
+        them; otherwise they describe the path of a pin in a slot.
+    numbers : shape (n,): `PinNumbers`, or a table's numbers in the order of `mechanisms.table`.
     """
 
     table: bool
@@ -34,9 +68,9 @@ class Path(NamedTuple):
         among the breaks of its mechanism.
         """
         if not self.table:
-            return self.numbers[:0]
-        pieces, order = self.numbers[:2].astype(int)
-        return self.numbers[3 + pieces * (1 + order) :]
+            return np.empty(0)
+        pieces, terms = int(self.numbers[PIECES]), int(self.numbers[TERMS])
+        return self.numbers[EDGES + pieces + 1 + pieces * terms :]
 
 
 class Meeting(NamedTuple):

@@ -29,7 +29,7 @@ from functools import partial
 
 import numpy as np
 
-from escapement.mechanisms.path import Meeting, Path
+from escapement.mechanisms.path import OFFSET, PIN_RATE, Meeting, Path, PinNumbers
 from escapement.mechanisms.protocol import FloatArray
 from escapement.mechanisms.slotted import path_numbers, pose_at, slide_edges
 from escapement.numerics.jit import as_python, inner_jit, jit
@@ -50,7 +50,7 @@ class Handoff(IntEnum):
 
 
 MEETING = np.dtype((np.record, np.dtype([
-    ("numbers", float, (11,)),  # of the path
+    ("numbers", float, (len(PinNumbers._fields),)),  # of the path
     ("edges", float, (4,)),  # of the scene, of which the first `used` are filled
     ("used", np.int64),
     ("dwell", float),  # driver angle from the exit to the start of the next engagement
@@ -70,7 +70,7 @@ lengths in crank radii."""
 
 CLOSE = 1e-13
 """Angles that differ by less are the same [rad]: the parts may be perfect except for rounding."""
-FITS = np.int64(-1)
+FITS = -1
 
 
 @jit(allocates=True)
@@ -164,7 +164,7 @@ def turned_by(meeting, x):
     """Phi at the driver angle x, 0 at dead centre of perfect parts."""
     along = meeting.long + meeting.short * np.cos(meeting.turn * x)
     across = meeting.short * np.sin(meeting.turn * x)
-    offset = meeting.numbers[10]
+    offset = meeting.numbers[OFFSET]
     angle = meeting.forward * (meeting.drift * x + np.arctan2(across, along)) - meeting.ahead
     return angle - np.arcsin(offset / np.hypot(along, across)) if offset != 0.0 else angle
 
@@ -216,8 +216,8 @@ def _slides_back(meeting, pin):
         return False
     g, u, _dg, radius = pose_at(path_in(meeting), meeting.edges[0])
     # the follower rests at first, and has the speed g per driver radian at the end
-    at_rest = radius * u - g * meeting.numbers[10] - pin * meeting.numbers[9]
-    return at_rest * (radius * u + pin * (g - meeting.numbers[9])) < 0.0
+    at_rest = radius * u - g * meeting.numbers[OFFSET] - pin * meeting.numbers[PIN_RATE]
+    return at_rest * (radius * u + pin * (g - meeting.numbers[PIN_RATE])) < 0.0
 
 
 @inner_jit
@@ -261,8 +261,9 @@ def meetings_of(pattern: np.ndarray) -> tuple[Meeting, ...]:
     columns = zip(*(pattern[name].tolist() for name in names), strict=True)
     return tuple(
         Meeting(
-            Path(False, row["numbers"].copy()), row["edges"][:used].copy(), dwell, late,
-            partial(as_python(turned_by), row), Handoff(kind).label, jump, radius,
+            path=Path(False, row["numbers"].copy()), edges=row["edges"][:used].copy(), dwell=dwell,
+            late=late, turned=partial(as_python(turned_by), row), kind=Handoff(kind).label,
+            jump=jump, radius=radius,
         )
         for row, (used, dwell, late, kind, jump, radius) in zip(pattern, columns, strict=True)
     )  # fmt: skip

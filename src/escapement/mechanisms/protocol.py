@@ -87,5 +87,9 @@ def meetings_of(mechanism: Any) -> tuple[Meeting, ...]:
         return mechanism.meetings  # type: ignore[no-any-return]
     path, dwell = writeable(mechanism.path), dwell_angle(mechanism)
     edges = smooth_intervals(path, mechanism.breaks)
-    kind = "pick-up" if dwell > 0.0 else "overlap"
-    return (Meeting(path, edges, dwell, 0.0, mechanism.follower_angle, kind, 0.0, math.nan),)
+    return (
+        Meeting(
+            path=path, edges=edges, dwell=dwell, late=0.0, turned=mechanism.follower_angle,
+            kind="pick-up" if dwell > 0.0 else "overlap", jump=0.0, radius=math.nan,
+        ),
+    )  # fmt: skip

@@ -18,7 +18,21 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from escapement.mechanisms.path import Path
+from escapement.mechanisms.path import (
+    EXIT,
+    G0,
+    G1,
+    G2,
+    HALF_RATE,
+    L0,
+    L1,
+    OFFSET,
+    PIN_RATE,
+    RATE_SUM,
+    U1,
+    Path,
+    PinNumbers,
+)
 from escapement.mechanisms.protocol import FloatArray
 from escapement.mechanisms.table import ratio_at
 from escapement.numerics.gauss import BLOCK
@@ -33,8 +47,8 @@ def beside_axis(numbers, g, u, square):
     Given are g and u of a slot through the axis, and |C|^2. With q = C'/C and two rates a and b
     the slope of u is Re q' = a b - (a + b) g + g^2 - u^2.
     """
-    total, offset = numbers[6], numbers[10]
-    slope = 0.25 * total**2 - numbers[0] ** 2 - total * g + g * g - u * u
+    total, offset = numbers[RATE_SUM], numbers[OFFSET]
+    slope = 0.25 * total**2 - numbers[HALF_RATE] ** 2 - total * g + g * g - u * u
     radius = np.sqrt(square - offset * offset)
     slide = square * u / (radius * radius)
     dg = u * (total - 2.0 * g) + offset / radius * (slope - u * slide)
@@ -45,28 +59,29 @@ def beside_axis(numbers, g, u, square):
 def pose_at(path, theta):
     """Transmission (g, u, g') and distance R of the pin at one driver angle, from a path.
 
-    Of a pin path: (h/theta, L0, L1, G0, G1, U1, s, r, G2, beta, delta) with L = L0 + L1 sin^2 h,
-    g = (G0 + G1 sin^2 h)/L, u = U1 sin h cos h / L and g' = u (s - 2 g). Where g is zero
-    at pin entry -r and exit r, its numerator is G1 sin(h - h_r) sin(h + h_r), as accurate as the
-    distance from there; this matters most if the follower's inertia is many times the driver's.
-    Otherwise r is 0 and G2 = G0. The pin's body turns by beta per driver radian. R^2 = L, unless
-    the slot's line passes the follower's axis at the distance delta. For a table: g and g' from
-    its series; u = g, because the loss in gears is proportional to g, and R = 1.
+    Of a pin path, with its `PinNumbers`: L = L0 + L1 sin^2 h, g = (G0 + G1 sin^2 h)/L,
+    u = U1 sin h cos h/L, g' = u (a + b - 2 g) and R^2 = L, unless the slot's line passes the
+    follower's axis at a distance. Where g is zero at the exit r and at the entry -r, its numerator
+    is G1 sin(h - h_r) sin(h + h_r), as accurate as the distance from there; this matters most if
+    the follower's inertia is many times the driver's. Otherwise r is 0 and G2 = G0.
+
+    Of a table: g and g' from its series; u = g, because the loss in gears is proportional to g,
+    and R = 1.
     """
     c = path.numbers
     if path.table:
         g, dg = ratio_at(c, theta)
         return g, g, dg, 1.0
-    half = c[0] * theta
+    half = c[HALF_RATE] * theta
     sine = np.sin(half)
     square = sine * sine
-    length = c[1] + c[2] * square
-    before, behind = c[0] * (theta - c[7]), c[0] * (theta + c[7])
-    g = (c[8] + c[4] * (np.sin(before) * np.sin(behind))) / length
-    u = c[5] * sine * np.cos(half) / length
-    if c[10] != 0.0:
+    length = c[L0] + c[L1] * square
+    before, behind = c[HALF_RATE] * (theta - c[EXIT]), c[HALF_RATE] * (theta + c[EXIT])
+    g = (c[G2] + c[G1] * (np.sin(before) * np.sin(behind))) / length
+    u = c[U1] * sine * np.cos(half) / length
+    if c[OFFSET] != 0.0:
         return beside_axis(c, g, u, length)
-    return g, u, u * (c[6] - 2.0 * g), np.sqrt(length)
+    return g, u, u * (c[RATE_SUM] - 2.0 * g), np.sqrt(length)
 
 
 @jit
@@ -86,18 +101,18 @@ def slide_change(path, pin, side, entry, exit_):
     """
     c = path.numbers
     low, high, theta = entry, exit_, 0.0
-    product = 0.25 * c[6] ** 2 - c[0] ** 2
+    product = 0.25 * c[RATE_SUM] ** 2 - c[HALF_RATE] ** 2
     g, u, _dg, radius = pose_at(path, entry)
-    at_entry = radius * u + side * pin * (g - c[9])
+    at_entry = radius * u + side * pin * (g - c[PIN_RATE])
     g, u, _dg, radius = pose_at(path, exit_)
-    at_exit = radius * u + side * pin * (g - c[9])
+    at_exit = radius * u + side * pin * (g - c[PIN_RATE])
     if not at_entry * at_exit < 0.0:
         return np.nan
     for _ in range(100):
         g, u, dg, radius = pose_at(path, theta)
-        value = radius * u + side * pin * (g - c[9])
+        value = radius * u + side * pin * (g - c[PIN_RATE])
         # V' = Re C''/C R, of a path with two rates a and b
-        slope = radius * (product - c[6] * g + g * g) + side * pin * dg
+        slope = radius * (product - c[RATE_SUM] * g + g * g) + side * pin * dg
         guess, low, high = newton_in_bracket(theta, value, slope, low, high, at_exit > 0.0)
         step = abs(guess - theta)
         theta = guess
@@ -133,11 +148,11 @@ def circle(path):
     numbers of the path would give this as a difference without valid digits.
     """
     c = path.numbers
-    first = c[3] / c[1]
-    if c[7] > 0.0:
-        slide = transmission_at(path, c[7])[1]
+    first = c[G0] / c[L0]
+    if c[EXIT] > 0.0:
+        slide = transmission_at(path, c[EXIT])[1]
         return first, -slide * slide / first
-    return first, (c[3] + c[4]) / (c[1] + c[2])
+    return first, (c[G0] + c[G1]) / (c[L0] + c[L1])
 
 
 @inner_jit
@@ -150,19 +165,22 @@ def transmission_on(path, left, half, points, count, g, u, dg, radius):
     the addition theorem.
     """
     c = path.numbers
-    step = c[0] * half
+    step = c[HALF_RATE] * half
     if path.table or abs(step) > 0.75:
         for i in range(BLOCK):
             theta = left + half * (1.0 + points[i])
             g[i], u[i], dg[i], radius[i] = pose_at(path, theta)
         return
-    middle = c[0] * (left + half)
+    middle = c[HALF_RATE] * (left + half)
     sine_m, cosine_m = np.sin(middle), np.cos(middle)
     # the distance to an exit next to `left` is exact; the angle of the middle is not
-    before, behind = c[0] * ((left - c[7]) + half), c[0] * ((left + c[7]) + half)
+    before, behind = (
+        c[HALF_RATE] * ((left - c[EXIT]) + half),
+        c[HALF_RATE] * ((left + c[EXIT]) + half),
+    )
     sine_b, cosine_b = np.sin(before), np.cos(before)
     sine_a, cosine_a = np.sin(behind), np.cos(behind)
-    l0, l1, g1, u1, total, g2 = c[1], c[2], c[4], c[5], c[6], c[8]
+    l0, l1, g1, u1, total, g2 = c[L0], c[L1], c[G1], c[U1], c[RATE_SUM], c[G2]
     for i in range(count & BLOCK):
         d = step * points[i]
         z = d * d
@@ -183,7 +201,7 @@ def transmission_on(path, left, half, points, count, g, u, dg, radius):
         slide = u1 * sine * cosine * inverse
         g[i], u[i], dg[i] = ratio, slide, slide * (total - 2.0 * ratio)
         radius[i] = np.sqrt(length)
-    if c[10] != 0.0:
+    if c[OFFSET] != 0.0:
         for i in range(count & BLOCK):
             pose = beside_axis(c, g[i], u[i], radius[i] * radius[i])
             g[i], u[i], dg[i], radius[i] = pose
@@ -228,7 +246,7 @@ def two_vector_path(
     Returns
     -------
     Path
-        With the eleven numbers that `pose_at` reads.
+        With the `PinNumbers` that `pose_at` reads.
     """
     numbers = as_python(path_numbers)(p, a, q, b, forward, rest, 0.0)
     return Path(False, np.array(numbers))
@@ -236,13 +254,14 @@ def two_vector_path(
 
 @inner_jit
 def path_numbers(p, a, q, b, forward, rest, offset):
-    """The numbers that `pose_at` reads; see `two_vector_path`, and `beside_axis` for `offset`."""
+    """`PinNumbers` of the arguments of `two_vector_path` and a slot's offset, see `beside_axis`."""
     total, product = p + q, p * q
-    turned, bent = forward * total * (a * p + b * q), -2.0 * forward * product * (a + b)
-    slide, second = -2.0 * product * (a - b), forward * (a + b)
-    return (
-        (a - b) / 2.0, total * total, -4.0 * product, turned, bent, slide, second, rest,
-        0.0 if rest else turned, forward * b, offset,
+    ratio = forward * total * (a * p + b * q)
+    return PinNumbers(
+        half_rate=(a - b) / 2.0, l0=total * total, l1=-4.0 * product, g0=ratio,
+        g1=-2.0 * forward * product * (a + b), u1=-2.0 * product * (a - b),
+        rate_sum=forward * (a + b), exit=rest, g2=0.0 if rest else ratio, pin_rate=forward * b,
+        offset=offset,
     )  # fmt: skip
 
 
@@ -257,8 +276,10 @@ def transmission(path: Path, theta: ArrayLike) -> Transmission:
 
 def jerk(path: Path, found: Transmission) -> FloatArray:
     """g'' where the transmission is known: q' = a b + i (a + b) q - q^2 and g' = u (a+b-2g)."""
-    total = path.numbers[6]
-    slope = 0.25 * total**2 - path.numbers[0] ** 2 - total * found.g - found.u**2 + found.g**2
+    total = path.numbers[RATE_SUM]
+    slope = (
+        0.25 * total**2 - path.numbers[HALF_RATE] ** 2 - total * found.g - found.u**2 + found.g**2
+    )
     result: FloatArray = slope * (total - 2.0 * found.g) - 2.0 * found.u * found.dg
     return result
 
@@ -268,6 +289,6 @@ def radius(path: Path, theta: ArrayLike) -> FloatArray:
     if path.table:
         return np.full(np.shape(theta), np.nan)
     c = path.numbers
-    sine = np.sin(c[0] * np.asarray(theta, dtype=float))
-    result: FloatArray = np.sqrt(c[1] + c[2] * sine * sine)
+    sine = np.sin(c[HALF_RATE] * np.asarray(theta, dtype=float))
+    result: FloatArray = np.sqrt(c[L0] + c[L1] * sine * sine)
     return result

@@ -26,7 +26,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from escapement.base.errors import InvalidValue
-from escapement.mechanisms.path import Path
+from escapement.mechanisms.path import EDGES, PIECES, TERMS, Path
 from escapement.mechanisms.protocol import FloatArray
 from escapement.numerics.chebyshev import Series, fit, interpolate, nodes
 from escapement.numerics.jit import inner_jit
@@ -47,18 +47,18 @@ _RIDGE = 1e-13
 @inner_jit
 def ratio_at(numbers, theta):
     """g and g' of a table at one driver angle; beyond its ends the last piece goes on."""
-    pieces, order = int(numbers[0]), int(numbers[1])
+    pieces, order = int(numbers[PIECES]), int(numbers[TERMS])
     low, high = 0, pieces
     while high - low > 1:
         middle = (low + high) // 2
-        if theta >= numbers[2 + middle]:
+        if theta >= numbers[EDGES + middle]:
             low = middle
         else:
             high = middle
-    left, right = numbers[2 + low], numbers[3 + low]
+    left, right = numbers[EDGES + low], numbers[EDGES + low + 1]
     scale = 2.0 / (right - left)
     x = (theta - left) * scale - 1.0
-    first = 3 + pieces + low * order
+    first = EDGES + pieces + 1 + low * order
     # Clenshaw's recurrence, and its derivative
     b1, b2, d1, d2 = 0.0, 0.0, 0.0, 0.0
     for k in range(order - 1, 0, -1):

@@ -22,6 +22,7 @@ from escapement.base.errors import InvalidValue
 from escapement.mechanisms import GearDriven, Geneva
 from escapement.mechanisms.gear_equation import COGNATES
 from escapement.mechanisms.kind import Wheel
+from escapement.mechanisms.path import RATE_SUM
 from escapement.mechanisms.protocol import FloatArray, checked
 from escapement.mechanisms.slotted import circle
 
@@ -130,7 +131,7 @@ def motion_peaks(mechanism: GearDriven | Geneva) -> MotionPeaks:
     _check(mechanism, *_SLOTTED)
     path, g = mechanism.path, Polynomial([0.0, 1.0])
     first, second = circle(path)  # u vanishes at these g, the first of which is dead centre
-    slope, product = path.numbers[6] - 2.0 * g, (first - g) * (g - second)
+    slope, product = path.numbers[RATE_SUM] - 2.0 * g, (first - g) * (g - second)
     squared = product * slope**2
     jerk = slope * (slope * (first + second - 2.0 * g) / 2.0 - 2.0 * product)
     angle, step = mechanism.engagement_angle, mechanism.follower_step

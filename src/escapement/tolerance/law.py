@@ -16,7 +16,7 @@ from numpy.polynomial.chebyshev import chebder, chebval
 from escapement.dynamics import law as dynamics
 from escapement.mechanisms import slotted
 from escapement.mechanisms.checks import LENGTHS
-from escapement.mechanisms.path import Path
+from escapement.mechanisms.path import EDGES, PIECES, TERMS, Path
 from escapement.model.escapement import Escapement
 from escapement.model.natural import natural
 from escapement.model.numbers import error_names, full_torque
@@ -193,9 +193,9 @@ def _pose(path: Path, angle: Dual) -> Any:
     if not path.table:
         return _slotted["pose_at"](path, angle)
     # the angles may lie in several pieces of a table, and its slopes are series too
-    pieces, order = path.numbers[:2].astype(int)
-    edges = path.numbers[2 : 3 + pieces]
-    series = path.numbers[3 + pieces :][: pieces * order].reshape(pieces, order)
+    pieces, terms = int(path.numbers[PIECES]), int(path.numbers[TERMS])
+    edges, rest = np.split(path.numbers[EDGES:], [pieces + 1])
+    series = rest[: pieces * terms].reshape(pieces, terms)
     place = np.clip(np.searchsorted(edges, angle.value, side="right") - 1, 0, pieces - 1)
     scale = 2.0 / (edges[place + 1] - edges[place])
     x = (angle.value - edges[place]) * scale - 1.0

@@ -10,11 +10,12 @@ from typing import NamedTuple
 
 import numpy as np
 
+from escapement.dynamics.codes import is_extremum
 from escapement.dynamics.figures_of_merit import BOUNDLESS, MAX_ENGAGEMENTS
 from escapement.dynamics.law import is_drag_free
 from escapement.dynamics.train_losses import is_lossy
 from escapement.engines.energy.calls import march_case, refine
-from escapement.engines.energy.events import ROUGH_ERROR, has_reversal, is_extremum
+from escapement.engines.energy.events import ROUGH_ERROR, has_reversal
 from escapement.engines.energy.march import NO_TERMINAL, NOT_CONVERGED, OK, STALL
 from escapement.engines.energy.panels import NO_PANELS, tolerances
 from escapement.engines.energy.passage import Detail, Request
@@ -181,7 +182,7 @@ def _read(case, first, found, w, step, out):
     fast, slow = max(w, found.w), min(w, found.w)
     for i in range(first, found.used):
         event = case.events[i]
-        if not is_extremum(event):
+        if not is_extremum(event.kind):
             continue
         # only an extremum that may be the greatest or the least has to be exact
         if not slow * (1.0 + ROUGH_ERROR) < event.w < fast * (1.0 - ROUGH_ERROR):

@@ -4,10 +4,9 @@ An extremum is noted together with the values at the points of its panel. Its ro
 at once; `refine` makes it exact, which is not needed for most extrema of a transient.
 """
 
-from enum import IntEnum
-
 import numpy as np
 
+from escapement.dynamics.codes import Event
 from escapement.dynamics.law import bent_pose, net_torque, reduced_inertia, root_of
 from escapement.dynamics.torque import torque_at
 from escapement.dynamics.train_losses import in_flow, is_lossy
@@ -27,21 +26,9 @@ from escapement.engines.energy.solve import solve_side
 from escapement.numerics.gauss import POINTS, N, cumulate, dot
 from escapement.numerics.jit import inner_jit
 
-
-class EventKind(IntEnum):
-    """Kinds of events; a march notes all but the entry, which `pieces.events_of` adds."""
-
-    REVERSAL = 0
-    MINIMUM = 1
-    MAXIMUM = 2
-    BREAK = 3
-    ENTRY = 4
-    EXIT = 5
-
-
 EVENT = record_dtype(
     {
-        "kind": WHOLE,
+        "kind": WHOLE,  # an `Event`, but no entry, which `pieces.events_of` adds
         # the driver angle and the time since the entry; of an extremum that is not exact yet
         # these are those of the left end of its panel
         **dict.fromkeys(("angle", "time"), NUMBER),
@@ -78,15 +65,9 @@ def most_events(edges):
 
 
 @inner_jit
-def is_extremum(event):
-    """Whether an event is an extremum of the driver speed."""
-    return EventKind.MINIMUM <= event.kind <= EventKind.MAXIMUM
-
-
-@inner_jit
 def extremum_kind(rising):
     """Kind of the extremum that follows where the speed rises (`rising` > 0) or falls."""
-    return np.int64(EventKind.MAXIMUM if rising > 0.0 else EventKind.MINIMUM)
+    return Event.MAXIMUM if rising > 0.0 else Event.MINIMUM
 
 
 @inner_jit
@@ -207,5 +188,5 @@ def has_reversal(events, first, used):
     """Whether there is a pin reversal among the events from row `first` to before `used`."""
     count = 0
     for i in range(first, used):
-        count += events[i].kind == EventKind.REVERSAL
+        count += events[i].kind == Event.REVERSAL
     return count > 0

@@ -4,6 +4,7 @@ from enum import IntEnum
 
 import numpy as np
 
+from escapement.dynamics.codes import Event, is_extremum
 from escapement.dynamics.figures_of_merit import (
     FALL_63,
     FALL_98,
@@ -20,9 +21,7 @@ from escapement.engines.energy.events import (
     EVENT,
     NO_EVENTS,
     ROUGH_ERROR,
-    EventKind,
     has_reversal,
-    is_extremum,
     most_events,
 )
 from escapement.engines.energy.leap import GENTLE, GOALS, ROWS, Leap, is_gentle, is_worth_it, leap
@@ -213,9 +212,9 @@ def _in_band(case, request, w, rising, band, every, out):
     inside = outside = 0
     for i in range(found.used):
         event = case.events[i]
-        if is_extremum(event) and (event.outermost or not every):
+        if is_extremum(event.kind) and (event.outermost or not every):
             refine(case.addresses, case.scene, case.store, case.events, i)
-            top = event.kind == EventKind.MAXIMUM
+            top = event.kind == Event.MAXIMUM
             error = abs(np.sqrt(event.w) / out[cycle.V_MAX if top else cycle.V_MIN] - 1.0)
             inside, outside = inside + (error <= band), outside + (error > band)
     return inside > 0 and (outside == 0 or not every)
@@ -300,7 +299,7 @@ def _mark_extrema(case, first, used, time):
     """Mark the extrema of an engagement with its start time, and the outermost of each kind."""
     events = case.events
     for i in range(first, used):
-        if is_extremum(events[i]):
+        if is_extremum(events[i].kind):
             events[i].engagement_start = time
             events[i].outermost = _is_outermost(case, first, used, i)
 
@@ -318,7 +317,7 @@ def _is_outermost(case, first, used, i):
             refine(case.addresses, case.scene, case.store, case.events, i)
             refine(case.addresses, case.scene, case.store, case.events, j)
         further = other.w > event.w
-        if further == (event.kind == EventKind.MAXIMUM) and other.w != event.w:
+        if further == (event.kind == Event.MAXIMUM) and other.w != event.w:
             return False
     return True
 
@@ -332,7 +331,7 @@ def _judge(case, first, used, in_band, out):
     first, were within the settling band.
     """
     for i in range(first, used):
-        if is_extremum(case.events[i]):
+        if is_extremum(case.events[i].kind):
             in_band = _judge_one(case, i, in_band, out)
     return in_band
 
@@ -341,7 +340,7 @@ def _judge(case, first, used, in_band, out):
 def _judge_one(case, i, in_band, out):
     """Compare extremum i with the terminal cycle; returns the new `in_band`."""
     event = case.events[i]
-    final = out[cycle.V_MAX] if event.kind == EventKind.MAXIMUM else out[cycle.V_MIN]
+    final = out[cycle.V_MAX] if event.kind == Event.MAXIMUM else out[cycle.V_MIN]
     error = abs(np.sqrt(event.w) / final - 1.0)
     # the relative error of a speed is half of that of w
     unsure = 0.5 * ROUGH_ERROR

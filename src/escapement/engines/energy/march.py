@@ -13,16 +13,12 @@ and `_advance`. `_pass_over`, `_check` and `_note_inside` may find that it must 
 import numpy as np
 
 from escapement.base.status import Status
+from escapement.dynamics.codes import Event
 from escapement.dynamics.law import drive_sign, is_drag_free, is_viscous, side_at
 from escapement.dynamics.torque import REST, has_knot, is_held, is_undriven
 from escapement.dynamics.train_losses import flowing, is_lossy
 from escapement.engines.energy import locate, panels, sampling
-from escapement.engines.energy.events import (
-    EventKind,
-    extremum_kind,
-    note,
-    note_extremum,
-)
+from escapement.engines.energy.events import extremum_kind, note, note_extremum
 from escapement.engines.energy.passage import (
     NOWHERE,
     Detail,
@@ -161,8 +157,7 @@ def _face(scene, panel, state, events):
     side = side_at(panel.left, end.g, end.dg, end.pull, panel.slope, state.w, side, scene)
     if side == state.side:
         return state
-    kind = np.int64(EventKind.REVERSAL)
-    used = note(events, state.used, kind, panel.left, state.time, state.w)
+    used = note(events, state.used, Event.REVERSAL, panel.left, state.time, state.w)
     return MarchState(
         state.panel, state.w, state.energy, side, state.rising, state.time, state.exponent,
         state.source, used, state.left_noted,
@@ -332,7 +327,7 @@ def _note_left_end(scene, work, panel, state, events):
     used, rising = state.used, state.rising
     if panel.kink and not state.left_noted:
         left_slot = panel.left == scene.edges[-1]
-        kind = np.int64(EventKind.EXIT if left_slot else EventKind.BREAK)
+        kind = Event.EXIT if left_slot else Event.BREAK
         used = note(events, used, kind, panel.left, state.time, state.w)
     # at a kink of |u|, an exit, and an entry on another side than before, theta_ddot jumps
     now = sampling.net_torque_at(panel.entry, state.side, state.w, scene)
@@ -413,8 +408,7 @@ def _note_inside(scene, work, panel, state, passage, extremum, request, events):
         if request.detail == Detail.EVERYTHING:
             instant = locate.reversal_at(scene, work, panel, state.side, x, slope, state.w)
         time = state.time + instant.elapsed
-        kind = np.int64(EventKind.REVERSAL)
-        used = note(events, used, kind, instant.angle, time, instant.w)
+        used = note(events, used, Event.REVERSAL, instant.angle, time, instant.w)
         if extremum.final == 0.0:
             # after the spring is spent nothing acts on the driver here, which is an extremum too
             kind = extremum_kind(state.rising)

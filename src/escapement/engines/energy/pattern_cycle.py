@@ -8,10 +8,10 @@ from typing import NamedTuple
 
 import numpy as np
 
+from escapement.dynamics.codes import Event, is_extremum
 from escapement.dynamics.figures_of_merit import MAX_ENGAGEMENTS
 from escapement.dynamics.law import is_drag_free
 from escapement.engines.energy.cycle import NO_LOSS
-from escapement.engines.energy.events import EventKind, is_extremum
 from escapement.engines.energy.march import NO_TERMINAL, NOT_CONVERGED, OK
 from escapement.engines.energy.panels import tolerances
 from escapement.engines.energy.passage import Detail, Request
@@ -81,13 +81,13 @@ def extrema_of(found, share):
 @inner_jit
 def is_top(case, found, i):
     """Whether event i of an engagement is a maximum; the speed is one before a blow."""
-    return i == found.used or case.events[i].kind == EventKind.MAXIMUM
+    return i == found.used or case.events[i].kind == Event.MAXIMUM
 
 
 @inner_jit
 def is_turn(case, found, i):
     """Whether event i of an engagement is an extremum."""
-    return i == found.used or is_extremum(case.events[i])
+    return i == found.used or is_extremum(case.events[i].kind)
 
 
 @inner_jit

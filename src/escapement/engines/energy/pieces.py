@@ -10,13 +10,14 @@ from typing import NamedTuple
 
 import numpy as np
 
+from escapement.dynamics.codes import Event
 from escapement.dynamics.law import LOSSES, left_by_blow, scene_of
 from escapement.dynamics.tables import losses_at
 from escapement.dynamics.torque import cell_after, next_knot
 from escapement.dynamics.train_losses import flowing
 from escapement.engines.energy import panels
 from escapement.engines.energy.calls import march, refine
-from escapement.engines.energy.events import EVENT, NO_EVENTS, EventKind
+from escapement.engines.energy.events import EVENT, NO_EVENTS
 from escapement.engines.energy.locate import invert
 from escapement.engines.energy.march import OK
 from escapement.engines.energy.panels import NUMBER, WHOLE, record_dtype
@@ -53,7 +54,7 @@ _SHORTEST = 1e-12
 _MOST_PANELS = 20_000
 
 
-@inner_jit
+@inner_jit(inlined=True)
 def _append(table, filled, engagement, kind, angle, time, w, side):
     row = table[filled]
     row.engagement, row.kind, row.side = engagement, kind, side
@@ -101,7 +102,7 @@ def events_of(addresses, scene_tuple, cells, meetings, numbers, turned, squares,
             if k > 0 and meetings[k % size].kind == Handoff.STRIKE:
                 # the speed falls at once, from a maximum if it rose
                 if rising > 0.0:
-                    before, kind = meetings[(k - 1) % size], np.int64(EventKind.MAXIMUM)
+                    before, kind = meetings[(k - 1) % size], Event.MAXIMUM
                     end = before.edges[before.used - 1] + before.dwell
                     high = w / left_by_blow(scene) ** 2
                     filled = _append(table, filled, k - 1, kind, end, np.inf, high, 0.0)
@@ -119,8 +120,7 @@ def events_of(addresses, scene_tuple, cells, meetings, numbers, turned, squares,
             table = larger
         # the march returns s at the exit, and every reversal has changed its sign
         side = _side_at_entry(found.side, events, used)
-        kind = np.int64(EventKind.ENTRY)
-        filled = _append(table, filled, k, kind, scene.edges[0], 0.0, w, side)
+        filled = _append(table, filled, k, Event.ENTRY, scene.edges[0], 0.0, w, side)
         for j in range(used):
             refine(addresses, scene, store, events, j)
             event = events[j]
@@ -134,7 +134,7 @@ def events_of(addresses, scene_tuple, cells, meetings, numbers, turned, squares,
 def _side_at_entry(side, events, used):
     """s at the entry, from `side`, which is s at the exit, and the reversals between."""
     for i in range(used):
-        if events[i].kind == EventKind.REVERSAL:
+        if events[i].kind == Event.REVERSAL:
             side = -side
     return side
 

@@ -11,11 +11,11 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from escapement.dynamics.codes import EXTREMA, Event
 from escapement.dynamics.law import LOSSES
 from escapement.dynamics.trajectory import Events, Extrema
 from escapement.engines.energy.calls import prepared
 from escapement.engines.energy.cells import NO_CELLS
-from escapement.engines.energy.events import EventKind
 from escapement.engines.energy.peaks import PEAKS
 from escapement.engines.energy.pieces import MOTION_EVENT, events_of, follow, states_of
 from escapement.mechanisms.pattern import MEETING
@@ -30,7 +30,7 @@ _AT_ONCE = 1 << 15
 _PART = 512
 # The w at the end of an engagement may differ from that of its handoff by this share.
 _FAR = 1e-6
-_STOPS = [EventKind.ENTRY, EventKind.REVERSAL, EventKind.EXIT, EventKind.BREAK]
+_STOPS = [Event.ENTRY, Event.REVERSAL, Event.EXIT, Event.BREAK]
 
 
 class Pieces(NamedTuple):
@@ -142,9 +142,9 @@ class EnergyTrajectory:
         """Its pieces; s is 0 in a dwell."""
         found = self._events[np.isin(self._events["kind"], _STOPS)]
         engagement, kind, angle, time, w, side = (found[name] for name in MOTION_EVENT.names or ())
-        entry = kind == EventKind.ENTRY
+        entry = kind == Event.ENTRY
         first = np.flatnonzero(entry)[np.cumsum(entry) - 1]
-        turns, leaves = (np.cumsum(kind == k) for k in (EventKind.REVERSAL, EventKind.EXIT))
+        turns, leaves = (np.cumsum(kind == k) for k in (Event.REVERSAL, Event.EXIT))
         turns, leaves = turns - turns[first], leaves - leaves[first]
         side = np.where(leaves > 0, 0.0, side[first] * (1 - 2 * (turns % 2)))
         scenes, place = self.escapement.scenes, engagement % len(self.escapement.scenes)
@@ -212,14 +212,14 @@ class EnergyTrajectory:
     @cached_property
     def reversals(self) -> Events:
         """Every pin reversal."""
-        return Events(*self._select(self._events["kind"] == EventKind.REVERSAL))
+        return Events(*self._select(self._events["kind"] == Event.REVERSAL))
 
     @cached_property
     def extrema(self) -> Extrema:
         """Every extremum of the driver speed."""
         kinds = self._events["kind"]
-        chosen = (kinds == EventKind.MINIMUM) | (kinds == EventKind.MAXIMUM)
-        return Extrema(*self._select(chosen), maximum=kinds[chosen] == EventKind.MAXIMUM)
+        chosen = np.isin(kinds, EXTREMA)
+        return Extrema(*self._select(chosen), maximum=kinds[chosen] == Event.MAXIMUM)
 
     def _select(self, chosen: np.ndarray) -> tuple[np.ndarray, FloatArray, FloatArray, FloatArray]:
         events, clock = self._events[chosen], self.escapement.time_unit
