@@ -21,6 +21,7 @@ from escapement.dynamics.law import bent_pose, contact, net_torque, reduced_iner
 from escapement.dynamics.torque import torque_at
 from escapement.model.scene import Scene
 from escapement.numerics.jit import inner_jit, jit
+from escapement.numerics.known import as_given
 
 UNKNOWN = -1.0
 """The flow of a scene that includes both trains as if nothing were lost."""
@@ -63,9 +64,13 @@ def in_flow(scene, flow):
     return Scene(
         scene.path, scene.edges, scene.dwell, scene.torque, scene.turned,
         unit * (scene.rho + (barrel - 1.0) * scene.barrel), scene.mu_plus, scene.mu_minus,
-        unit * train * scene.load, unit * scene.bearing, unit * scene.driver_drag,
-        unit * scene.follower_drag, unit * scene.driver_viscous, unit * scene.follower_viscous,
-        scene.pin, scene.driver_journal, scene.follower_journal, unit * barrel, flow,
+        unit * train * scene.load, as_given(unit * scene.bearing, scene.bearing),
+        as_given(unit * scene.driver_drag, scene.driver_drag),
+        as_given(unit * scene.follower_drag, scene.follower_drag),
+        as_given(unit * scene.driver_viscous, scene.driver_viscous),
+        as_given(unit * scene.follower_viscous, scene.follower_viscous),
+        scene.pin, scene.driver_journal, scene.follower_journal,
+        as_given(unit * barrel, scene.gain), as_given(flow, scene.flow),
         scene.barrel, scene.barrel_efficiency, scene.load_train, scene.load_train_efficiency,
     )  # fmt: skip
 

@@ -117,9 +117,10 @@ def simulate(
         fast(escapement, engagements=None, duration=duration, longest=LONGEST[engine], **start)
     run = _engine(engine, escapement.contact, "simulate")
     motion: Motion = run(escapement, engagements=engagements, duration=duration, **settings)
-    note = uniqueness_note(escapement) if motion.status is not Status.PAINLEVE else ""
-    if note or escapement.notes:
-        motion.message = _joined(motion.message, note, escapement.notes)
+    note, notes = uniqueness_note(escapement), escapement.notes
+    if note or notes:
+        note = note if motion.status is not Status.PAINLEVE else ""
+        motion.message = _joined(motion.message, note, notes)
     return motion
 
 

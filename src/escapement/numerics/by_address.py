@@ -5,7 +5,7 @@ anew for each caller, and for the callers of those. With a call by address the c
 contains only the call, and the long kernel is compiled once.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from functools import cache
 from typing import Any
 
@@ -15,8 +15,8 @@ from numba.extending import intrinsic
 
 
 def by_address(
-    kernel: Any, index: int, arguments: tuple[Any, ...]
-) -> tuple[Any, Callable[[], int]]:
+    kernel: Any, index: int, variants: Sequence[tuple[Any, ...]]
+) -> tuple[Any, Callable[[int], int]]:
     """Make a call of a kernel whose address is handed over in a tuple of addresses.
 
     Parameters
@@ -25,34 +25,36 @@ def by_address(
         A kernel made by `jit` that neither raises nor allocates arrays.
     index : int
         Index of its address in the tuple.
-    arguments : tuple of Numba types
-        Types of its arguments. A caller with other types does not compile.
+    variants : sequence of tuples of Numba types
+        Types of its arguments, of which the first one tells the variants apart. A caller with
+        other types does not compile.
 
     Returns
     -------
     call
         For use in kernels: call(addresses, ...) gives what kernel(...) gives.
     address
-        Returns the kernel's address in this process; the first call compiles or loads it.
+        Returns the address of a variant, by its number, in this process; the first call
+        compiles or loads it.
     """
     config: Any = numba.config
     if config.DISABLE_JIT:
-        return (lambda _addresses, *given: kernel(*given)), (lambda: 0)
+        return (lambda _addresses, *given: kernel(*given)), (lambda _variant: 0)
 
     @cache
-    def compiled() -> Any:
+    def compiled(arguments: tuple[Any, ...]) -> Any:
         kernel.compile(arguments)
         return kernel.overloads[arguments]
 
     @cache
-    def address() -> int:
-        code = compiled()
+    def address(variant: int) -> int:
+        code = compiled(variants[variant])
         return int(code.library.get_pointer_to_function(code.fndesc.llvm_func_name))
 
     # the address is read from the tuple when the call runs, since it differs between processes
     def emit(context: Any, builder: Any, full: Any, values: Any) -> Any:
         addresses, given = values
-        result = full.return_type
+        result, arguments = full.return_type, tuple(full.args[1])
         pointer = context.call_conv.get_function_type(result, arguments).as_pointer()
         function = builder.inttoptr(builder.extract_value(addresses, index), pointer)
         row = [builder.extract_value(given, k) for k in range(len(arguments))]
@@ -60,9 +62,12 @@ def by_address(
 
     @intrinsic
     def call(context: Any, addresses: Any, *given: Any) -> Any:
-        if len(given) != len(arguments) or None in map(context.can_convert, given, arguments):
-            return None
-        row = types.StarArgTuple.from_types(arguments)
-        return compiled().signature.return_type(addresses, row), emit
+        for arguments in variants:
+            if given[0] == arguments[0] and len(given) == len(arguments):
+                if None in map(context.can_convert, given, arguments):
+                    return None
+                row = types.StarArgTuple.from_types(arguments)
+                return compiled(arguments).signature.return_type(addresses, row), emit
+        return None
 
     return call, address
