@@ -216,7 +216,7 @@ def weighed(x, factor, count):
         total += 2.0 * x[i]
     return total, factor * total, count + 1
 
-weighed_at, address = by_address(weighed, 1, (float64[::1], float64, int64))
+weighed_at, address = by_address(weighed, 1, [(float64[::1], float64, int64)])
 
 @jit
 def f(calls, x, factor):
@@ -226,7 +226,7 @@ def f(calls, x, factor):
     call = """
 import numpy as np
 from toy.f import address, f
-print(*f((0, address()), np.array([1.0, 2.0, 3.5]), 3))
+print(*f((0, address(0)), np.array([1.0, 2.0, 3.5]), 3))
 """
     for _ in range(2):
         assert run(call, **cached) == "13.0 39.0 4"
@@ -236,7 +236,7 @@ print(*f((0, address()), np.array([1.0, 2.0, 3.5]), 3))
 import numba, numpy as np
 from toy.f import address, f
 try:
-    f((0, address()), np.array([1, 2]), 3.0)
+    f((0, address(0)), np.array([1, 2]), 3.0)
 except numba.core.errors.NumbaError as error:
     print("refused")
 """

@@ -44,6 +44,7 @@ def _timers() -> Iterator[tuple["Escapement", tuple[str, ...]]]:
     rolling = esc.GearDriven(8, 1, "epicycloid")
     engines, contact = ("energy", "ivp"), ("contact",)
     yield esc.Escapement(plain, inertia, torque, friction=0.35), engines
+    yield esc.Escapement(plain, inertia, torque, follower_drag=1e-9), engines
     yield esc.Escapement(plain, inertia, torque, follower_viscous=1e-6), engines
     yield esc.Escapement(plain, inertia, curve, friction=0.2), engines
     yield esc.Escapement(uneven, inertia, torque, friction=0.2), engines

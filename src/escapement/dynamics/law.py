@@ -50,6 +50,7 @@ from escapement.mechanisms.path import OFFSET, PIN_RATE, Path
 from escapement.mechanisms.slotted import pose_at
 from escapement.model.scene import Scene
 from escapement.numerics.jit import inner_jit, jit
+from escapement.numerics.known import where_known
 
 LOSSES = (
     *("friction", "driver_bearing", "follower_bearing", "driver_drag", "follower_drag"),
@@ -78,7 +79,7 @@ def signed_loss(side, scene):
     return scene.mu_plus if side > 0.0 else -scene.mu_minus
 
 
-@inner_jit
+@where_known("pin", lambda scene: True)
 def is_ideal(scene):
     """Whether the pin is thin and slides towards the axis, and the journals have no friction."""
     plain = scene.pin == 0.0 and scene.driver_journal == 0.0 and scene.follower_journal == 0.0
@@ -146,7 +147,7 @@ def bend(g, u, radius, side, scene, way=0.0, turn=0.0):
     return (friction * slide + side * lost) / lever
 
 
-@inner_jit
+@where_known("follower_drag", lambda g, dg, scene, turn=0.0: dg)
 def dragged_slope(g, dg, scene, turn=0.0):
     """k = g' + c_f g |g|."""
     return dg + scene.follower_drag * (g * sign_of(g, turn) * g)
@@ -158,7 +159,7 @@ def root_of(w, scene):
     return np.sqrt(max(w, 0.0)) if is_viscous(scene) else 0.0
 
 
-@inner_jit
+@where_known("driver_drag", lambda pull, w, root, scene: pull)
 def drive(pull, w, root, scene):
     """D: torque of the drive minus the driver's drag at the squared speed w; see `root_of`."""
     return pull - scene.driver_drag * w - scene.driver_viscous * root
@@ -170,7 +171,7 @@ def drive_sign(pull, w, scene):
     return np.sign(drive(pull, w, root_of(w, scene), scene))
 
 
-@inner_jit
+@where_known("follower_viscous", lambda g, k, w, root, scene: k * w + scene.load)
 def resistance(g, k, w, root, scene):
     """F: moment of the follower's inertia at constant speed, of its load and its drag."""
     return k * w + scene.load + scene.follower_viscous * g * root

@@ -31,6 +31,7 @@ from escapement.numerics.roots import newton_in_bracket
 
 GOLDEN = 0.6180339887498949
 _LIMITS = "painleve.limits"
+_NOTE = "painleve.note"
 
 
 @jit
@@ -362,6 +363,14 @@ def _remedy(escapement: Escapement) -> str:
 
 def uniqueness_note(escapement: Escapement) -> str | None:
     """The message for a motion that is not unique; None for all others."""
+    kept = escapement.kept
+    if _NOTE not in kept:
+        kept[_NOTE] = _uniqueness_note(escapement)
+    note: str | None = kept[_NOTE]
+    return note
+
+
+def _uniqueness_note(escapement: Escapement) -> str | None:
     if all(as_python(is_ideal)(scene) for scene in escapement.scenes):
         return None
     if escapement.contact == "compliant":

@@ -24,13 +24,13 @@ SAME_PLACE = 1e-12
 @inner_jit
 def knots_of(scene):
     """Number of knots."""
-    return scene.torque.size // 2
+    return len(scene.torque) // 2
 
 
 @inner_jit
 def is_constant(scene):
     """Whether the torque is the same at all angles."""
-    return scene.torque.size == 3
+    return len(scene.torque) == 3
 
 
 @inner_jit
@@ -77,13 +77,13 @@ def torque_after(turned, scene):
     if is_constant(scene):
         return scene.gain * scene.torque[2], 0.0
     count = knots_of(scene)
-    angles, torques = scene.torque[1 : 1 + count], scene.torque[1 + count :]
     turned -= _lap(turned, scene)
     k = _first_behind(turned, scene)
     if k == 0 or k == count:
-        return scene.gain * torques[max(k - 1, 0)], 0.0
-    slope = (torques[k] - torques[k - 1]) / (angles[k] - angles[k - 1])
-    torque = torques[k - 1] + slope * (turned - angles[k - 1])
+        return scene.gain * scene.torque[1 + count + max(k - 1, 0)], 0.0
+    angle, before = scene.torque[k], scene.torque[count + k]
+    slope = (scene.torque[1 + count + k] - before) / (scene.torque[1 + k] - angle)
+    torque = before + slope * (turned - angle)
     return scene.gain * torque, scene.gain * slope
 
 

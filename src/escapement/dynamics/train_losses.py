@@ -21,6 +21,7 @@ from escapement.dynamics.law import bent_pose, contact, net_torque, reduced_iner
 from escapement.dynamics.scenes import scene_with
 from escapement.dynamics.torque import torque_at
 from escapement.numerics.jit import inner_jit, jit
+from escapement.numerics.known import as_given
 
 UNKNOWN = -1.0
 """The flow of a scene that includes both trains as if nothing were lost."""
@@ -64,13 +65,13 @@ def in_flow(scene, flow):
         scene,
         rho=unit * (scene.rho + (barrel - 1.0) * scene.barrel),
         load=unit * train * scene.load,
-        bearing=unit * scene.bearing,
-        driver_drag=unit * scene.driver_drag,
-        follower_drag=unit * scene.follower_drag,
-        driver_viscous=unit * scene.driver_viscous,
-        follower_viscous=unit * scene.follower_viscous,
-        gain=unit * barrel,
-        flow=flow,
+        bearing=as_given(unit * scene.bearing, scene.bearing),
+        driver_drag=as_given(unit * scene.driver_drag, scene.driver_drag),
+        follower_drag=as_given(unit * scene.follower_drag, scene.follower_drag),
+        driver_viscous=as_given(unit * scene.driver_viscous, scene.driver_viscous),
+        follower_viscous=as_given(unit * scene.follower_viscous, scene.follower_viscous),
+        gain=as_given(unit * barrel, scene.gain),
+        flow=as_given(flow, scene.flow),
     )
 
 

@@ -101,11 +101,11 @@ def simulate(
             f"{engagements!r} and {duration!r}; leave one out"
         )
     if duration is None:
-        count, most = quantities(Run)["engagements"], LONGEST[engine]
-        wanted = count.default if engagements is None else engagements
+        wanted, most = engagements, LONGEST[engine]
         if type(wanted) is not int or not 1 <= wanted <= most:
-            wanted = validate.integer("engagements", wanted, 1, count.remedy, most)
-        engagements = wanted
+            count = quantities(Run)["engagements"]
+            wanted = count.default if wanted is None else wanted
+            engagements = validate.integer("engagements", wanted, 1, count.remedy, most)
     else:
         duration = check_number(Run, "duration", duration)
     if why := _impossible(escapement, settings["initial_speed"]):
@@ -113,7 +113,8 @@ def simulate(
     run = _engine(engine, escapement.contact, "simulate")
     motion: Motion = run(escapement, engagements=engagements, duration=duration, **settings)
     note = uniqueness_note(escapement) if motion.outcome is not Status.PAINLEVE else ""
-    motion.add_notes(note, escapement.assumed, escapement.idle)
+    if note or escapement.notes:
+        motion.add_notes(note, escapement.notes)
     return motion
 
 
@@ -176,7 +177,8 @@ def terminal(
     solver = choose_solver(solver, engine, rtol, atol, method, max_step)
     engine, settings = _settings(escapement, solver, initial_speed)
     found = _terminal(escapement, engine, settings)
-    found.add_notes(escapement.assumed, escapement.idle)
+    if escapement.notes:
+        found.add_notes(escapement.notes)
     return found
 
 

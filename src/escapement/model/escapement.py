@@ -292,7 +292,7 @@ class Escapement(Declared):
         numbers = {name: found[name] for name in ("load_torque", "spring_rate")}
         return replace(self, inertia=inertia, torque=torque, **numbers, **none)
 
-    @property
+    @cached_property
     def contact(self) -> str:
         """Which law of contact it needs: "rigid" where there is clearance, "compliant" where
         there is stiffness, "" where the pins fit their slots exactly.
@@ -326,6 +326,11 @@ class Escapement(Declared):
             return ""
         damping = told(self.critical_damping, "damping")
         return f"no damping is given: critical damping, {damping}, is taken"
+
+    @cached_property
+    def notes(self) -> str:
+        """What the results of an escapement say about its settings; "" if there is nothing."""
+        return "; ".join(filter(None, (self.assumed, self.idle)))
 
     @property
     def _damps_critically(self) -> bool:

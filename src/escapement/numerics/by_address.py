@@ -5,7 +5,7 @@ anew for each caller, and for the callers of those. With a call by address the c
 contains only the call, and the long kernel is compiled once.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from functools import cache
 from typing import Any
 
@@ -17,8 +17,8 @@ from escapement.numerics.interpreted import in_both_forms
 
 
 def by_address(
-    kernel: Any, index: int, arguments: tuple[Any, ...]
-) -> tuple[Any, Callable[[], int]]:
+    kernel: Any, index: int, variants: Sequence[tuple[Any, ...]]
+) -> tuple[Any, Callable[[int], int]]:
     """Make a call of a kernel whose address is handed over in an array of addresses.
 
     Parameters
@@ -27,8 +27,9 @@ def by_address(
         A kernel made by `jit` that neither raises nor allocates arrays.
     index : int
         Index of its address in the array of addresses.
-    arguments : tuple of Numba types
-        Types of its arguments. A caller with other types does not compile.
+    variants : sequence of tuples of Numba types
+        Types of its arguments, of which the first one tells the variants apart. A caller with
+        other types does not compile.
 
     Returns
     -------
@@ -36,7 +37,8 @@ def by_address(
         For use in kernels: call(addresses, ...) gives what kernel(...) gives, where `addresses`
         is an array of int64.
     address
-        Returns the kernel's address in this process; the first call compiles or loads it.
+        Returns the address of a variant, by its number, in this process; the first call
+        compiles or loads it.
     """
 
     def in_python(_addresses: Any, *given: Any) -> Any:
@@ -44,23 +46,23 @@ def by_address(
 
     config: Any = numba.config
     if config.DISABLE_JIT:
-        return in_python, (lambda: 0)
+        return in_python, (lambda _variant: 0)
     dispatcher = getattr(kernel, "compiled", kernel)
 
     @cache
-    def compiled() -> Any:
+    def compiled(arguments: tuple[Any, ...]) -> Any:
         dispatcher.compile(arguments)
         return dispatcher.overloads[arguments]
 
     @cache
-    def address() -> int:
-        code = compiled()
+    def address(variant: int) -> int:
+        code = compiled(variants[variant])
         return int(code.library.get_pointer_to_function(code.fndesc.llvm_func_name))
 
     # the address is read from the array when the call runs, since it differs between processes
     def emit(context: Any, builder: Any, full: Any, values: Any) -> Any:
         addresses, given = values
-        result = full.return_type
+        result, arguments = full.return_type, tuple(full.args[1])
         pointer = context.call_conv.get_function_type(result, arguments).as_pointer()
         held = context.make_array(full.args[0])(context, builder, addresses)
         place = builder.gep(held.data, [context.get_constant(types.intp, index)])
@@ -70,9 +72,12 @@ def by_address(
 
     @intrinsic
     def call(context: Any, addresses: Any, *given: Any) -> Any:
-        if len(given) != len(arguments) or None in map(context.can_convert, given, arguments):
-            return None
-        row = types.StarArgTuple.from_types(arguments)
-        return compiled().signature.return_type(addresses, row), emit
+        for arguments in variants:
+            if given[0] == arguments[0] and len(given) == len(arguments):
+                if None in map(context.can_convert, given, arguments):
+                    return None
+                row = types.StarArgTuple.from_types(arguments)
+                return compiled(arguments).signature.return_type(addresses, row), emit
+        return None
 
     return in_both_forms(call, in_python), address

@@ -4,7 +4,13 @@ from dataclasses import replace
 
 import numpy as np
 
-from escapement.dynamics.law import scene_of
+from escapement.dynamics.needs import (
+    CONSTANT,
+    NUMBERS,
+    kind_of,
+    plain_scene,
+    typed_scene,
+)
 from escapement.dynamics.painleve import beyond_painleve
 from escapement.engines.energy.calls import MarchInputs, kernel_addresses
 from escapement.engines.energy.cells import NO_CELLS, cells_of
@@ -15,11 +21,26 @@ from escapement.mechanisms.path import smooth_intervals, writeable
 from escapement.mechanisms.protocol import FloatArray, Mechanism, dwell_angle
 from escapement.mechanisms.slotted import slide_edges
 from escapement.model.scene import Scene
-from escapement.numerics.jit import jit, row_tuple
+from escapement.numerics.jit import inner_jit, jit
+from escapement.numerics.known import as_given
 
-FIXED = Scene._fields.index("rho")
-"""Fields of a scene that all scenes of a mechanism share; those behind them are numbers."""
-_NUMBERS = len(Scene._fields) - FIXED
+_COUNT = len(NUMBERS)
+
+
+@inner_jit(inlined=True)
+def _scene_with(shared, edges, row):
+    """The scene `shared` with other edges, and with the numbers in a row."""
+    return Scene(
+        shared.path, edges, shared.dwell, shared.torque, shared.turned,
+        row[0], row[1], row[2], row[3], as_given(row[4], shared.bearing),
+        as_given(row[5], shared.driver_drag), as_given(row[6], shared.follower_drag),
+        as_given(row[7], shared.driver_viscous), as_given(row[8], shared.follower_viscous),
+        as_given(row[9], shared.pin), as_given(row[10], shared.driver_journal),
+        as_given(row[11], shared.follower_journal), as_given(row[12], shared.gain),
+        as_given(row[13], shared.flow), as_given(row[14], shared.barrel),
+        as_given(row[15], shared.barrel_efficiency), as_given(row[16], shared.load_train),
+        as_given(row[17], shared.load_train_efficiency),
+    )  # fmt: skip
 
 
 @jit(allocates=True)
@@ -38,22 +59,21 @@ def solve_rows(addresses, scene_tuple, cells, none, numbers, rtol, extent, table
     table, status : results, described in `solve`; of a stall the first two columns hold the
         driver angle [rad] and the engagement.
     """
-    shared = scene_of(scene_tuple)
+    shared = typed_scene(scene_tuple)
     store, events, handoffs, rows = workspace(shared.edges)
     for i in range(status.size):
-        own = row_tuple(numbers[i], _NUMBERS)
-        drive = (shared.torque, shared.turned)
-        scene, known = Scene(shared.path, shared.edges, shared.dwell, *drive, *own), cells
+        row = numbers[i]
+        scene, known = _scene_with(shared, shared.edges, row), cells
         if scene.pin > 0.0:
             # a pin with a radius has its own breaks, between which nothing is tabulated
             edges = slide_edges(shared.path, scene.pin, shared.edges)
-            scene, known = Scene(shared.path, edges, shared.dwell, *drive, *own), none
+            scene, known = _scene_with(shared, edges, row), none
         # at the Painleve limit J_s reaches zero, and the march would divide by it
         if beyond_painleve(scene):
             status[i] = PAINLEVE
         else:
             case = MarchInputs(addresses, scene, known, store, events)
-            w = numbers[i, _NUMBERS]
+            w = row[_COUNT]
             status[i] = figures(case, handoffs, rows, w, rtol, extent, table[i])
 
 
@@ -89,10 +109,10 @@ def solve(
     status = np.empty(len(rows), dtype=np.uint8)
     path = writeable(mechanism.path)
     edges = smooth_intervals(path, mechanism.breaks)
-    constant = np.array([0.0, 0.0, 1.0]), 0.0
-    scene_tuple = tuple(path), edges, dwell_angle(mechanism), *constant, *(0.0,) * _NUMBERS
-    cells = cells_of(path, edges)
-    fixed = kernel_addresses(), scene_tuple, cells, NO_CELLS
+    kind = kind_of(path, CONSTANT, numbers[:_COUNT])
+    zeros = dict.fromkeys(NUMBERS, 0.0)
+    scene = Scene(path, edges, dwell_angle(mechanism), np.array(CONSTANT), 0.0, **zeros)
+    fixed = kernel_addresses(kind), plain_scene(scene, kind), cells_of(path, edges), NO_CELLS
     solve_rows(*fixed, rows, rtol, int(extent), table, status)
     # for a stall the table holds its angle and engagement, which are not figures of merit
     table[status != OK] = np.nan

@@ -10,6 +10,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numba import typeof, types
 
+from escapement.dynamics.needs import FIXED, Kind, kind_of, known_scene, plain_scene
 from escapement.engines.energy import events as _events
 from escapement.engines.energy import march as _march
 from escapement.engines.energy.cells import CELL, cells_of
@@ -19,7 +20,7 @@ from escapement.engines.energy.passage import Detail, Request
 from escapement.mechanisms.path import Path
 from escapement.mechanisms.protocol import FloatArray
 from escapement.model.escapement import Escapement
-from escapement.model.scene import Scene, scene_tuple
+from escapement.model.scene import Scene
 from escapement.numerics.by_address import by_address
 from escapement.numerics.interpreted import when_compiled
 from escapement.numerics.jit import inner_jit
@@ -46,16 +47,18 @@ class MarchInputs(NamedTuple):
 # there is a caller, and they must be those of every caller.
 _numbers = np.empty(0)
 _path, _zeros = Path(False, _numbers), (0.0,) * (len(Scene._fields) - 4)
-_scene = typeof(Scene(_path, _numbers, 0.0, _numbers, *_zeros))
+_sample = Scene(_path, _numbers, 0.0, _numbers, *_zeros)
+_scenes = [typeof(known_scene(_sample, kind)) for kind in Kind]
 _store = typeof(Store(np.empty(0, PANEL), np.empty(0, WORKSPACE)))
 _cells, _event = typeof(np.empty((0, 0), CELL)), typeof(np.empty(0, EVENT))
 _request = typeof(Request(Detail.MAP, 0.0, 0.0))
 _f, _i = types.float64, types.int64
 
-march, _march_address = by_address(
-    _march.march, 0, (_scene, _cells, _store, _i, _request, _f, _f, _event, _i)
+_inputs = (_cells, _store, _i, _request, _f, _f, _event, _i)
+march, _march_address = by_address(_march.march, 0, [(scene, *_inputs) for scene in _scenes])
+refine, _refine_address = by_address(
+    _events.refine, 1, [(scene, _store, _event, _i) for scene in _scenes]
 )
-refine, _refine_address = by_address(_events.refine, 1, (_scene, _store, _event, _i))
 
 
 @inner_jit(inlined=True)
@@ -67,31 +70,33 @@ def march_case(case, count, request, w, rising, first):
     )  # fmt: skip
 
 
-_ADDRESSES = np.zeros(2, dtype=np.int64)
-
-
-def _fill_addresses() -> None:
-    _ADDRESSES[:] = _march_address(), _refine_address()
-
-
 @cache
-def kernel_addresses() -> np.ndarray:
+def kernel_addresses(kind: Kind = Kind.WHOLE) -> np.ndarray:
     """Addresses of `march` and `refine` in this process, the first argument of their calls.
 
     They are 0 as long as kernels are not compiled.
     """
-    when_compiled(_fill_addresses)
-    return _ADDRESSES
+    addresses = np.zeros(2, dtype=np.int64)
+
+    def fill() -> None:
+        addresses[:] = _march_address(kind), _refine_address(kind)
+
+    when_compiled(fill)
+    return addresses
 
 
 def prepared(escapement: Escapement) -> tuple[np.ndarray, tuple[Any, ...], FloatArray]:
     """Addresses of the long kernels, scene as plain tuples, and cells of the mechanism.
 
-    They are kept on the escapement, so that its next call does not tabulate the cells again.
+    Of a pattern of imperfect parts the scene is `Kind.WHOLE`. They are kept on the escapement, so
+    that its next call does not tabulate the cells again.
     """
     kept = escapement.kept
     if _KEY not in kept:
-        scene = escapement.scene
-        kept[_KEY] = kernel_addresses(), scene_tuple(scene), cells_of(scene.path, scene.edges)
+        scene, kind = escapement.scene, Kind.WHOLE
+        if len(escapement.scenes) == 1:
+            kind = kind_of(scene.path, scene.torque, scene[FIXED:])
+        cells = cells_of(scene.path, scene.edges)
+        kept[_KEY] = kernel_addresses(kind), plain_scene(scene, kind), cells
     result: tuple[np.ndarray, tuple[Any, ...], FloatArray] = kept[_KEY]
     return result

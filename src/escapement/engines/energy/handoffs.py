@@ -2,7 +2,8 @@
 
 import numpy as np
 
-from escapement.dynamics.law import is_lossless, scene_of
+from escapement.dynamics.law import is_lossless
+from escapement.dynamics.needs import typed_scene
 from escapement.dynamics.painleve import beyond_painleve
 from escapement.dynamics.torque import cell_after, cell_of, is_constant, is_spent
 from escapement.engines.energy.calls import MarchInputs, march
@@ -46,7 +47,7 @@ def handoffs(addresses, scene_tuple, cells, w, limit, rtol, clock, times, speeds
         [rad], and times[done] the time. A plain tuple is returned, because Python makes it in
         a third of the time that a named one takes.
     """
-    scene, cell = scene_of(scene_tuple), 0.0
+    scene, cell = typed_scene(scene_tuple), 0.0
     if not is_constant(scene):
         cell = cell_of(scene)
     if beyond_painleve(scene):

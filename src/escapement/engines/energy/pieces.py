@@ -11,7 +11,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from escapement.dynamics.codes import Event
-from escapement.dynamics.law import LOSSES, is_felt, left_by_blow, scene_of
+from escapement.dynamics.law import LOSSES, is_felt, left_by_blow
+from escapement.dynamics.needs import typed_scene
 from escapement.dynamics.tables import losses_at
 from escapement.dynamics.torque import cell_after, next_knot
 from escapement.dynamics.train_losses import flowing
@@ -86,7 +87,7 @@ def events_of(addresses, scene_tuple, cells, meetings, numbers, turned, squares,
     reached : ndarray
         w with which each leaves for the next, NaN where the march does not come to its end.
     """
-    common, size = scene_of(scene_tuple), meetings.size
+    common, size = typed_scene(scene_tuple), meetings.size
     request = request_of(Detail.EVERYTHING, rtol)
     store = panels.new_store(panels.MAX_PANELS)
     events = np.empty(_ROOM + 4 * common.edges.size + MOST_KNOTS, EVENT)

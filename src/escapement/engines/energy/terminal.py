@@ -9,8 +9,9 @@ from escapement.base.status import MESSAGES, Status
 from escapement.dynamics.figures_of_merit import MAX_ENGAGEMENTS, Figures
 from escapement.dynamics.merit_table import TRANSIENT
 from escapement.dynamics.motion import stall_message
+from escapement.dynamics.needs import FIXED
 from escapement.engines.energy import cycle
-from escapement.engines.energy.batch import FIXED, solve_rows
+from escapement.engines.energy.batch import solve_rows
 from escapement.engines.energy.calls import prepared
 from escapement.engines.energy.cells import NO_CELLS
 from escapement.engines.energy.figures import Extent

@@ -53,7 +53,7 @@ class EnergyTrajectory(Trajectory):
     initial_speed : driver speed at the first entry [rad/s].
     times, speeds : of the handoffs [s, rad/s]; each of the first `turns` starts an engagement.
     end_time : time at which the motion ends [s].
-    engagements : their numbers, ascending; all of them by default.
+    some : its engagements, ascending; all of them by default.
     """
 
     escapement: Escapement
@@ -63,18 +63,19 @@ class EnergyTrajectory(Trajectory):
     speeds: FloatArray
     turns: int
     end_time: float
-    engagements: Any = None
+    some: Any = None
 
-    def __post_init__(self) -> None:
-        if self.engagements is None:
-            self.engagements = np.arange(self.turns + 1)
+    @cached_property
+    def engagements(self) -> np.ndarray:
+        """Its engagements, ascending."""
+        return np.arange(self.turns + 1) if self.some is None else self.some
 
     def around(self, t: FloatArray) -> "EnergyTrajectory":
         """A trajectory of only the engagements that contain these times [s]."""
         if self.engagements.size <= _PART:
             return self
         held = np.searchsorted(self.times[: self.turns], t, side="right")
-        return replace(self, engagements=np.unique(held))
+        return replace(self, some=np.unique(held))
 
     def parts(self) -> "Iterator[tuple[EnergyTrajectory, slice]]":
         """Trajectories of some engagements each, one after the other, and which these are."""
@@ -83,7 +84,7 @@ class EnergyTrajectory(Trajectory):
             return
         for first in range(0, self.engagements.size, _PART):
             some = slice(first, first + _PART)
-            yield replace(self, engagements=self.engagements[some]), some
+            yield replace(self, some=self.engagements[some]), some
 
     def _entries(self, numbers: np.ndarray) -> tuple[FloatArray, FloatArray]:
         """Times [s] and speeds [rad/s] at the starts of engagements."""
