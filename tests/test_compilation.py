@@ -38,7 +38,12 @@ def run(code, **environment):
 
 def copy_compiling(toy):
     """The files that compile kernels, as those of package `toy`."""
-    for name in ("numerics/jit.py", "numerics/by_address.py", "base/notice.py"):
+    for name in (
+        "numerics/jit.py",
+        "numerics/by_address.py",
+        "numerics/interpreted.py",
+        "base/notice.py",
+    ):
         (toy / name).parent.mkdir(parents=True, exist_ok=True)
         (toy / name).write_text((PACKAGE / name).read_text().replace("escapement.", "toy."))
 
@@ -57,7 +62,8 @@ def write_toy(folder, decorator, factor):
 @pytest.fixture
 def cached(tmp_path):
     """Environment of a process that finds packages, and keeps its cache, in an empty folder."""
-    return {"PYTHONPATH": str(tmp_path), "NUMBA_CACHE_DIR": str(tmp_path / "cache")}
+    folders = {"PYTHONPATH": str(tmp_path), "NUMBA_CACHE_DIR": str(tmp_path / "cache")}
+    return folders | {"ESCAPEMENT_COMPILE": "1"}
 
 
 @pytest.fixture
@@ -226,7 +232,7 @@ def f(calls, x, factor):
     call = """
 import numpy as np
 from toy.f import address, f
-print(*f((0, address(0)), np.array([1.0, 2.0, 3.5]), 3))
+print(*f(np.array([0, address(0)]), np.array([1.0, 2.0, 3.5]), 3))
 """
     for _ in range(2):
         assert run(call, **cached) == "13.0 39.0 4"
@@ -236,7 +242,7 @@ print(*f((0, address(0)), np.array([1.0, 2.0, 3.5]), 3))
 import numba, numpy as np
 from toy.f import address, f
 try:
-    f((0, address(0)), np.array([1, 2]), 3.0)
+    f(np.array([0, address(0)]), np.array([1, 2]), 3.0)
 except numba.core.errors.NumbaError as error:
     print("refused")
 """

@@ -1,0 +1,120 @@
+"""Kernels that run as Python source until compiling pays: same results, and a change over."""
+
+import json
+import os
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+
+import escapement as esc
+
+RUN = [
+    *("-m", "escapement", "run", "--units", "in-lbf-s", "--torque", ".1", "--friction", ".35"),
+    *("--driver-inertia", "3e-6", "--follower-inertia", "50e-6", "--json"),
+]
+SCENES = """
+import escapement as esc
+inertia, torque = esc.Inertia(3.39e-7, 5.65e-6), 0.0113
+wheel = esc.Geneva(4, crank_radius=0.01, pin_radius=0.001, clearance=1e-5)
+uneven = esc.Geneva(4, crank_radius=0.01, slot_offsets=(1e-5, 0.0, 0.0, 0.0))
+curve = esc.TorqueCurve([0.0, 0.7, 1.6], [torque, 0.009, torque], periodic=True)
+scenes = [
+    esc.Escapement(esc.Geneva(4), inertia, torque, friction=0.35),
+    esc.Escapement(esc.Geneva(6), inertia, curve, friction=0.2, follower_drag=1e-9),
+    esc.Escapement(esc.Geneva(4), inertia, torque, friction=0.2, driver_viscous=1e-6),
+    esc.Escapement(uneven, inertia, torque, friction=0.2),
+    esc.Escapement(wheel, inertia, torque, friction=0.2, restitution=0.3),
+]
+def results():
+    for scene in scenes:
+        motion, cycle = esc.simulate(scene, 2), esc.terminal(scene)
+        yield [*motion.handoff_times, *motion.handoff_velocities, cycle.period, cycle.rise_time]
+"""
+
+
+def ask(arguments, folder, **environment):
+    """Output and messages of a new process that finds nothing compiled."""
+    known = {name: x for name, x in os.environ.items() if name != "ESCAPEMENT_COMPILE"}
+    done = subprocess.run(
+        [sys.executable, "-W", "error", *arguments],
+        capture_output=True, text=True, timeout=120, check=True,
+        env=known | {"NUMBA_CACHE_DIR": str(folder)} | environment,
+    )  # fmt: skip
+    return done.stdout, done.stderr
+
+
+def test_a_first_answer_needs_no_compiling(tmp_path):
+    printed, said = ask(RUN, tmp_path)
+    found = json.loads(printed)
+    assert found["status"] == "ok"
+    assert found["period"] == pytest.approx(0.0439239, rel=1e-5)
+    assert "not compiled" in said
+    assert "escapement compile" in said
+    assert said.count("\n") == 1
+    assert not list(tmp_path.rglob("*.nb?"))
+
+
+def test_nothing_is_said_where_silence_is_asked_for(tmp_path):
+    assert ask(RUN, tmp_path, ESCAPEMENT_QUIET="1")[1] == ""
+
+
+def test_interpreted_and_compiled_results_agree(tmp_path):
+    code = SCENES + "import json\nprint(json.dumps(list(results())))"
+    interpreted = json.loads(ask(["-c", code], tmp_path)[0])
+    assert not list(tmp_path.rglob("*.nb?"))
+    names = {}
+    exec(SCENES, names)
+    for found, wanted in zip(interpreted, names["results"](), strict=True):
+        np.testing.assert_allclose(found, wanted, rtol=1e-12)
+
+
+CHANGE = """
+import numpy as np
+from escapement.numerics import interpreted
+from escapement.numerics.jit import inner_jit, jit
+
+interpreted.PATIENCE = %d
+
+@inner_jit
+def one_more(x):
+    return x + 1.0
+
+@jit
+def count_up(memory, zero):
+    for _ in range(20):
+        memory[0] = one_more(memory[0])
+    return memory[0] / zero
+
+memory = np.array([5.0])
+print(count_up(memory, %s), memory[0], interpreted.interprets())
+"""
+
+
+@pytest.mark.parametrize(
+    ("patience", "zero", "told"),
+    [
+        (100, "2.0", "12.5 25.0 True"),
+        (10, "2.0", "12.5 25.0 False"),  # its patience ends within the call
+        (100, "0.0", "inf 25.0 False"),  # NumPy's numbers give infinity, Python's are refused
+    ],
+)
+def test_a_call_is_repeated_from_its_start_when_it_is_compiled(tmp_path, patience, zero, told):
+    code = CHANGE % (patience, zero)
+    if told.startswith("inf"):
+        code = code.replace("memory[0] / zero", "1.0 / zero")
+    file = tmp_path / "toy.py"
+    file.write_text(code)
+    assert ask([str(file)], tmp_path / "cache")[0].strip() == told
+
+
+def test_the_command_compiles_what_the_others_need():
+    """The suite's cache is filled by it, so that a command in a new process compiles nothing."""
+    code = "from escapement.base.notice import notice\nfrom escapement.cli import main\n"
+    code += f"main({RUN[2:]!r})\nprint(notice.done, end='')"
+    assert esc  # the package of this process is that of the new one
+    done = subprocess.run(
+        [sys.executable, "-c", code], capture_output=True, text=True, timeout=120, check=True
+    )
+    assert done.stdout.endswith("}\n0")
