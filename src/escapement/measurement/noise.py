@@ -75,8 +75,10 @@ def noise_of(errors: FloatArray, slope: FloatArray, steps: tuple[float, float]) 
         weights = 1.0 / (a + b * through) ** 2
         sums = [float(weights @ (through**k)) for k in range(3)]
         right = float(weights @ squares), float(weights @ (squares * through))
-        b = (sums[0] * right[1] - sums[1] * right[0]) / (sums[0] * sums[2] - sums[1] ** 2)
-        b = max(b, known)
+        apart = sums[0] * sums[2] - sums[1] ** 2
+        if not apart > 0.0:  # where all that counts has the same transmission, b stays unknown
+            break
+        b = max((sums[0] * right[1] - sums[1] * right[0]) / apart, known)
         a = max((right[0] - b * sums[1]) / sums[0], least)
     return Noise(a, b)
 
