@@ -251,6 +251,47 @@ def test_a_sinusoid_has_its_amplitude():
     assert line.standard_error == pytest.approx(1e-3 * math.sqrt(2.0 / 60), rel=0.3)
 
 
+def test_verdicts_are_three():
+    drive = design()
+    good = esc.fit_beats(beats_of(drive, PINS, SLOTS, rounds=4, noise=1e-5), drive).verdict
+    assert good.good is True
+    assert "leave out zero for pin 0 (" in good.text
+    heavy = replace(drive, inertia=esc.Inertia(3.39e-7, 6.2e-6), friction=0.2)
+    wrong = esc.fit_beats(beats_of(heavy, PINS, SLOTS, rounds=4, noise=1e-6), drive).verdict
+    assert wrong.good is False
+    assert "do not explain the beats: the residuals are greater" in wrong.text
+    once = esc.fit_beats(beats_of(drive, PINS, SLOTS, noise=1e-5), drive)
+    assert once.verdict.good is None
+    assert "no pair of a pin and a slot was measured twice" in once.verdict.text
+    # seven unknowns explain any four beats
+    ahead = 1e-3 * np.array([-1.0, 0.2, 0.3, 0.5])
+    both = esc.fit_beats(beats_of(design(4, 4), (), ahead, 3, 1e-6), design(4, 4), noise=1e-7)
+    assert math.isnan(both.p_value)
+    assert both.verdict.good is None
+
+
+@pytest.mark.parametrize(("unit", "factor"), [("ms", 1e3), ("us", 1e6), ("minutes", 1.0 / 60.0)])
+@pytest.mark.parametrize("times", [False, True])
+def test_beats_in_another_unit_are_doubted(unit, factor, times):
+    beats = factor * beats_of(design(), PINS, SLOTS, rounds=2, noise=1e-5)
+    given = np.concatenate([[0.0], np.cumsum(beats)]) if times else beats
+    with pytest.raises(esc.errors.InvalidValue, match=f"which may be {unit} taken as s"):
+        esc.fit_beats(given, design(), times=times)
+
+
+def test_bars_of_stamps_count_with_their_covariance():
+    """The scatter of means in 4000 draws is what the bars show, not that of independent beats."""
+    clean = beats_of(design(), PINS, SLOTS, rounds=6)
+    random = np.random.default_rng(2)
+    stamps = np.concatenate([[0.0], np.cumsum(clean)]) + 5e-6 * random.standard_normal(91)
+    fit = esc.fit_beats(stamps, design(), times=True)
+    (bars,) = plot_beats(fit).containers[0].lines[2]
+    half = np.array([0.5e-6 * np.ptp(segment[:, 1]) for segment in bars.get_segments()])
+    root = np.linalg.inv(fit.rounds.root)
+    means = root @ random.standard_normal((15, 4000)) * fit.noise
+    assert_allclose(half, 2.0 * (means - means.mean(axis=0)).std(axis=1), rtol=0.05)
+
+
 def test_figures():
     beats = beats_of(design(), PINS, SLOTS, rounds=2, noise=1e-5)
     ax = plot_beats(esc.fit_beats(beats, design()))

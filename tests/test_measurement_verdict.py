@@ -13,7 +13,7 @@ import pytest
 from scipy import stats
 
 import escapement as esc
-from escapement.measurement import error_columns
+from escapement.measurement import error_columns, finding
 from escapement.measurement.changes import _chance_of_greatest
 from escapement.measurement.glitches import far_out
 from escapement.measurement.noise import noise_of, rounding_bias
@@ -224,6 +224,29 @@ def test_readings_far_out_are_found_as_often_as_said():
     errors = random.standard_normal(200)
     errors[[3, 50, 70]] = 9.0, -300.0, 40.0
     assert sorted(far_out(errors, 1e-3)[0]) == [3, 50, 70]
+
+
+def test_a_suspected_slip_is_no_noise_of_the_input():
+    """A slip too small to be certain does not make the noise of the input look greater."""
+    random = np.random.default_rng(11)
+    theta = 2.0 * math.pi * 6.0 * np.arange(300) / 300
+    slip = 0.09 * DEG * (np.arange(300) > 140)
+    output = follower(theta + slip) + NOISE * random.standard_normal(300)
+    search = finding._Search(WHEEL, theta, 1, output - follower(theta), (0.0, 0.0))
+    search.fit()
+    assert search.noise.of_input < (0.5 * NOISE) ** 2
+
+
+def test_what_may_be_rounding_cannot_say():
+    """Positions that return every turn, read in counts of ten times the noise."""
+    theta = 0.4 + 2.0 * math.pi * np.arange(1200) / 40
+    random = np.random.default_rng(12)
+    step = 2.0 * math.pi / 360
+    output = follower(theta) + 0.1 * step * random.standard_normal(1200)
+    found = verdict(esc.Readings(theta - theta[0], step * np.round(output / step)))
+    assert found.good is not True
+    if found.good is None:
+        assert "the rounding of the encoders" in found.text
 
 
 def test_noise_of_both_encoders_is_told_apart():

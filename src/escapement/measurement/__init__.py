@@ -22,6 +22,7 @@ Beats:
 
 - `ticks`, `rounds`: beats without missed or doubled ticks, sorted by pin and slot
 - `beats`, `parts`, `jitter`, `curvature`, `told`: the fit of parts to beats, and what it says
+- `beat_verdict`: whether the parts explain the beats
 - `beat_spectrum`: which lines of the spectrum pins and slots cause
 """
 

@@ -62,6 +62,23 @@ def first_width(angle: FloatArray, errors: FloatArray, slope: float) -> float:
     return min(_WIDE * float(errors.std()) / slope, room) if slope > 0.0 else room
 
 
+def first_plays(
+    driver: FloatArray, follower: FloatArray, slope: FloatArray, errors: FloatArray
+) -> tuple[dict[str, float], int]:
+    """For each shaft that turns both ways, a first estimate of its backlash [rad].
+
+    Also returned is the first sample at which the side of each backlash is known.
+    """
+    found, start = {}, 0
+    through = math.sqrt(float(np.mean(slope**2)))
+    for name, angle, rate in (("input", driver, through), ("output", follower, 1.0)):
+        width = first_width(angle, errors, rate)
+        first = first_engaged(lag(angle, width)) if width > 0.0 else None
+        if first is not None:
+            found[name], start = width, max(start, first)
+    return found, start
+
+
 def next_width(found: tuple[float, float, float], last: float) -> float:
     """The width for the next fit from amplitude, standard error and p-value of this one."""
     width = max(abs(found[0]), 3.0 * found[1])

@@ -12,9 +12,11 @@ from escapement.base import validate
 from escapement.base.errors import InvalidValue
 from escapement.base.lazy import Lazy
 from escapement.base.text import Shown
+from escapement.measurement.beat_verdict import verdict_on
 from escapement.measurement.curvature import curved
 from escapement.measurement.parts import Parts, starts
 from escapement.measurement.rounds import Rounds, checked_wheel, rounds_of
+from escapement.measurement.time_unit import check_unit
 from escapement.measurement.told import (
     Combination,
     Doubt,
@@ -27,6 +29,7 @@ from escapement.measurement.told import (
     within_range,
     without,
 )
+from escapement.measurement.verdict import Verdict
 from escapement.mechanisms.protocol import FloatArray
 from escapement.model.escapement import Escapement
 
@@ -69,6 +72,10 @@ class BeatFit(Shown):
     p_value : float
         Probability that noise alone causes such a difference of the mean beats and `computed`;
         NaN if this cannot be judged.
+    autocorrelation : float
+        Correlation of neighbouring residuals, made independent [-].
+    unknowns : int
+        Number of unknowns of the fit.
     confidence : float
         Confidence level of the intervals [-].
     message : str
@@ -87,8 +94,15 @@ class BeatFit(Shown):
     rounds: Rounds = field(repr=False)
     noise: float
     p_value: float
+    autocorrelation: float
+    unknowns: int
     confidence: float
     message: str
+
+    @property
+    def verdict(self) -> Verdict:
+        """Whether angle errors of the parts explain the beats, and which parts are in error."""
+        return verdict_on(self)
 
     @property
     def residuals(self) -> FloatArray:
@@ -140,7 +154,8 @@ def fit_beats(
     Raises
     ------
     InvalidValue
-        When an argument breaks its rule, or the beats are too few.
+        When an argument breaks its rule, the beats are too few, or their mean is more than ten
+        times or less than a tenth of the design's.
 
     Notes
     -----
@@ -173,6 +188,7 @@ def fit_beats(
             f"beats must be more than the {unknown} unknowns, got {rounds.samples}; "
             "measure longer, or give their noise"
         )
+    _check_times(escapement, rounds)
     best, *others = _fitted(escapement, rounds, pins, slots)
     doubt = doubt_of(best.parts, best.unknowns, rounds, noise, share)
     if parts == "both" and math.gcd(wheel.pins, wheel.slots) > 1:
@@ -186,10 +202,23 @@ def fit_beats(
         known = spanned(solutions, _joined(sets, rounds, edge))
     known = within_range(known, best.parts)
     return BeatFit(
-        best.parts.built(best.unknowns), known.pins, known.slots, known.pin_widths,
-        known.slot_widths, known.combinations, known.rate, known.rate_width, doubt.computed,
-        rounds, doubt.noise, doubt.p_value, share, "; ".join(remarks(known, doubt, rounds)),
+        escapement=best.parts.built(best.unknowns),
+        pin_angle_errors=known.pins, slot_angle_errors=known.slots,
+        pin_half_widths=known.pin_widths, slot_half_widths=known.slot_widths,
+        combinations=known.combinations, rate=known.rate, rate_half_width=known.rate_width,
+        computed=doubt.computed, rounds=rounds, noise=doubt.noise, p_value=doubt.p_value,
+        autocorrelation=doubt.alike, unknowns=best.unknowns.size, confidence=share,
+        message="; ".join(remarks(known, doubt, rounds)),
     )  # fmt: skip
+
+
+def _check_times(escapement: Escapement, rounds: Rounds) -> None:
+    """Raise InvalidValue if the beats are not of the order of the design's, as in another unit."""
+    _, computed = Parts(escapement, False, False).perfect()
+    mean, design = float(rounds.means.mean()), float(computed.mean())
+    torque = escapement.torque if isinstance(escapement.torque, float | int) else None
+    took = f"a mean beat of {mean:.3g} s, where the design takes {design:.3g} s"
+    check_unit("beats", mean / design, took, torque)
 
 
 class _Trial(NamedTuple):

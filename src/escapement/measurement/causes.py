@@ -10,7 +10,7 @@ from escapement.measurement.changes import Change
 from escapement.measurement.error_columns import Key
 from escapement.measurement.glitches import Glitch
 from escapement.measurement.shaft_errors import (
-    DOUBT,
+    DOUBT_PARTS,
     SURE,
     chance,
     interval,
@@ -18,7 +18,7 @@ from escapement.measurement.shaft_errors import (
 )
 from escapement.measurement.slot_errors import SlotError
 
-_NOISE, _ROUNDING = "noise", "the rounding of the encoders"
+_NOISE, ROUNDING = "noise", "the rounding of the encoders"
 _ALIKE = "noise with correlated neighbours"
 _NAMED = 3  # lines of readings far out that are named
 
@@ -40,11 +40,6 @@ class Cause(NamedTuple):
         """Whether the readings show it with certainty."""
         return not self.doubt
 
-    @property
-    def harmless(self) -> bool:
-        """Whether it may be rounding, which no drive can help."""
-        return self.doubt == _ROUNDING
-
 
 def causes_of(result: Any, small: float) -> Iterator[Cause]:
     """The causes that a `Measurement` shows; `small` is an error that a mechanism may have [rad].
@@ -60,7 +55,7 @@ def causes_of(result: Any, small: float) -> Iterator[Cause]:
             room = small if found.shaft == "cell" else 2.0 * small
             yield Cause(found.told(not doubt), doubt, effect / room)
     for slot in result.slot_errors:
-        if slot.p_value < DOUBT:
+        if slot.p_value < DOUBT_PARTS:
             doubt = _doubt(result, slot, (slot.shaft, "parts"))
             effect = abs(slot.size) * (through if slot.shaft == "input" else 1.0)
             yield Cause(_told_slot(slot, not doubt), doubt, 0.5 * effect / small)
@@ -69,7 +64,7 @@ def causes_of(result: Any, small: float) -> Iterator[Cause]:
             doubt = _doubt(result, play, (play.shaft, "lag"))
             yield Cause(told_backlash(play, not doubt), doubt)
     for change in result.changes:
-        doubt = _doubt(result, change, (change.shaft, "change"))
+        doubt = _doubt(result, change, ("change", change.line))
         verb = "change" if not doubt else "may change"
         yield Cause(
             f"the errors {verb} for good behind line {change.line}, as if the {change.shaft} had "
@@ -129,7 +124,7 @@ def _told_slot(slot: SlotError, certain: bool) -> str:
 def _doubt(result: Any, found: Any, key: Key) -> str:
     """What else an error may be, "" if nothing."""
     if key in result.rounded:
-        return _ROUNDING
+        return ROUNDING
     if chance(found.p_value, result.rest_autocorrelation) >= SURE:
         return _ALIKE if found.p_value < SURE else _NOISE
     return ""

@@ -108,7 +108,10 @@ def _best_of(sums: NormalEquations, others: list[Place], shaft: str) -> Candidat
     log_p = log_of(len(_ACTS) * _chance_of_greatest(height, freedom, alike), fitted)
     at, log_p = int(tried[best]), min(log_p, 0.0)
     size, error = float(product[best] / square[at]), math.sqrt(fitted.variance / square[at])
-    return Candidate(shaft, at, own, log_p, size, error, fitted.explained, fitted.variance)
+    return Candidate(
+        shaft=shaft, edge=at, column=own, log_p=log_p, size=size, standard_error=error,
+        explained=fitted.explained, variance=fitted.variance,
+    )  # fmt: skip
 
 
 def _chance_of_greatest(height: float, freedom: int, alike: FloatArray) -> float:

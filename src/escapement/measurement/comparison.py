@@ -153,6 +153,11 @@ class Measurement(Shown):
         return self._found.rounded
 
     @property
+    def hidden(self) -> float:
+        """Amplitude of an error of the output that the rounding of the encoders can hide [rad]."""
+        return self._found.hidden
+
+    @property
     def spread(self) -> float:
         """Standard deviation of the errors without readings far out [rad]."""
         return self._found.spread
@@ -272,7 +277,10 @@ def measure(
             "angles that the encoders showed"
         )
     count = normality.class_count(found.errors, bins)
-    return Measurement(mechanism, taken, encoder, share, count, angle, output, found)
+    return Measurement(
+        mechanism=mechanism, readings=taken, encoder=encoder, confidence=share, bins=count,
+        input=angle, output=output, fit=found,
+    )  # fmt: skip
 
 
 def write_errors(result: Measurement, path: str | PathLike[str], *, force: bool = False) -> None:

@@ -12,12 +12,12 @@ from typing import NamedTuple
 
 import numpy as np
 
-from escapement.measurement.backlash import Backlash, first_engaged, first_width, lag, next_width
+from escapement.measurement.backlash import Backlash, first_plays, lag, next_width
 from escapement.measurement.changes import Candidate, Change, best_change
 from escapement.measurement.error_columns import Behind, Columns, Key
 from escapement.measurement.fit import position, slope
 from escapement.measurement.glitches import Glitch, far_out
-from escapement.measurement.noise import first_noise, noise_of, rounding_of
+from escapement.measurement.noise import Noise, first_noise, noise_of, rounding_of
 from escapement.measurement.normal_equations import PHASE, Fitted, NormalEquations, Place
 from escapement.measurement.readings import TURN
 from escapement.measurement.shaft_errors import DOUBT, ORDERS, SURE, UNKNOWN, ShaftError, told_size
@@ -29,6 +29,8 @@ from escapement.mechanisms.protocol import FloatArray, Mechanism
 _FITS = 5
 _FITS_OF_CHANGES = 9  # a slip of the input may be large, and takes more of them
 _CHANGES = 4  # so many changes are looked for
+_SUSPECTED = 0.1  # what noise causes more seldom may be no noise
+_FAR = 3.0  # standard deviations of a reading that may be far out
 _SAME_WEIGHT = 1e-2  # weights that differ by a smaller share change no test
 _SAME = 1e-9  # sums of squares that differ by a smaller share are equal
 CELLS = 2.0
@@ -43,7 +45,9 @@ class Found(NamedTuple):
     slot_errors : of the worst slot and of the worst pin, where several were seen.
     changes : changes for good that noise hardly causes, by their line.
     glitches : readings far out, by their line.
-    rounded : errors that noise cannot cause, but the rounding of the encoders can.
+    rounded : errors that noise cannot cause, but the rounding of the encoders can; a change by
+        its line.
+    hidden : amplitude of an error of the output that rounding can hide [rad].
     spread : standard deviation of the errors, without readings far out [rad].
     scatter : standard deviation of what is left, likewise [rad].
     correlation : correlation of neighbouring errors in what is left [-].
@@ -55,6 +59,7 @@ class Found(NamedTuple):
     changes: tuple[Change, ...]
     glitches: tuple[Glitch, ...]
     rounded: frozenset[Key]
+    hidden: float
     spread: float
     scatter: float
     correlation: float
@@ -109,6 +114,7 @@ class _Certain:
     places : columns of all that is certain.
     changes : the changes among them, and where each of them acts, by the place of its column.
     next_change : the most significant one of those that are not certain.
+    suspect : the most significant of all errors that are not certain, if noise seldom causes it.
     rounded : errors that may be rounding.
     """
 
@@ -116,6 +122,7 @@ class _Certain:
     places: list[Place] = field(default_factory=list)
     changes: dict[Place, tuple[Candidate, Behind]] = field(default_factory=dict)
     next_change: Candidate | None = None
+    suspect: Place | Candidate | None = None
     rounded: set[Key] = field(default_factory=set)
 
 
@@ -137,10 +144,10 @@ class _Search:
         self.fits = 0
         self._at(np.zeros_like(driver))
         self.rounding = rounding_of(driver, steps)
-        self.plays, start = _plays(driver, self.follower, self.slope, errors)
+        self.plays, start = first_plays(driver, self.follower, self.slope, errors)
         self.counted = np.arange(errors.size) >= start
-        a, b = first_noise(errors, self.slope, steps)
-        self.noise, self.scale = a, self.counted / np.sqrt((a + b * self.slope**2) / a)
+        self.noise = first_noise(errors, self.slope, steps)
+        self.scale = self.counted / self.noise.deviation(self.slope)
         cells = float(np.ptp(driver)) / mechanism.cell_angle
         self.turns = {
             "input": float(np.ptp(driver)) / TURN,
@@ -223,10 +230,8 @@ class _Search:
 
     def _weigh(self) -> None:
         """Find the readings that are far out, and weigh the others by their noise."""
-        inside = np.flatnonzero(self.scale > 0.0)
-        a, b = noise_of(self.left[inside], self.slope[inside], self.steps)
-        self.noise = a
-        deviation = np.sqrt((a + b * self.slope**2) / a)
+        self.noise = self._noise()
+        deviation = self.noise.deviation(self.slope)
         counted = np.flatnonzero(self.counted)
         # one count of each encoder is no reading far out
         count = self.steps[1] + self.steps[0] * np.abs(self.slope)
@@ -236,6 +241,29 @@ class _Search:
         self.glitches = dict(zip(counted[far].tolist(), chances.tolist(), strict=True))
         self.next_scale = self.counted / deviation
         self.next_scale[counted[far[chances < SURE]]] = 0.0
+
+    def _noise(self) -> Noise:
+        """The noise of the readings, if what is suspected is no noise.
+
+        An error of the input that is not removed would look like noise of the input, and a reading
+        far out like noise where it lies: both would hide themselves.
+        """
+        certain, left = self.certain, self.left
+        sums, places, changes = certain.sums, certain.places, self.changes
+        if isinstance(certain.suspect, Candidate):
+            edge, column = certain.suspect.edge, certain.suspect.column
+            places = [*places, (len(sums.gram),)]
+            changes = [*changes, Behind(int(sums.edges[edge]), column)]
+            sums = sums.with_column_behind(edge, column)
+        elif certain.suspect is not None:
+            places = [*places, certain.suspect]
+        if certain.suspect is not None:
+            left = self.columns.rest(sums.coefficients(places), changes)
+        inside = np.flatnonzero(self.scale > 0.0)
+        left, slope = left[inside], self.slope[inside]
+        noise = noise_of(left, slope, self.steps)
+        near = left**2 <= _FAR**2 * (noise.of_output + noise.of_input * slope**2)
+        return noise_of(left[near], slope[near], self.steps)
 
     def _ranked(self, sums: NormalEquations) -> _Certain:
         """All that is certain, the most significant first, each tested with those before."""
@@ -248,10 +276,17 @@ class _Search:
             # of the latter has converged
             early = self.fits < _FITS and plays & {*found.places}
             look = self.enough and not is_play and not early
-            found.next_change = change = self._best_change(found) if look else None
+            found.next_change = change = best_change(found.sums, found.places) if look else None
+            if change and self._may_be_rounding(change.shaft, change):
+                if change.log_p < math.log(DOUBT):
+                    found.rounded.add(("change", int(found.sums.edges[change.edge])))
+                change = None
+            ahead = change is not None and change.log_p < log_p
+            seldom = min(log_p, change.log_p if change else 0.0) < math.log(_SUSPECTED)
+            found.suspect = (change if ahead else place) if seldom else None
             if self.fits < _FITS and len(found.places) == self.fits:
                 return found
-            if change and change.log_p < min(log_p, math.log(SURE)):
+            if ahead and change and change.log_p < math.log(SURE):
                 if len(found.changes) == _CHANGES:
                     return found
                 place = (len(found.sums.gram),)
@@ -283,20 +318,13 @@ class _Search:
         plays = [trial for trial in trials if trial[2] and trial[0] < math.log(SURE)]
         return min(plays or trials, default=(0.0, (), False))
 
-    def _best_change(self, certain: _Certain) -> Candidate | None:
-        """The most significant change, unless it may be rounding."""
-        change = best_change(certain.sums, certain.places)
-        if change is not None and self._may_be_rounding(change.shaft, change):
-            return None
-        return change
-
     def _may_be_rounding(self, shaft: str, error: Fitted | Candidate) -> bool:
         """Whether rounding alone may explain as large a sum of squares."""
         if not any(self.steps):
             return False
         # what this error explains is no noise
         left = error.variance * self.counted.sum()
-        noise = self.noise * left / (left + error.explained)
+        noise = self.noise.shrunk(left / (left + error.explained))
         return error.explained < self.rounding.explains(shaft, self.slope, self.scale, noise)
 
     def _fitted(self, place: Place) -> Fitted | None:
@@ -330,13 +358,24 @@ class _Search:
         square = float(weighted @ weighted)
         alike = float(weighted[1:] @ weighted[:-1]) / square if square > 0.0 else 0.0
         kept = self.next_scale > 0.0
+        rounded = {
+            (name, int(line[int(kind) - 1])) if name == "change" else (name, kind)
+            for name, kind in self.certain.rounded
+        }
+        hidden = self.rounding.explains("output", self.slope, self.scale, self.noise)
+        glitches = sorted(self.glitches.items())
         return Found(
-            tuple(shaft_errors), tuple(backlash), tuple(slots), self._changes(line),
-            tuple(Glitch(int(line[at]), float(self.left[at]), p)
-                  for at, p in sorted(self.glitches.items())),
-            frozenset(self.certain.rounded), float(self.errors[kept].std()),
-            float(self.left[kept].std()), alike,
-        )  # fmt: skip
+            shaft_errors=tuple(shaft_errors),
+            backlash=tuple(backlash),
+            slot_errors=tuple(slots),
+            changes=self._changes(line),
+            glitches=tuple(Glitch(int(line[at]), float(self.left[at]), p) for at, p in glitches),
+            rounded=frozenset(rounded),
+            hidden=math.sqrt(2.0 * hidden / float(self.scale @ self.scale)),
+            spread=float(self.errors[kept].std()),
+            scatter=float(self.left[kept].std()),
+            correlation=alike,
+        )
 
     def _changes(self, line: np.ndarray) -> tuple[Change, ...]:
         """Changes that are certain, and the next one if noise hardly causes it."""
@@ -357,20 +396,3 @@ class _Search:
             )
             for sample, shaft, size, error, log_p in sorted(found)
         )  # fmt: skip
-
-
-def _plays(
-    driver: FloatArray, follower: FloatArray, slope: FloatArray, errors: FloatArray
-) -> tuple[dict[str, float], int]:
-    """For each shaft that turns both ways, a first estimate of its backlash [rad].
-
-    Also returned is the first sample at which the side of each backlash is known.
-    """
-    found, start = {}, 0
-    through = math.sqrt(float(np.mean(slope**2)))
-    for name, angle, rate in (("input", driver, through), ("output", follower, 1.0)):
-        width = first_width(angle, errors, rate)
-        first = first_engaged(lag(angle, width)) if width > 0.0 else None
-        if first is not None:
-            found[name], start = width, max(start, first)
-    return found, start

@@ -189,8 +189,11 @@ def fit_zeros(
         sense, phase, offset = min([(1, *zeros), (-1, *zeros)], key=task.squares)
     errors = task.residual(sense, phase, offset)
     g = sense * slope(mechanism, angle + phase)
-    uncertain = (0.0, 0.0) if zeros is not None else _standard_errors(g, errors)
-    return Fit(phase, offset, *uncertain, sense, output - errors, errors, g)
+    of_phase, of_offset = (0.0, 0.0) if zeros is not None else _standard_errors(g, errors)
+    return Fit(
+        phase=phase, offset=offset, phase_error=of_phase, offset_error=of_offset, sense=sense,
+        theory=output - errors, errors=errors, slope=g,
+    )  # fmt: skip
 
 
 def _standard_errors(g: FloatArray, errors: FloatArray) -> tuple[float, float]:

@@ -182,10 +182,13 @@ def fit_motion(
         np.diff(one)[apart] / np.diff(task.time)[apart] for one in (task.angle, angle)
     )
     middle = task.clock + 0.5 * (task.time[1:] + task.time[:-1])[apart]
+    alike, p_value, doubt = task.judged(rest, found.jac, angle, start)
     fit = MotionFit(
-        task.changed(found.x), task.parameters, found.x[:-1] * scale,
-        reach * noise * spread[:-1] * scale, share, task.clock + start, task.clock + task.time,
-        rest, noise, middle, speeds, computed, *task.judged(rest, found.jac, angle, start), "",
+        escapement=task.changed(found.x), parameters=task.parameters, values=found.x[:-1] * scale,
+        half_widths=reach * noise * spread[:-1] * scale, confidence=share,
+        start=task.clock + start, time=task.clock + task.time, residuals=rest, noise=noise,
+        mid_time=middle, speeds=speeds, computed_speeds=computed,
+        autocorrelation=alike, p_value=p_value, doubt=doubt, message="",
     )  # fmt: skip
     vars(fit)["message"] = "; ".join(_remarks(fit, readings))
     return fit

@@ -15,9 +15,26 @@ _REVISITED = 0.75  # a smaller share of the positions expected at random means t
 _TERMS = np.arange(1, 40)
 
 
-def first_noise(
-    errors: FloatArray, slope: FloatArray, steps: tuple[float, float]
-) -> tuple[float, float]:
+class Noise(NamedTuple):
+    """Variances of independent noise, rounding included [rad^2].
+
+    of_output : the same at every sample.
+    of_input : it reaches the output through the transmission.
+    """
+
+    of_output: float
+    of_input: float
+
+    def deviation(self, slope: FloatArray) -> FloatArray:
+        """Standard deviation of each sample relative to that in the dwell, shape (n,) [-]."""
+        return np.asarray(np.sqrt((self.of_output + self.of_input * slope**2) / self.of_output))
+
+    def shrunk(self, share: float) -> "Noise":
+        """The noise with a share of its variances."""
+        return Noise(share * self.of_output, share * self.of_input)
+
+
+def first_noise(errors: FloatArray, slope: FloatArray, steps: tuple[float, float]) -> Noise:
     """The same as `noise_of` before any cause is known, from differences of neighbours.
 
     A cause whose errors change slowly from sample to sample hardly counts in them.
@@ -29,10 +46,8 @@ def first_noise(
     return noise_of(apart, between, steps)
 
 
-def noise_of(
-    errors: FloatArray, slope: FloatArray, steps: tuple[float, float]
-) -> tuple[float, float]:
-    """Variance a of the noise, and b of that which comes through the transmission [rad^2].
+def noise_of(errors: FloatArray, slope: FloatArray, steps: tuple[float, float]) -> Noise:
+    """Variance a of the noise of the output, and b of that of the input [rad^2].
 
     Noise of the output is the same at every sample, and noise of the input reaches the output
     through the transmission g, so the variance of a sample is a + b g^2 (maximum likelihood).
@@ -54,16 +69,18 @@ def noise_of(
     least = max(_LEAST * mean, steps[1] ** 2 / 12.0)
     # the score test: squares of normal errors have a variance of twice the square of their mean
     if not scale > 0.0 or float(spread @ squares) < _UNEVEN * mean * math.sqrt(2.0 * scale):
-        return max(mean - known * float(through.mean()), least), known
+        return Noise(max(mean - known * float(through.mean()), least), known)
     a, b = mean, 0.0
     for _ in range(_ROUNDS):
         weights = 1.0 / (a + b * through) ** 2
         sums = [float(weights @ (through**k)) for k in range(3)]
         right = float(weights @ squares), float(weights @ (squares * through))
-        b = (sums[0] * right[1] - sums[1] * right[0]) / (sums[0] * sums[2] - sums[1] ** 2)
-        b = max(b, known)
+        apart = sums[0] * sums[2] - sums[1] ** 2
+        if not apart > 0.0:  # where all that counts has the same transmission, b stays unknown
+            break
+        b = max((sums[0] * right[1] - sums[1] * right[0]) / apart, known)
         a = max((right[0] - b * sums[1]) / sums[0], least)
-    return a, b
+    return Noise(a, b)
 
 
 class Rounding(NamedTuple):
@@ -77,7 +94,7 @@ class Rounding(NamedTuple):
     steps: tuple[float, float]
     repeats: bool
 
-    def explains(self, shaft: str, slope: FloatArray, scale: FloatArray, noise: float) -> float:
+    def explains(self, shaft: str, slope: FloatArray, scale: FloatArray, noise: Noise) -> float:
         """Greatest sum of squares that it explains as an error of a shaft [rad^2].
 
         Parameters
@@ -86,19 +103,21 @@ class Rounding(NamedTuple):
             An error of the input acts where the transmission is great, others act everywhere.
         slope, scale : ndarray, shape (n,)
             Transmission, and root of the weight of each sample [-].
-        noise : float
-            Variance of the noise of the output, its rounding included [rad^2].
+        noise : Noise
+            That of both encoders.
         """
-        of_input, of_output = self.steps
-        bias = rounding_bias(of_output, math.sqrt(max(noise - of_output**2 / 12.0, 0.0)))
+        of_input, of_output = (
+            rounding_bias(step, math.sqrt(max(variance - step**2 / 12.0, 0.0)))
+            for step, variance in zip(self.steps, (noise.of_input, noise.of_output), strict=True)
+        )
         weight = scale**2
         through = float(weight @ slope**2)
         acting = float(weight.sum())
         if shaft == "input" and through > 0.0:
             # of all errors up to a bound, those explain most that have the sign of the column
             acting = float(weight @ np.abs(slope)) ** 2 / through
-        lasting = 0.5 * of_input * math.sqrt(through) if self.repeats else 0.0
-        return acting * bias**2 + lasting**2
+        lasting = of_input * math.sqrt(through) if self.repeats else 0.0
+        return acting * of_output**2 + lasting**2
 
 
 def rounding_of(angle: FloatArray, steps: tuple[float, float]) -> Rounding:

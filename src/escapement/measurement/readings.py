@@ -99,17 +99,17 @@ class Readings(Shown):
         than half a turn from zero. Where inputs are missing, the median step between neighbours
         is assumed for them.
         """
-        known = np.flatnonzero(np.isfinite(self.input))
-        angle = self.input[known]
+        present = np.flatnonzero(np.isfinite(self.input))
+        angle = self.input[present]
         if not wraps(angle):
             return self.input
-        step, apart = np.diff(angle, prepend=0.0), np.diff(known, prepend=known[0])
+        step, apart = np.diff(angle, prepend=0.0), np.diff(present, prepend=present[0])
         turns, near = -np.round(step / TURN), apart == 1
         if near.any():
             pace = np.median((step + TURN * turns)[near])
             turns = np.where(near, turns, np.round((pace * apart - step) / TURN))
         counted = np.full_like(self.input, np.nan)
-        counted[known] = angle + TURN * np.cumsum(turns)
+        counted[present] = angle + TURN * np.cumsum(turns)
         return counted
 
     @property

@@ -29,8 +29,8 @@ def unrolled(angle: FloatArray, count: float, turn: float) -> tuple[FloatArray, 
     first : int
         First sample behind a roll-over.
     """
-    known = np.flatnonzero(np.isfinite(angle))
-    counts = angle[known] / count
+    present = np.flatnonzero(np.isfinite(angle))
+    counts = angle[present] / count
     if counts.size < 2:
         return angle, 0, 0
     jumps = np.diff(counts)
@@ -41,6 +41,6 @@ def unrolled(angle: FloatArray, count: float, turn: float) -> tuple[FloatArray, 
         fits = np.ptp(counts) < size and rest.max() < _NEAR * size
         if fits and over.any() and abs(size * count - turn) > 1e-9 * turn:
             found = angle.copy()
-            found[known[1:]] -= size * count * np.cumsum(over)
-            return found, bits, int(known[1 + np.argmax(over != 0.0)])
+            found[present[1:]] -= size * count * np.cumsum(over)
+            return found, bits, int(present[1 + np.argmax(over != 0.0)])
     return angle, 0, 0

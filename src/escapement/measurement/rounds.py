@@ -74,6 +74,16 @@ class Rounds(Shown):
         """R such that R (means - true means) is independent noise of one beat's size."""
         return self._solved[1]
 
+    @cached_property
+    def spread(self) -> FloatArray:
+        """Standard deviation of each mean less the mean of all, for noise of one beat of 1 [-].
+
+        Shape (pattern,). Time stamps make it smaller than with independent beats, because a stamp
+        that comes late makes one beat longer and the next one shorter.
+        """
+        weights = np.eye(self.pattern) - 1.0 / self.pattern
+        return np.asarray(np.linalg.norm(weights @ np.linalg.inv(self.root), axis=1))
+
     @property
     def scatter(self) -> float:
         """Sum of the squared deviations from the means, made independent [s^2]."""

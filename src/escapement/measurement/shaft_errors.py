@@ -16,10 +16,12 @@ ORDERS = (1, 2)
 """Cycles a turn: of an eccentric disc, and of a tilted or an oval one."""
 SURE = 1e-3
 """A smaller probability that noise alone causes an error counts as certainty."""
-DOUBT = 1e-2
-"""Below this probability a drive is not called good. Slots, pins, changes, readings far out and
-correlation are looked for, each with a probability for its whole search, and most of these are
-upper bounds: two or three of a hundred good drives are doubted (benchmarks/planted_errors.py)."""
+DOUBT = 1.5e-2
+"""Below this probability for its whole search, a change for good or a reading far out keeps a drive
+from being called good: nothing else shows them."""
+DOUBT_PARTS = 2e-3
+"""The same for slots and pins, whose errors show as waves too. With six waves, each at `SURE`, the
+probabilities add up to 4 %: so many good drives may be doubted (benchmarks/planted_errors.py)."""
 IN_95 = 1.96  # standard errors to either side of the mean, for 95 % of a normal distribution
 _TELLING = 3.0  # the size of an error with fewer standard errors than this is called hidden
 _LEAST = 5e-324  # it stands for a p-value that is too small for a double

@@ -7,14 +7,13 @@ from typing import NamedTuple
 import numpy as np
 
 from escapement.base.lazy import Lazy
+from escapement.measurement.beat_verdict import SURE, alike
 from escapement.measurement.parts import Parts
 from escapement.measurement.rounds import Rounds
 from escapement.mechanisms.protocol import FloatArray
 
 special = Lazy("scipy.special")
 _STEP = 1e-6  # step of the differences that approximate derivatives by the unknowns
-_SURE = 1e-3  # a p-value below this is reported: noise alone causes it in one of a thousand fits
-_ALIKE = 0.1  # a smaller correlation of neighbouring residuals hardly changes an interval
 
 
 class Combination(NamedTuple):
@@ -37,7 +36,8 @@ class Doubt(NamedTuple):
         half the width |c A|.
     reach : half the width of an interval, in standard deviations [-].
     noise : standard deviation of the noise of a single beat [s].
-    p_value : probability that noise alone causes residuals of the mean beats this large [-].
+    p_value : probability that noise alone causes residuals of the mean beats this large [-]; NaN
+        if the noise is not known, or if so many unknowns leave no residuals.
     alike : correlation of neighbouring residuals of the beats, made independent [-].
     """
 
@@ -79,26 +79,26 @@ def doubt_of(
     """
     computed = _computed(parts, unknowns)
     left = float(np.sum((rounds.root @ (rounds.means - computed)) ** 2))
-    # with as many unknowns as mean beats there are no residuals
-    freedom, judged = rounds.samples - unknowns.size, max(rounds.pattern - unknowns.size, 1)
+    freedom, judged = rounds.samples - unknowns.size, rounds.pattern - unknowns.size
     within, p_value = rounds.samples - rounds.pattern, math.nan
     if noise is None:
         sigma = math.sqrt((left + rounds.scatter) / freedom)
         reach = float(special.stdtrit(freedom, 0.5 + 0.5 * confidence))
-        if within > 0 and rounds.scatter > 0.0:
+        if judged > 0 and within > 0 and rounds.scatter > 0.0:
             share = (left / judged) / (rounds.scatter / within)
             p_value = float(special.fdtrc(judged, within, share))
     else:
         sigma, reach = noise, float(special.ndtri(0.5 + 0.5 * confidence))
-        p_value = float(special.chdtrc(judged, left / noise**2))
+        if judged > 0:
+            p_value = float(special.chdtrc(judged, left / noise**2))
     beside = unknowns + _STEP * np.eye(unknowns.size)
     slopes = np.column_stack([(_computed(parts, one) - computed) / _STEP for one in beside])
     root = np.asarray(reach * sigma * np.linalg.pinv(rounds.root @ slopes))
     rest, near = rounds.white(computed), np.diff(rounds.known) == 1
-    alike = 0.0
+    correlation = 0.0
     if near.any() and rest.any():
-        alike = float(np.mean((rest[1:] * rest[:-1])[near]) / np.mean(rest**2))
-    return Doubt(computed, root, reach, sigma, p_value, alike)
+        correlation = float(np.mean((rest[1:] * rest[:-1])[near]) / np.mean(rest**2))
+    return Doubt(computed, root, reach, sigma, p_value, correlation)
 
 
 def _computed(parts: Parts, unknowns: FloatArray) -> FloatArray:
@@ -116,9 +116,12 @@ def told(parts: Parts, unknowns: FloatArray, root: FloatArray) -> Told:
     """
     slots, (pins, steps) = parts.wheel.slots, parts.errors(unknowns)
     pin_widths = np.linalg.norm(parts.late_pins @ root[1 : parts.blows.start], axis=1)
-    rate = float(unknowns[0]), float(np.linalg.norm(root[0]))
+    rate, rate_width = float(unknowns[0]), float(np.linalg.norm(root[0]))
     if not parts.others.size:
-        return Told(pins, np.zeros(slots), pin_widths, np.zeros(slots), *rate)
+        return Told(
+            pins=pins, slots=np.zeros(slots), pin_widths=pin_widths, slot_widths=np.zeros(slots),
+            rate=rate, rate_width=rate_width,
+        )  # fmt: skip
     limit, late, own = np.zeros(slots), np.zeros(slots), np.zeros((slots, root.shape[1]))
     late[parts.others], limit[parts.others] = unknowns[parts.blows], _lengths(root[parts.blows])
     own[parts.others] = parts.slope * late[parts.others, None] * root[parts.blows]
@@ -134,16 +137,19 @@ def told(parts: Parts, unknowns: FloatArray, root: FloatArray) -> Told:
         width = _lengths(weights[:, seen] @ own[seen])
         low = np.minimum(low, weights @ most - width)
         high = np.maximum(high, weights @ most + width)
-    errors = pins, 0.5 * (low + high), pin_widths, 0.5 * (high - low), *rate
+    found = Told(
+        pins=pins, slots=0.5 * (low + high), pin_widths=pin_widths, slot_widths=0.5 * (high - low),
+        rate=rate, rate_width=rate_width,
+    )  # fmt: skip
     if unseen.size == 1:
-        return Told(*errors)
+        return found
     names = (f"slot {i} less slot {(i - 1) % slots}" for i in seen)
     rows = zip(names, steps[seen].tolist(), _lengths(own[seen]).tolist(), strict=True)
     reason = (
         f"no pin strikes slots {', '.join(map(str, unseen))}: the beats do not show how far each "
         "of them is behind the slot before it, so the intervals of the slots are wide"
     )
-    return Told(*errors, tuple(Combination(*row) for row in rows), reason)
+    return found._replace(combinations=tuple(Combination(*row) for row in rows), reason=reason)
 
 
 def _lengths(rows: FloatArray) -> FloatArray:
@@ -164,19 +170,29 @@ def spanned(solutions: list[Told], joined: bool) -> Told:
         )
     )  # fmt: skip
     if joined:
-        none = np.full_like(solutions[0].pins, math.nan), np.full_like(solutions[0].slots, math.nan)
         reason = (
             "very different sets of errors, and those between them, explain the beats equally "
             "well, so that the beats determine none; measure longer"
         )
-        return Told(*none, *none, math.nan, math.nan, reason=reason)
+        return _unknown(solutions[0].pins.size, solutions[0].slots.size, reason)
     reasons = dict.fromkeys(one.reason for one in solutions if one.reason)
     reason = (
         f"{len(solutions)} sets of errors explain the beats equally well: each interval covers "
         "all of them, and each estimate is the middle of its interval"
     )
-    return Told(pins[0], slots[0], pins[1], slots[1], float(rate[0]), float(rate[1]), (),
-                "; ".join((reason, *reasons)))  # fmt: skip
+    return Told(
+        pins=pins[0], slots=slots[0], pin_widths=pins[1], slot_widths=slots[1],
+        rate=float(rate[0]), rate_width=float(rate[1]), reason="; ".join((reason, *reasons)),
+    )  # fmt: skip
+
+
+def _unknown(pins: int, slots: int, reason: str) -> Told:
+    """The result where the beats determine no part."""
+    of_pins, of_slots = np.full(pins, math.nan), np.full(slots, math.nan)
+    return Told(
+        pins=of_pins, slots=of_slots, pin_widths=of_pins, slot_widths=of_slots,
+        rate=math.nan, rate_width=math.nan, reason=reason,
+    )  # fmt: skip
 
 
 def _span(intervals: list[tuple[FloatArray, FloatArray]]) -> tuple[FloatArray, FloatArray]:
@@ -195,9 +211,7 @@ def told_together(parts: Parts, rounds: Rounds, doubt: Doubt) -> Told:
     pins, slots = parts.wheel.pins or 1, parts.wheel.slots
     mean = rounds.means.mean()
     speed = parts.wheel.cell_angle / mean
-    # rows of weights that turn the mean beats into deviations from the mean of all
-    weights = np.eye(rounds.pattern) - 1.0 / rounds.pattern
-    widths = doubt.reach * doubt.noise * _lengths(weights @ np.linalg.inv(rounds.root))
+    widths = doubt.reach * doubt.noise * rounds.spread
     found = (
         Combination(f"pin {k % pins} in slot {k % slots}", float(value), float(width))
         for k, (value, width) in enumerate(
@@ -210,8 +224,7 @@ def told_together(parts: Parts, rounds: Rounds, doubt: Doubt) -> Told:
         "each pair the angle by which it drives longer than the mean; if the pins are known to "
         "be good, use parts='slots', if the slots are, use parts='pins'"
     )
-    nothing = np.full(pins, math.nan), np.full(slots, math.nan)
-    return Told(*nothing, *nothing, math.nan, math.nan, tuple(found), reason)
+    return _unknown(pins, slots, reason)._replace(combinations=tuple(found))
 
 
 def without(known: Told, parts: Parts, curved: np.ndarray) -> Told:
@@ -267,13 +280,13 @@ def remarks(known: Told, doubt: Doubt, rounds: Rounds) -> Iterator[str]:
             "there are as many unknowns as pairs of a pin and a slot, so other sets of errors may "
             "explain the beats equally well; the intervals hold only near the set that was found"
         )
-    if doubt.p_value < _SURE:
+    if doubt.p_value < SURE:
         yield (
             f"the residuals are greater than the noise explains (p {doubt.p_value:.1g}): something "
             "besides these angles differs from the design, for example the friction, a length or "
             "the centre distance"
         )
-    if abs(doubt.alike) > max(_ALIKE, 4.0 / math.sqrt(rounds.samples)):
+    if alike(doubt.alike, rounds.samples):
         yield (
             f"neighbouring residuals are alike (correlation {doubt.alike:.2f}), but the intervals "
             "assume that the noise of each beat is independent: do not trust their widths"

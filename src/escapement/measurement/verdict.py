@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from escapement.base.lazy import Lazy
-from escapement.measurement.causes import Cause, causes_of, encoders_explain
+from escapement.measurement.causes import ROUNDING, Cause, causes_of, encoders_explain
 from escapement.measurement.other_reading import other_reading
 from escapement.measurement.readings import TURN, wraps
 from escapement.measurement.shaft_errors import SURE
@@ -117,9 +117,15 @@ def unexplained(result: Any) -> float:
 def _doubts(result: Any) -> Iterator[str]:
     """What keeps a mechanism from being called good although nothing is certain."""
     step = abs(result.mechanism.follower_step)
-    for cause in _causes(result):
-        if not cause.harmless:
-            yield f"{cause.told}, or is {cause.doubt}"
+    causes = [*_causes(result)]
+    for cause in causes:
+        yield f"{cause.told}, or is {cause.doubt}"
+    if any(cause.doubt == ROUNDING for cause in causes):
+        yield (
+            f"errors below half a step of the encoders ({_deg(0.5 * max(result.steps))}) cannot "
+            "be told from their rounding, which repeats where positions do: stop at other "
+            "positions in every turn, or, if you do so already, use finer encoders"
+        )
     if unexplained(result) < SURE:
         yield (
             f"neighbouring errors are alike (correlation {result.rest_autocorrelation:.2f}), which "
@@ -133,21 +139,14 @@ def _doubts(result: Any) -> Iterator[str]:
 
 def _good(result: Any) -> str:
     """What was looked for and not found, and how small it might have been."""
-    seen = _SEEN * result.scatter * math.sqrt(2.0 / result.errors.size)
+    seen = max(_SEEN * result.scatter * math.sqrt(2.0 / result.errors.size), result.hidden)
     text = (
         "Good: the errors are noise without an error of a shaft or of a slot, without a change for "
         f"good and without a reading far out, and scatter by {_deg(result.standard_deviation)}"
     )
     if result.sensor_share:
         text += f", where the encoders alone explain {_deg(result.sensor_share.standard)[:-8]}"
-    if not any(_causes(result)):
-        text += f". An error of the output of {_deg(seen)} that repeats would have been seen."
-    else:
-        text += (
-            f". Errors below half a step of the encoders ({_deg(0.5 * max(result.steps))}) cannot "
-            "be told from their rounding, which repeats where positions do: stop at other "
-            "positions in every turn, or, if you do so already, use finer encoders."
-        )
+    text += f". An error of the output of {_deg(seen)} that repeats would have been seen."
     if unknown := _unjudged(result):
         text += f" Errors that repeat with the {unknown} cannot be told from others."
     return text
@@ -217,7 +216,7 @@ def _on_repeated_errors(result: Any) -> Iterator[str]:
         )
     # where the verdict cannot say, it names the other doubts itself
     for cause in _causes(result):
-        if cause.harmless or (cause.doubt and result.verdict.good is False):
+        if cause.doubt and result.verdict.good is False:
             yield f"{cause.told}, or is {cause.doubt}"
     if unknown := _unjudged(result):
         yield (

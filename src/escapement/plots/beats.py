@@ -28,7 +28,8 @@ def plot_beats(fit: BeatFit, ax: Axes | None = None, *, legend: bool = True) -> 
     -------
     Axes
         Engagement, by its pin and slot, and beat minus the mean beat. Bars: two standard
-        deviations of the mean of the measured beats, to either side.
+        deviations of what is drawn, to either side; time stamps, whose jitter makes neighbouring
+        beats alternate, count with that covariance.
     """
     if not isinstance(fit, BeatFit):
         raise validate.fail("fit", "a BeatFit", fit, "give what fit_beats returns")
@@ -39,7 +40,7 @@ def plot_beats(fit: BeatFit, ax: Axes | None = None, *, legend: bool = True) -> 
     ax.axhline(0.0, **style.ZERO)
     line: dict[str, Any] = {"color": style.BLUE, "lw": 1.2, "label": "fitted parts"}
     ax.step(k, factor * (fit.computed - mean), where="mid", **line)
-    doubt = 2.0 * factor * fit.noise / np.sqrt(rounds.counts)
+    doubt = 2.0 * factor * fit.noise * rounds.spread
     look: dict[str, Any] = {"fmt": "o", "ms": 4, "mfc": "white", "color": style.VERMILLION}
     ax.errorbar(k, factor * (rounds.means - mean), doubt, label="measured", capsize=2, **look)
     pins, slots = wheel.pins, wheel.slots
