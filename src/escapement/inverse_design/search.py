@@ -15,7 +15,14 @@ from escapement.base.spoken import told
 from escapement.base.text import Shown
 from escapement.engines.run_down import rundown
 from escapement.inverse_design.front import spread_out, undominated
-from escapement.inverse_design.similarity import Values, Wheel, exact, in_si, unit_wheel, wheels_for
+from escapement.inverse_design.similarity import (
+    UnitWheel,
+    Values,
+    exact,
+    in_si,
+    unit_wheel,
+    wheels_for,
+)
 from escapement.inverse_design.wish import BOUNDS, Wish
 from escapement.mechanisms import Geneva
 from escapement.mechanisms.protocol import FloatArray
@@ -127,7 +134,7 @@ def _ends(wish: Wish) -> FloatArray:
     return np.log([getattr(wish, name) for name in _VARIED])
 
 
-def _sampled(wheel: Wheel, wish: Wish, seed: int) -> tuple[FloatArray, Values]:
+def _sampled(wheel: UnitWheel, wish: Wish, seed: int) -> tuple[FloatArray, Values]:
     """Points of a wheel, logarithms of the varied numbers, and the figures there."""
     shares = qmc.Sobol(len(_VARIED), seed=seed).random_base2(SAMPLE)
     low, high = _ends(wish).T
@@ -135,7 +142,7 @@ def _sampled(wheel: Wheel, wish: Wish, seed: int) -> tuple[FloatArray, Values]:
     return places, _values(wheel, places, wish)
 
 
-def _values(wheel: Wheel, places: FloatArray, wish: Wish) -> Values:
+def _values(wheel: UnitWheel, places: FloatArray, wish: Wish) -> Values:
     """Figures in SI at points of a wheel."""
     ratio, radius, torque = np.exp(places.T)
     return in_si(
@@ -188,7 +195,7 @@ def _told(name: str, bound: tuple[float, float], reached: float) -> str:
     return f"{name} must be {rule} {told(limit, kind)}, and the {best} is {told(reached, kind)}"
 
 
-def _polished(wheel: Wheel, place: FloatArray, wish: Wish) -> tuple[Wheel, FloatArray]:
+def _polished(wheel: UnitWheel, place: FloatArray, wish: Wish) -> tuple[UnitWheel, FloatArray]:
     """A nearby point that is better in every objective, within all bounds."""
     low, high = _ends(wish).T
     free = high > low
@@ -218,7 +225,7 @@ def _polished(wheel: Wheel, place: FloatArray, wish: Wish) -> tuple[Wheel, Float
     return wheel, better
 
 
-def _made(wheel: Wheel, place: FloatArray, wish: Wish) -> Design | None:
+def _made(wheel: UnitWheel, place: FloatArray, wish: Wish) -> Design | None:
     """The design at a place, simulated; None where it misses a bound after all."""
     ratio, radius, torque = np.exp(place).tolist()
     natural = exact(unit_wheel(wheel.slots, wheel.internal, wish.pin), ratio, wish)
@@ -242,7 +249,7 @@ def _made(wheel: Wheel, place: FloatArray, wish: Wish) -> Design | None:
 
 
 def _timer(
-    wheel: Wheel, wish: Wish, place: tuple[float, float, float], inertia: float, turned: float
+    wheel: UnitWheel, wish: Wish, place: tuple[float, float, float], inertia: float, turned: float
 ) -> Escapement:
     ratio, radius, torque = place
     mechanism = Geneva(

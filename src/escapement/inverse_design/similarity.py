@@ -34,7 +34,7 @@ Values = dict[str, Any]
 
 
 @dataclass(frozen=True)
-class Body:
+class Discs:
     """The discs of a wheel of crank radius 1.
 
     size : length over both discs. wall : their thinnest wall. driver, follower : area and polar
@@ -47,7 +47,7 @@ class Body:
     follower: tuple[float, float]
 
 
-def body_of(wheel: Geneva) -> Body:
+def body_of(wheel: Geneva) -> Discs:
     """The body of a wheel of crank radius 1; raises InvalidValue where a hole leaves no wall."""
     parts = {part.name: part for part in parts_of(wheel)}
     moments = {name: part.moments for name, part in parts.items()}
@@ -58,16 +58,16 @@ def body_of(wheel: Geneva) -> Body:
     size = max(out["driver"] + apart, out["follower"]) + max(out["follower"], out["driver"] - apart)
     wall = min(part.wall.width for name, part in parts.items() if name != "plate")
     driver = sum(m.area for m in discs), sum(m.second for m in discs)
-    return Body(size, wall, driver, (moments["follower"].area, moments["follower"].second))
+    return Discs(size, wall, driver, (moments["follower"].area, moments["follower"].second))
 
 
 @dataclass(frozen=True)
-class Wheel:
+class UnitWheel:
     """A kind of wheel: its figures in natural units as functions of the logarithm of the ratio."""
 
     slots: int
     internal: bool
-    body: Body
+    body: Discs
     curves: PchipInterpolator
 
     def at(self, ratio: Any) -> Values:
@@ -77,7 +77,7 @@ class Wheel:
         return found | {name: np.exp(found[name]) for name in NATURAL[:4]}
 
 
-def wheels_for(wish: Wish) -> list[Wheel]:
+def wheels_for(wish: Wish) -> list[UnitWheel]:
     """The wheels that a wish allows and that move at all of its frictions."""
     found = []
     kinds = (False, True) if wish.internal is None else (wish.internal,)
@@ -96,7 +96,7 @@ def wheels_for(wish: Wish) -> list[Wheel]:
             good = np.isfinite(table).all(axis=1)
             if good.sum() > 1:
                 curves = PchipInterpolator(np.log(ratios[good]), table[good])
-                found.append(Wheel(slots, internal, own, curves))
+                found.append(UnitWheel(slots, internal, own, curves))
     return found
 
 
@@ -150,8 +150,13 @@ def exact(wheel: Geneva, ratio: float, wish: Wish) -> Values:
 
 
 def in_si(
-    natural: Values, body: Body, slots: Any, internal: bool, wish: Wish, place: tuple[Any, Any, Any]
-) -> Values:
+    natural: Values,
+    body: Discs,
+    slots: Any,
+    internal: bool,
+    wish: Wish,
+    place: tuple[Any, Any, Any],
+) -> Values:  # fmt: skip
     """Figures in SI of wheels at (inertia ratio, crank radius, torque), numbers or arrays."""
     ratio, radius, torque = place
     follower = torque * (period_of(wish, slots, internal) / natural["period"]) ** 2

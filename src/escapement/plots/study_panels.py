@@ -150,9 +150,9 @@ def draw_map(ax: Axes, table: StudyTable, bar: Literal["right", "top"]) -> list[
 
 def _jumps(table: StudyTable) -> list[list[style.Point]]:
     """The sides between two cells of a map from one of which to the other its result jumps."""
-    x, y, known = _edges(table.x), _edges(table.lines), np.isfinite(table.periods[0])
-    across = np.argwhere(table.jumps(1)[0] & known[1:] & known[:-1])
-    along = np.argwhere(table.jumps(2)[0] & known[:, 1:] & known[:, :-1])
+    x, y, solved = _edges(table.x), _edges(table.lines), np.isfinite(table.periods[0])
+    across = np.argwhere(table.jumps(1)[0] & solved[1:] & solved[:-1])
+    along = np.argwhere(table.jumps(2)[0] & solved[:, 1:] & solved[:, :-1])
     return [
         *([(x[i + 1], y[j]), (x[i + 1], y[j + 1])] for i, j in across),
         *([(x[i], y[j + 1]), (x[i + 1], y[j + 1])] for i, j in along),

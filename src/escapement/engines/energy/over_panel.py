@@ -70,9 +70,8 @@ def pass_over(scene, work, panel, starting, state, request):
         if excess <= 0.0:
             return _stops(panel, 0.0, w, w, time)
         if panel.half <= SHORTEST_STOP:
-            return _stops(
-                panel, 2.0 * panel.half * excess / (state.energy - ends.energy), w, w, time
-            )
+            way = 2.0 * panel.half * excess / (state.energy - ends.energy)
+            return _stops(panel, way, w, w, time)
         return too_coarse
     if rough:
         return too_coarse

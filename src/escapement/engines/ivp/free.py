@@ -5,7 +5,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from escapement.engines.ivp.law import SceneLaw
-from escapement.engines.ivp.piece import Ending, Task
+from escapement.engines.ivp.piece import PieceEnd, Task
 from escapement.mechanisms.protocol import FloatArray
 
 
@@ -22,7 +22,7 @@ class FreeTurn(NamedTuple):
     rate: float
     loss: FloatArray
     length: float
-    ending: Ending
+    ending: PieceEnd
     extrema: tuple[float, ...] = ()
 
     @property
@@ -58,14 +58,14 @@ def turn_free(law: SceneLaw, task: Task) -> FreeTurn:
     way = task.end - theta
     square = speed * speed + 2.0 * rate * way
     if square > 0.0:
-        length, ending = 2.0 * way / (speed + np.sqrt(square)), Ending.ARRIVED
+        length, ending = 2.0 * way / (speed + np.sqrt(square)), PieceEnd.ARRIVED
     else:
-        length, ending = -speed / rate, Ending.STOPPED
+        length, ending = -speed / rate, PieceEnd.STOPPED
     if length > task.time:
-        length, ending = task.time, Ending.TIME_UP
+        length, ending = task.time, PieceEnd.TIME_UP
     return FreeTurn(theta, speed, rate, loss, float(length), ending)
 
 
 def stand_still(law: SceneLaw, theta: float) -> FreeTurn:
     """A driver that stands still for good."""
-    return FreeTurn(theta, 0.0, 0.0, np.zeros(law.losses.size), np.inf, Ending.STOPPED)
+    return FreeTurn(theta, 0.0, 0.0, np.zeros(law.losses.size), np.inf, PieceEnd.STOPPED)

@@ -70,7 +70,7 @@ class Task(NamedTuple):
     gap: float
 
 
-class Ending(Enum):
+class PieceEnd(Enum):
     """Why a piece ends: at its goal, at a pin reversal, at rest or at the end of the time."""
 
     ARRIVED = 1
@@ -93,7 +93,7 @@ class Solution:
     anchor: float
     unit: float
     length: float
-    ending: Ending
+    ending: PieceEnd
     extrema: list[float]
     first_rate: float
     last_rate: float
@@ -226,7 +226,9 @@ class _Problem:
         forces[0] = sign * abs(forces[0])
         return times, rates, forces
 
-    def find_end(self, solved: Any, times: FloatArray, forces: FloatArray) -> tuple[float, Ending]:
+    def find_end(
+        self, solved: Any, times: FloatArray, forces: FloatArray
+    ) -> tuple[float, PieceEnd]:
         """When the piece ends, and why.
 
         solve_ivp misses two crossings of the force inside one step, so that the force is
@@ -246,12 +248,12 @@ class _Problem:
         if turns:
             # a reversal at the goal belongs to the next piece
             beyond = solved.sol(turns[0])[0] >= self.task.end - self.task.anchor - self.task.gap
-            return turns[0], Ending.ARRIVED if beyond else Ending.REVERSED
+            return turns[0], PieceEnd.ARRIVED if beyond else PieceEnd.REVERSED
         if arrived:
-            return last, Ending.ARRIVED
-        return last, Ending.STOPPED if stopped else Ending.TIME_UP
+            return last, PieceEnd.ARRIVED
+        return last, PieceEnd.STOPPED if stopped else PieceEnd.TIME_UP
 
-    def retake_last_step(self, solved: Any, end: float, ending: Ending) -> tuple[Any, float]:
+    def retake_last_step(self, solved: Any, end: float, ending: PieceEnd) -> tuple[Any, float]:
         """Dense output that ends where the piece ends, and when that is.
 
         The interpolant inside a step is less accurate than the ends of the step. Where an
@@ -269,7 +271,7 @@ class _Problem:
             last = self.integrate((join, end), start, first_step=step).sol
             shift = self.correction(last(end), ending)
             near = abs(shift) <= _NEARLY * (last.ts[-1] - last.ts[-2])
-            if ending is Ending.REVERSED and not near:
+            if ending is PieceEnd.REVERSED and not near:
                 # the force only touches zero, and has no root by which to shift the end
                 break
             if not end + shift > join:
@@ -286,14 +288,14 @@ class _Problem:
         steps = dense.interpolants[:whole] + last.interpolants
         return OdeSolution(times, steps, alt_segment=dense.side == "right"), end
 
-    def correction(self, y: FloatArray, ending: Ending) -> float:
+    def correction(self, y: FloatArray, ending: PieceEnd) -> float:
         """By how much later than at `y` the piece ends, by one step of Newton's method."""
-        if ending is Ending.TIME_UP:
+        if ending is PieceEnd.TIME_UP:
             return 0.0
-        if ending is Ending.ARRIVED:
+        if ending is PieceEnd.ARRIVED:
             return float((self.task.end - self.task.anchor - y[0]) / y[1])
         rates = slope(0.0, y, *self.arguments)
-        vanishes = self.pace if ending is Ending.STOPPED else self.force
+        vanishes = self.pace if ending is PieceEnd.STOPPED else self.force
         value = vanishes(y)
         growth = (vanishes(y + _NUDGE * rates) - value) / _NUDGE
         return -value / growth if growth else np.inf

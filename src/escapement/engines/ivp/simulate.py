@@ -24,8 +24,8 @@ from escapement.dynamics.trajectory import Events, Extrema, Trajectory
 from escapement.engines.ivp.free import FreeTurn, is_free, stand_still, turn_free
 from escapement.engines.ivp.law import SceneLaw, least_share
 from escapement.engines.ivp.piece import (
-    Ending,
     NotConverged,
+    PieceEnd,
     Solution,
     Task,
     Tolerances,
@@ -207,7 +207,7 @@ class _Simulation:
             if at_rest and self.law.acceleration(self.theta, 0.0, sign) <= 0.0:
                 # stall: the drive does not carry the load
                 self._stop(sign)
-            elif self._solve_piece(sign, span) is Ending.REVERSED:
+            elif self._solve_piece(sign, span) is PieceEnd.REVERSED:
                 self._note_reversal()
                 sign = -sign
         self.side = sign
@@ -218,7 +218,7 @@ class _Simulation:
         if not self.pieces:
             self._add(sign, 0.0 * self.law.losses, stand_still(self.law, self.theta))
 
-    def _solve_piece(self, sign: float, span: Span) -> Ending:
+    def _solve_piece(self, sign: float, span: Span) -> PieceEnd:
         """Advance by one smooth piece."""
         end = span.end
         # Next to a stop of a mesh all of the friction loss is rounding. A table's pieces are
@@ -243,11 +243,11 @@ class _Simulation:
         theta, speed, losses = solved.state(solved.length)
         self._note_extrema(solved)
         self._add(sign, losses, solved)
-        time_up = solved.ending is Ending.TIME_UP
+        time_up = solved.ending is PieceEnd.TIME_UP
         self.time = self.end_time if time_up else self.time + solved.length
-        self.theta = end if solved.ending is Ending.ARRIVED else float(theta)
+        self.theta = end if solved.ending is PieceEnd.ARRIVED else float(theta)
         self.speed = float(speed)
-        self.stalled = solved.ending is Ending.STOPPED
+        self.stalled = solved.ending is PieceEnd.STOPPED
         return solved.ending
 
     def _add(self, sign: float, losses: FloatArray, solution: Solution | FreeTurn) -> None:
