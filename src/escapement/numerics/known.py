@@ -73,6 +73,8 @@ def where_known(field: str, short: Callable[..., Any]) -> Callable[..., Any]:
         def _choose(*given: Any) -> Callable[..., Any]:
             return short if knows(given[place], field) else function
 
+        # as of any kernel; see `jit.as_python`
+        vars(function)["py_func"] = function
         return function
 
     return decorate
