@@ -210,6 +210,7 @@ OTHERS = {
     ],
     "reproduce": [],
     "bench": [],
+    "compile": [],
 }
 """Scenes of the commands without a mechanism; `tried` are the only options to change."""
 

@@ -3,12 +3,15 @@
 import json
 import os
 import signal
+import subprocess
+import sys
 
 import pytest
 
 import escapement as esc
 from escapement.cli import main
 from escapement.engines.energy import batch
+from escapement.numerics.jit import is_all_compiled
 
 # a shell's background jobs ignore Ctrl-C, and so would the processes that tests interrupt
 signal.signal(signal.SIGINT, signal.default_int_handler)
@@ -16,23 +19,14 @@ signal.signal(signal.SIGINT, signal.default_int_handler)
 # what is read of standard error, here and of processes, does not depend on what was compiled
 os.environ["ESCAPEMENT_QUIET"] = "1"
 
-COMPILES = "bad_input"
-WITHOUT_MOTION = (
-    *("drive_torque", "elliptical_gears", "elliptical_motion", "gear_driven"),
-    *("measurement_encoders", "measurement_files", "measurement_fit", "measurement_periodic"),
-    *("measurement_plots", "measurement_statistics"),
-    *("plot_mechanism", "synthesis", "transmission_extrema"),
-)
 
-
-def pytest_collection_modifyitems(items):
-    """Let one process compile the engines, while the others begin with what does without them."""
-
-    def turn(item):
-        file = item.path.stem.removeprefix("test_")
-        return 0 if file == COMPILES else 1 if file in WITHOUT_MOTION else 2
-
-    items.sort(key=turn)
+def pytest_configure(config):
+    """Compile all once before several workers begin, each of which would compile the same."""
+    workers = getattr(config.option, "numprocesses", None)
+    if workers and not hasattr(config, "workerinput") and not is_all_compiled():
+        loud = {name: x for name, x in os.environ.items() if name != "ESCAPEMENT_QUIET"}
+        command = [sys.executable, "-m", "escapement", "compile"]
+        subprocess.run(command, env=loud, stdout=subprocess.DEVNULL, check=True)
 
 
 @pytest.fixture

@@ -76,7 +76,7 @@ def test_pieces_have_a_length():
 def test_events_that_lead_elsewhere_than_their_handoff_give_no_states():
     motion = esc.simulate(no_torque_from(CELL / 2.0), 4)
     motion.trajectory.speeds[1] *= 1.001
-    assert motion.status is Status.OK
+    assert motion.outcome is Status.OK
     within = motion.at((motion.handoff_times[0] + motion.handoff_times[1]) / 2.0)
     assert np.isnan(within.theta_dot)
     assert motion.status is Status.NOT_CONVERGED

@@ -279,7 +279,7 @@ def announced(environment, terminal=False, call="call()"):
 
 def test_compiling_is_announced_in_one_line(toy, tmp_path):
     """But not for code of the cache; where there can be no cache, its folder is named once."""
-    line = "escapement: compiling for this machine, once; it takes up to a minute\n"
+    line = "escapement: compiling for this machine, once; it takes a minute or two\n"
     assert announced(toy) == line
     assert announced(toy) == ""
     (tmp_path / "file").touch()

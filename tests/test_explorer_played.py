@@ -14,7 +14,7 @@ from escapement.base.errors import InvalidValue, MissingPackage
 from escapement.explorer import widget
 from escapement.explorer.bodies import bodies_of
 from escapement.explorer.played import COLUMNS, DEGREE, played
-from escapement.outlines import Disc
+from escapement.outlines.bodies import Disc
 from escapement.outlines.gears import EllipticalOutline, GearDrivenOutline
 from escapement.outlines.geneva import GenevaOutline
 

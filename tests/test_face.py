@@ -61,7 +61,7 @@ def test_a_type_checker_knows_every_public_name(checked):
     signature = types["simulate"]
     assert "escapement: escapement.model.escapement.Escapement" in signature
     assert "solver: escapement.engines.solver.Solver | None =" in signature
-    assert signature.endswith("-> escapement.motion.Motion")
+    assert signature.endswith("-> escapement.dynamics.motion.Motion")
     assert types["terminal"].endswith("-> escapement.dynamics.figures_of_merit.Figures")
     assert types["sweep"].endswith("-> escapement.study.result.Study")
     assert types["run_plan"].endswith("-> escapement.study.result.Study")

@@ -92,7 +92,7 @@ def test_painleve_limit_of_a_pin_that_all_but_meets_the_axis(n, m):
     assert limit == pytest.approx(least, rel=1e-5)
     for share, status in ((0.999, Status.OK), (1.001, Status.PAINLEVE)):
         drive = Escapement(wheel, Inertia(1.0, 1.0), 1.0, share * limit)
-        assert simulate(drive, 1).status is status
+        assert simulate(drive, 1).outcome is status
 
 
 def test_constant_speed_has_a_closed_mean():

@@ -12,7 +12,11 @@ from escapement.cli import COMMANDS
 
 LENGTHS = ("crank_radius", "pin_radius", "kerf", "follower_shaft_radius")
 TORQUES = ("torque", "load_torque", "driver_inertia", "follower_inertia")
-FILES = {"sweep": {"config": "study.toml"}, "reproduce": {"source": "filemon"}, "bench": {}}
+FILES = {
+    "sweep": {"config": "study.toml"},
+    "reproduce": {"source": "filemon"},
+    "bench": {"quick": True},
+}
 WRITTEN = {"explore": "page.html", "plot": "x.png"}
 
 
@@ -21,8 +25,9 @@ WRITTEN = {"explore": "page.html", "plot": "x.png"}
 def test_every_output_begins_with_the_inputs(command, monkeypatch, name, units):
     results = SimpleNamespace(as_dict=dict, machine={}, standings=[], points=[])
     monkeypatch.setattr(work_precision, "run", lambda **_: results)
+    monkeypatch.setattr("escapement.cli.compile.compile_all", lambda: None)
     write_inputs(name, "geneva")
-    scene = FILES.get(name) or next(iter(scenes_of(name, "geneva")), {"quick": True})
+    scene = FILES.get(name) or next(iter(scenes_of(name, "geneva")), {})
     extra = ["--quiet", "--force"] if name == "sweep" else []
     if name in WRITTEN:
         extra += ["-o", WRITTEN[name]] + ["--force"] * (name == "explore")

@@ -36,7 +36,7 @@ def results():
 
 def ask(arguments, folder, **environment):
     """Output and messages of a new process that finds nothing compiled."""
-    known = {name: x for name, x in os.environ.items() if name != "ESCAPEMENT_COMPILE"}
+    known = {name: x for name, x in os.environ.items() if not name.startswith("ESCAPEMENT")}
     done = subprocess.run(
         [sys.executable, "-W", "error", *arguments],
         capture_output=True, text=True, timeout=120, check=True,

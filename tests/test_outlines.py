@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 import escapement as esc
 from escapement.base.errors import InvalidValue
-from escapement.outlines import Disc
+from escapement.outlines.bodies import Disc
 from escapement.outlines.curves import Curve, chain, stadium
 from escapement.outlines.gaps import gap, outside, ways_of
 from escapement.outlines.gears import pitch_curve
@@ -127,7 +127,8 @@ def planted(change):
     def bodies(theta):
         return [change.get(b.name, lambda body, _: body)(b, theta) for b in outline.bodies(theta)]
 
-    return SimpleNamespace(mechanism=WHEEL, plane=outline.plane, bodies=bodies)
+    given = {"mechanism": WHEEL, "plane": outline.plane, "meshing": outline.meshing}
+    return SimpleNamespace(**given, bodies=bodies)
 
 
 def test_an_error_of_two_hundredths_of_a_millimetre_is_found():

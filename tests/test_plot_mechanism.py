@@ -10,7 +10,7 @@ import escapement as esc
 from escapement import plots
 from escapement.base.errors import InvalidValue
 from escapement.mechanisms.protocol import Mechanism
-from escapement.outlines import Body
+from escapement.outlines.bodies import Body
 from escapement.outlines.gears import EllipticalOutline, GearDrivenOutline
 from escapement.outlines.geneva import GenevaOutline
 from escapement.outlines.interference import least_gaps

@@ -15,7 +15,10 @@ from escapement.cli import _output
 from escapement.cli._arguments import parser_of
 
 OUTPUTS = {"output": "made", "plot": "made.png", "report": "made.html"}
-PLAIN = {"sweep": [{"config": "study.toml"}], "reproduce": [{"source": "filemon"}], "bench": [{}]}
+PLAIN = {
+    **{"sweep": [{"config": "study.toml"}], "reproduce": [{"source": "filemon"}]},
+    **{"bench": [{}], "compile": [{}]},
+}
 """Scenes of the commands that have no number to change."""
 SUFFIXES = {
     **{"run": ".h5", "rundown": ".csv", "sweep": ".h5", "budget": ".h5", "design": ".csv"},

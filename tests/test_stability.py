@@ -168,13 +168,13 @@ def test_stop_or_not_at_the_last_instant(slots, pins, rho):
     low, high = 0.0, 100.0
     for _ in range(60):
         load = 0.5 * (low + high)
-        stops = run(under(load), engagements=1).status is Status.STALL
+        stops = run(under(load), engagements=1).outcome is Status.STALL
         low, high = (low, load) if stops else (load, high)
     assert high - low <= 1e-13 * high
-    assert run(under(low), engagements=1).status is Status.OK
+    assert run(under(low), engagements=1).outcome is Status.OK
     for factor in (0.999, 1.0 - 1e-6, 1.0 + 1e-6, 1.001):
         fast, judge = both(under(low * factor), engagements=1)
-        assert fast.status is judge.status
+        assert fast.outcome is judge.outcome
         assert fast.end_time == pytest.approx(judge.end_time, rel=1e-7)
 
 

@@ -80,7 +80,7 @@ class Notice:
                 sys.stderr.flush()
             elif not self._told:
                 self._told = True
-                print(f"{text}; it takes up to a minute", file=sys.stderr)
+                print(f"{text}; it takes a minute or two", file=sys.stderr)
 
 
 notice = Notice()

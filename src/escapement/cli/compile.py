@@ -15,8 +15,18 @@ def configure(parser: Parser) -> None:
 
 
 def execute(args: Arguments) -> int:
-    """Solve a small case of each kind, and note that all is compiled."""
+    """Compile, and tell how many functions there were."""
     from escapement.base.notice import notice
+
+    compile_all()
+    found = {"functions": notice.done, "time": notice.spent}
+    lines = f"functions compiled  {notice.done}\ntime                {notice.spent:.0f} s"
+    _output.tell(args, found, lambda: print(lines))
+    return 0
+
+
+def compile_all() -> None:
+    """Solve a small case of each kind, and note that all is compiled."""
     from escapement.numerics.interpreted import compile_from_now_on
     from escapement.numerics.jit import note_all_compiled
 
@@ -26,10 +36,6 @@ def execute(args: Arguments) -> int:
         _solve(timer, engines)
     _solve_others(timers[0][0])
     note_all_compiled()
-    found = {"functions": notice.done, "time": notice.spent}
-    lines = f"functions compiled  {notice.done}\ntime                {notice.spent:.0f} s"
-    _output.tell(args, found, lambda: print(lines))
-    return 0
 
 
 def _timers() -> Iterator[tuple["Escapement", tuple[str, ...]]]:

@@ -95,6 +95,12 @@ def _all_compiled() -> Path | None:
     return Path(folder, f"{config.CPU_NAME or get_host_cpu_name()}.complete") if folder else None
 
 
+def is_all_compiled() -> bool:
+    """Whether `escapement compile` has compiled all kernels for this processor."""
+    mark = _all_compiled()
+    return mark is not None and mark.exists()
+
+
 def note_all_compiled() -> None:
     """Later processes shall use compiled kernels from their start."""
     mark = _all_compiled()
@@ -110,8 +116,7 @@ def _choose() -> None:
     """
     if numba.config.DISABLE_JIT:  # type: ignore[attr-defined]
         return
-    mark = _all_compiled()
-    if not os.environ.get("ESCAPEMENT_COMPILE") and (mark is None or not mark.exists()):
+    if not os.environ.get("ESCAPEMENT_COMPILE") and not is_all_compiled():
         begin_interpreted()
 
 

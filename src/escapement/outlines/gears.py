@@ -8,7 +8,7 @@ import numpy as np
 
 from escapement.mechanisms import EllipticalPlanetary, GearDriven
 from escapement.mechanisms.protocol import FloatArray
-from escapement.outlines import Body, Disc, arc, pins_and_rollers, slotted_edge
+from escapement.outlines.bodies import Body, Disc, arc, pins_and_rollers, slotted_edge
 from escapement.outlines.curves import ComplexArray, Curve, biarcs, chain
 
 _TURN = 2.0 * np.pi

@@ -13,7 +13,7 @@ from functools import lru_cache
 import numpy as np
 
 from escapement.mechanisms import Geneva
-from escapement.outlines import Body, Disc, Land, pins_and_rollers, slotted_edge
+from escapement.outlines.bodies import Body, Disc, Land, pins_and_rollers, slotted_edge
 from escapement.outlines.curves import ComplexArray, Curve, FloatArray, chain
 from escapement.outlines.imperfect import each, imperfect_edge, scaled_errors
 

@@ -12,7 +12,7 @@ from escapement.base import validate
 from escapement.base.errors import InvalidValue
 from escapement.mechanisms import Geneva
 from escapement.mechanisms.checks import IMPERFECT
-from escapement.outlines import Land
+from escapement.outlines.bodies import Land
 from escapement.outlines.curves import Curve, FloatArray, chain
 
 

@@ -6,7 +6,7 @@ from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 
-from escapement.outlines import Body, Disc
+from escapement.outlines.bodies import Body, Disc
 from escapement.outlines.gaps import Ways, gap, outside, ways_of
 
 _FLAT = 1e-9  # differences of gaps that are rounding, in the outline's unit of length

@@ -15,7 +15,7 @@ from escapement.mechanisms.elliptical_teeth import (
     PitchEllipse,
     fewest_teeth,
 )
-from escapement.outlines import Body
+from escapement.outlines.bodies import Body
 from escapement.outlines.curves import Curve
 from escapement.outlines.teeth import rack_cut
 

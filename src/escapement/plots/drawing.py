@@ -15,7 +15,7 @@ from matplotlib.path import Path
 from escapement.mechanisms import Tabulated
 from escapement.mechanisms.protocol import FloatArray, checked
 from escapement.mechanisms.slotted import transmission
-from escapement.outlines import Body, Disc
+from escapement.outlines.bodies import Body, Disc
 from escapement.outlines.curves import ComplexArray
 from escapement.plots import style
 

@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 from escapement.base import validate
 from escapement.base.spoken import on_drawing
 from escapement.mechanisms import Geneva
-from escapement.outlines import Disc, arc
+from escapement.outlines.bodies import Disc, arc
 from escapement.outlines.geneva import GenevaOutline
 from escapement.plots import drawing, style
 

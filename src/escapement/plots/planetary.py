@@ -8,7 +8,7 @@ from matplotlib.axes import Axes
 from escapement.base import validate
 from escapement.base.spoken import drawn_unit
 from escapement.mechanisms import EllipticalPlanetary
-from escapement.outlines import arc
+from escapement.outlines.bodies import arc
 from escapement.outlines.gears import EllipticalOutline
 from escapement.plots import drawing, style
 

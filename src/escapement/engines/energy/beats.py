@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 
 from escapement.base.status import Status
-from escapement.engines.energy.calls import prepared
+from escapement.engines.energy.calls import prepared_pattern
 from escapement.engines.energy.cells import NO_CELLS
 from escapement.engines.energy.cycle import HANDOFF
 from escapement.engines.energy.figures import Extent
@@ -24,8 +24,7 @@ def pattern_beats(escapement: Escapement, rtol: float) -> FloatArray | None:
     mechanism: Any = escapement.mechanism
     if mechanism.misfit:
         return None
-    addresses, plain, _ = prepared(escapement)
-    given = addresses, plain, NO_CELLS, mechanism.pattern
+    given = *prepared_pattern(escapement), NO_CELLS, mechanism.pattern
     figures = np.empty(FIGURES)
     if solve_pattern(*given, 0.0, rtol, int(Extent.CYCLE), figures) != Status.OK:
         return None

@@ -93,10 +93,17 @@ def prepared(escapement: Escapement) -> tuple[np.ndarray, tuple[Any, ...], Float
     """
     kept = escapement.kept
     if _KEY not in kept:
-        scene, kind = escapement.scene, Kind.WHOLE
-        if len(escapement.scenes) == 1:
+        scene = escapement.scene
+        if len(escapement.scenes) > 1:
+            addresses, plain = prepared_pattern(escapement)
+        else:
             kind = kind_of(scene.path, scene.torque, scene[FIXED:])
-        cells = cells_of(scene.path, scene.edges)
-        kept[_KEY] = kernel_addresses(kind), plain_scene(scene, kind), cells
+            addresses, plain = kernel_addresses(kind), plain_scene(scene, kind)
+        kept[_KEY] = addresses, plain, cells_of(scene.path, scene.edges)
     result: tuple[np.ndarray, tuple[Any, ...], FloatArray] = kept[_KEY]
     return result
+
+
+def prepared_pattern(escapement: Escapement) -> tuple[np.ndarray, tuple[Any, ...]]:
+    """Addresses of the long kernels, and scene as plain tuples, for the kernels of patterns."""
+    return kernel_addresses(Kind.WHOLE), plain_scene(escapement.scene, Kind.WHOLE)
