@@ -11,6 +11,7 @@ import pytest
 import escapement as esc
 from escapement.cli import main
 from escapement.engines.energy import batch
+from escapement.numerics.interpreted import compile_from_now_on
 from escapement.numerics.jit import is_all_compiled
 
 # a shell's background jobs ignore Ctrl-C, and so would the processes that tests interrupt
@@ -18,6 +19,9 @@ signal.signal(signal.SIGINT, signal.default_int_handler)
 
 # what is read of standard error, here and of processes, does not depend on what was compiled
 os.environ["ESCAPEMENT_QUIET"] = "1"
+# results are those of compiled kernels, here and in processes that tests start
+os.environ["ESCAPEMENT_COMPILE"] = "1"
+compile_from_now_on()
 
 
 def pytest_configure(config):

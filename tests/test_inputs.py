@@ -44,6 +44,8 @@ def test_every_output_begins_with_the_inputs(command, monkeypatch, name, units):
             assert told[1][key][units] == pytest.approx(value, rel=1e-12)
             in_si = value * scale if units != "SI" else value
             assert told[1][key]["SI"] == pytest.approx(in_si, rel=1e-12)
+    if told[1].keys() == {"units"}:
+        return  # nothing went in
     # the table begins with the same names
     code, out, err = command(*argv)
     assert code == 0, err

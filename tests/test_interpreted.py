@@ -109,6 +109,22 @@ def test_a_call_is_repeated_from_its_start_when_it_is_compiled(tmp_path, patienc
     assert ask([str(file)], tmp_path / "cache")[0].strip() == told
 
 
+def test_what_is_inlined_is_inlined_after_the_change_over(tmp_path):
+    """Code that is compiled alone where it was to be inlined would release memory of its caller."""
+    toy = tmp_path / "toy.py"
+    toy.write_text(
+        "from escapement.numerics import interpreted\n"
+        "from escapement.numerics.jit import inner_jit, jit\n"
+        "interpreted.PATIENCE = 0\n"
+        "@inner_jit(inlined=True)\ndef one_more(x):\n    return x + 1.0\n"
+        "@jit\ndef two_more(x):\n    return one_more(one_more(x))\n"
+        "print(two_more(1.0), interpreted.interprets())\n"
+    )
+    assert ask([str(toy)], tmp_path / "cache")[0].strip() == "3.0 False"
+    (only,) = (tmp_path / "cache").rglob("*.nbi")
+    assert "two_more" in only.name
+
+
 def test_the_command_compiles_what_the_others_need():
     """The suite's cache is filled by it, so that a command in a new process compiles nothing."""
     code = "from escapement.base.notice import notice\nfrom escapement.cli import main\n"

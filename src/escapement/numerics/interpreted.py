@@ -88,6 +88,9 @@ class Kernel:
 
     def __init__(self, compiled: Any, py_func: Any) -> None:
         self.compiled, self.py_func = compiled, py_func
+        # Numba inlines by this attribute of what a kernel calls. Without it a kernel that shares
+        # the references of its caller would be compiled alone, and free memory of others.
+        self.targetoptions = getattr(compiled, "targetoptions", {})
         functools.update_wrapper(self, py_func)
 
     def __call__(self, *given: Any, **named: Any) -> Any:
