@@ -134,7 +134,8 @@ class Version:
     """A process that computes with one version, and waits in between."""
 
     def __init__(self, version: str, cpu: str | None) -> None:
-        env = os.environ | {"PYTHONPATH": str(sources(version))}
+        # a version that would begin with the Python source of its kernels compiles at once
+        env = os.environ | {"PYTHONPATH": str(sources(version)), "ESCAPEMENT_COMPILE": "1"}
         if cpu:
             # without features of its own LLVM would add those of this machine
             env |= {"NUMBA_CPU_NAME": cpu, "NUMBA_CPU_FEATURES": ""}
