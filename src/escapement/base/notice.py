@@ -40,7 +40,12 @@ class Notice:
         with contextlib.suppress(AttributeError, OSError, ValueError):
             print(
                 "escapement: not compiled yet, so that short work runs as plain Python; "
-                "'escapement compile' compiles all, once",
+                + (
+                    f"compiled code cannot be kept in {self.lost}: set NUMBA_CACHE_DIR to a folder "
+                    "that can be written"
+                    if self.lost
+                    else "'escapement compile' compiles all, once"
+                ),
                 file=sys.stderr,
             )
 

@@ -1,7 +1,6 @@
 """Kernels that answer as plain Python first, and are compiled when that pays.
 
-Compiling all kernels takes most of a minute, while one motion takes a tenth of a second in plain
-Python. A process that finds no compiled kernels on disk therefore begins with the Python source
+Compiling all kernels takes minutes, while one motion takes a tenth of a second in plain Python. A process that finds no compiled kernels on disk therefore begins with the Python source
 of its kernels. It changes over to compiled code, once and for all kernels,
 - when `compile_from_now_on` is called, by work that consists of many cases,
 - when kernels have called kernels `PATIENCE` times in Python,
@@ -23,7 +22,7 @@ from numba.extending import typeof_impl
 from escapement.base.notice import notice
 
 PATIENCE = 2_000_000
-"""Calls of kernels by kernels in Python after which a process compiles: two seconds or so.
+"""Calls of kernels by kernels in Python after which a process compiles: some seconds.
 
 Calls are counted, and no time is taken, so that a busy machine does the same as a quiet one.
 """
