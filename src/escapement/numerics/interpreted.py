@@ -1,7 +1,8 @@
 """Kernels that answer as plain Python first, and are compiled when that pays.
 
-Compiling all kernels takes minutes, while one motion takes a tenth of a second in plain Python. A process that finds no compiled kernels on disk therefore begins with the Python source
-of its kernels. It changes over to compiled code, once and for all kernels,
+Compiling all kernels takes minutes, while one motion takes a tenth of a second in plain Python.
+A process that finds no compiled kernels on disk therefore begins with the Python source of its
+kernels. It changes over to compiled code, once and for all kernels,
 - when `compile_from_now_on` is called, by work that consists of many cases,
 - when kernels have called kernels `PATIENCE` times in Python,
 - when a kernel does what only compiled code can, such as a division by zero that gives infinity.
