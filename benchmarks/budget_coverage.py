@@ -18,7 +18,7 @@ from scipy.stats import norm
 
 import escapement as esc
 from escapement.study.parse import plan_from
-from escapement.study.run import run_plan
+from escapement.study.running import run_plan
 from escapement.tolerance import intervals
 from escapement.tolerance.indices import sobol_indices
 from escapement.tolerance.scatter import LEVELS

@@ -31,7 +31,7 @@ from escapement.engines.solver import ENGINES
 from escapement.model.escapement import Escapement, Inertia
 from escapement.plots import save
 from escapement.plots.style import BLACK, GREY, SMALL_SIZE, TWO_COLUMN, dress, new_figure
-from escapement.study.run import sweep
+from escapement.study.running import sweep
 
 RESULTS = Path(__file__).resolve().parent / "results"
 

@@ -20,7 +20,14 @@ from escapement.study.block import blocks_of
 from escapement.study.parse import plan_from
 from escapement.study.plan import StudyPlan
 from escapement.study.pool import in_threads
-from escapement.study.run import Work, frame_of, numerics, solve_block, solved_scenes, write_plan
+from escapement.study.running import (
+    Work,
+    frame_of,
+    numerics,
+    solve_block,
+    solved_scenes,
+    write_plan,
+)
 from escapement.study.writer import write_blocks
 
 

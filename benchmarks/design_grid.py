@@ -1,7 +1,7 @@
 """Whether a brute-force grid finds better designs than `escapement.design`.
 
-``python benchmarks/design_grid.py [POINTS]`` takes the wish of ``runs/thirty_seconds.toml``. On a
-grid of POINTS inertia ratios, radii and torques of every wheel it computes all figures at all
+``python benchmarks/design_grid.py [POINTS]`` takes the requirement of ``runs/thirty_seconds.toml``.
+On a grid of POINTS inertia ratios, radii and torques of every wheel it computes all figures at all
 three frictions by `sweep`, without interpolation, and counts the designs of the grid that satisfy
 all bounds and are better than a design of the front by more than one per cent in every objective.
 Results go to ``results/design_grid.csv``.
@@ -17,46 +17,49 @@ import numpy as np
 import escapement as esc
 from escapement.base.errors import InvalidValue
 from escapement.inverse_design import similarity as figures
-from escapement.inverse_design.search import misses
+from escapement.inverse_design.timer_search import misses
 
 ROOT = Path(__file__).resolve().parents[1]
 RESULTS = ROOT / "benchmarks" / "results" / "design_grid.csv"
 
 
-def of_wheel(slots, internal, wish, points):
+def of_wheel(slots, internal, requirement, points):
     """Figures of a grid of designs of one wheel, each an array."""
-    wheel = figures.unit_wheel(slots, internal, wish.pin)
+    wheel = figures.unit_wheel(slots, internal, requirement.pin)
     body = figures.body_of(wheel)
-    ratios = np.geomspace(*wish.inertia_ratio, points)
-    table = figures.natural_figures(wheel, ratios, wish)
+    ratios = np.geomspace(*requirement.inertia_ratio, points)
+    table = figures.natural_figures(wheel, ratios, requirement)
     names = dict(zip(figures.NATURAL, table.T, strict=True))
     natural = names | {name: np.exp(names[name]) for name in figures.NATURAL[:4]}
-    radii, torques = np.geomspace(*wish.crank_radius, points), np.geomspace(*wish.torque, points)
+    radii, torques = (
+        np.geomspace(*requirement.crank_radius, points),
+        np.geomspace(*requirement.torque, points),
+    )
     i, j, k = (x.reshape(-1) for x in np.indices((points,) * 3))
     own = {name: x[i] for name, x in natural.items()}
-    return figures.in_si(own, body, slots, internal, wish, (ratios[i], radii[j], torques[k]))
+    return figures.in_si(own, body, slots, internal, requirement, (ratios[i], radii[j], torques[k]))
 
 
 def main():
     """Compare, print and write."""
     points = int((sys.argv[1:] or ["24"])[0])
-    wish, _ = esc.load_wish(ROOT / "runs" / "thirty_seconds.toml")
-    esc.design(wish)
+    requirement, _ = esc.load_requirement(ROOT / "runs" / "thirty_seconds.toml")
+    esc.design(requirement)
     start = time.perf_counter()
-    found = esc.design(wish)
+    found = esc.design(requirement)
     took = time.perf_counter() - start
-    front = np.array([[d.values[name] for name in wish.objectives] for d in found.designs])
+    front = np.array([[d.values[name] for name in requirement.objectives] for d in found.designs])
     tried = good = better = 0
     most = 0.0
-    for slots in range(round(wish.slots[0]), round(wish.slots[1]) + 1):
+    for slots in range(round(requirement.slots[0]), round(requirement.slots[1]) + 1):
         for internal in (False, True):
             try:
-                values = of_wheel(slots, internal, wish, points)
+                values = of_wheel(slots, internal, requirement, points)
             except InvalidValue:
                 continue
-            kept = misses(values, wish).sum(axis=0) == 0.0
+            kept = misses(values, requirement).sum(axis=0) == 0.0
             tried, good = tried + kept.size, good + int(kept.sum())
-            costs = np.column_stack([values[name][kept] for name in wish.objectives])
+            costs = np.column_stack([values[name][kept] for name in requirement.objectives])
             for row in front:
                 gain = (1.0 - costs / row).min(axis=1)
                 better += int((gain > 0.01).sum())

@@ -54,7 +54,7 @@ def sweep(side: int, first: str, workers: int, path: Path) -> dict[str, float]:
     import escapement as esc
     from escapement.engines.energy import batch
     from escapement.study.parse import plan_from
-    from escapement.study.run import write_plan
+    from escapement.study.running import write_plan
 
     timer = PROBLEMS[0].escapement
     esc.simulate(timer)

@@ -13,7 +13,7 @@ from pathlib import Path
 
 import escapement as esc
 from escapement.base.status import Status
-from escapement.dynamics.merit_table import TRANSIENT
+from escapement.dynamics.figure_table import TRANSIENT
 
 HERE = Path(__file__).parent
 sys.path.append(str(HERE.parent / "tests"))

@@ -16,8 +16,8 @@ import numpy as np
 
 import escapement as esc
 from escapement.base.status import Status
+from escapement.dynamics.figure_table import TRANSIENT
 from escapement.dynamics.figures_of_merit import fall_times, read_transient
-from escapement.dynamics.merit_table import TRANSIENT
 
 HERE = Path(__file__).parent
 sys.path.append(str(HERE.parent / "tests"))

@@ -19,7 +19,7 @@ class TwoBodies:
         wheel, clock = timer.mechanism, timer.time_unit
         self.sense = 1.0 if wheel.internal else -1.0
         self.centre, self.exit = wheel.centre_distance, wheel.engagement_angle / 2.0
-        self.play = 0.5 * wheel.clearance / wheel.crank_radius
+        self.half_clearance = 0.5 * wheel.clearance / wheel.crank_radius
         self.pin = wheel.pin_radius / wheel.crank_radius
         # the far shafts of trains by the balance of power at their ratios
         barrel, train = timer.barrel or esc.Train(1.0), timer.load_train or esc.Train(1.0)
@@ -32,7 +32,7 @@ class TwoBodies:
         )
         self.load = timer.load_torque * train.ratio / drive
         # the torque over the driver angle turned; friction of the driver's bearing has its own sign
-        self.rate, self.turned = timer.spring_rate / barrel.ratio**2 / drive, 0.0
+        self.rate, self.driver_angle = timer.spring_rate / barrel.ratio**2 / drive, 0.0
         self.bearing = timer.driver_bearing_torque / drive
         self.friction, self.bounce = timer.friction, timer.restitution
         self.step, self.clock, self.chatter = wheel.follower_step, clock, chatter
@@ -59,7 +59,7 @@ class TwoBodies:
 
         `sense` is the sign of the sliding speed, 0 where it is to be found.
         """
-        pull = max(1.0 - self.rate * (self.turned + q[0] + self.exit), 0.0)
+        pull = max(1.0 - self.rate * (self.driver_angle + q[0] + self.exit), 0.0)
         beyond = np.array([pull, -self.load * np.sign(v[1])])
         held = self.bearing * np.sign(v[0])
         if side == 0.0 and v[0] == 0.0:
@@ -115,7 +115,7 @@ class TwoBodies:
         way, turns = np.sign(v[1]), np.sign(v[0])
 
         def gap(wall):
-            return lambda q, v: self.play - wall * self.directions(wall, q, v)[2]
+            return lambda q, v: self.half_clearance - wall * self.directions(wall, q, v)[2]
 
         out = lambda q, v: self.exit - q[0]  # noqa: E731
         if side == 0.0:
@@ -126,7 +126,8 @@ class TwoBodies:
         return [out, force, lambda q, v: sense * self.directions(side, q, v)[3]]
 
     def blow(self, side, q, v):
-        """Speeds behind a blow: impulse in the direction of the normal, with Coulomb friction."""
+        """Speeds behind an impact: impulse in the direction of the normal, with Coulomb
+        friction."""
         normal, tangent, _ahead, _sliding = self.directions(side, q, v)
         total, goal, held = 0.0, np.inf, None
         while True:
@@ -168,7 +169,7 @@ class TwoBodies:
             if which == 0:
                 found.append((t * self.clock, v[0] / self.clock))
                 q, side = q - np.array([2.0 * self.exit, self.step]), 0.0
-                self.turned += 2.0 * self.exit
+                self.driver_angle += 2.0 * self.exit
             elif side == 0.0 and which >= 3:
                 # the body that has come to rest
                 v[np.abs(v).argmin()] = 0.0

@@ -225,7 +225,7 @@ def turn_free(drive, speed, way):
 
 
 class Blow(NamedTuple):
-    """Speeds of driver and follower behind a plastic blow, and its angular impulse on either."""
+    """Speeds of driver and follower behind a plastic impact, and its angular impulse on either."""
 
     speed: float
     phi_dot: float
@@ -234,7 +234,7 @@ class Blow(NamedTuple):
 
 
 def strike(drive, pair, theta, speed):
-    """The blow of a pin on the front wall of a slot that stands still."""
+    """The impact of a pin on the front wall of a slot that stands still."""
     phi, ratio = pair.asked(theta)
     # friction acts against the sliding that the walls have in lasting contact
     now = Contact(drive, pair, 1.0, theta, speed, phi, ratio * speed)
@@ -252,7 +252,7 @@ def strike(drive, pair, theta, speed):
 
 
 class Handed(NamedTuple):
-    """A handoff: time, driver speeds before and behind it, its ends and its blow."""
+    """A handoff: time, driver speeds before and behind it, its ends and its impact."""
 
     time: float
     before: float

@@ -63,7 +63,7 @@ def test_a_loose_pin_stands_between_its_walls_as_in_the_motion(tmp_path):
     pin = wheel.centre_distance - np.exp(-1j * state.theta)
     ahead = (pin * np.exp(-1j * state.phi)).imag
     whole, close_up, _velocities = film._fig.axes
-    assert close_up.get_title() == "play 20 times wider\nflight"
+    assert close_up.get_title() == "clearance 20 times wider\nflight"
     for ax, factor in ((whole, 1.0), (close_up, 20.0)):
         (x, further), (y, above) = by_id(ax, "slot-0").get_data()
         along = complex(further - x, above - y)

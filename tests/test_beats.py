@@ -8,7 +8,7 @@ import pytest
 from numpy.testing import assert_allclose
 
 import escapement as esc
-from escapement.engines.energy.beats import pattern_beats
+from escapement.engines.energy.beat_times import pattern_beats
 from escapement.measurement.rounds import rounds_of
 from escapement.plots import plot_beat_spectrum, plot_beats
 

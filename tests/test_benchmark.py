@@ -16,7 +16,7 @@ import pytest
 
 from escapement.base.errors import StorageError
 from escapement.benchmark import work_precision, write_csv
-from escapement.benchmark.problems import PROBLEMS, REFERENCE, MeasuredSolver, own_solvers
+from escapement.benchmark.problems import PROBLEMS, REFERENCE, MeasuredSolver, package_solvers
 from escapement.benchmark.work_precision import Point, standings, time_at
 from escapement.cli import main
 
@@ -25,7 +25,7 @@ sys.path.insert(0, str(BENCHMARKS))
 import peers  # noqa: E402
 
 MEYER = PROBLEMS[0]
-OWN = list(own_solvers())
+OWN = list(package_solvers())
 ALL = [*OWN, *peers.peer_solvers()]
 RTOL = {"ivp": 1e-6, "energy": 1e-6, "heyoka": 1e-8, "CyRK": 1e-8}
 

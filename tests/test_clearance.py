@@ -15,7 +15,7 @@ from escapement.base.errors import InvalidValue
 from escapement.base.status import Status
 from escapement.base.units import INCH_POUND
 from escapement.dynamics.painleve import friction_limits
-from escapement.engines.contact.rigid.blow import CHATTER
+from escapement.engines.contact.rigid.impact import CHATTER
 
 RADIUS = 0.01
 
@@ -148,7 +148,7 @@ def test_a_cycle_that_begins_with_a_blow_is_balanced():
 
 
 def test_impulse_and_momentum_without_friction():
-    # a blow without friction: I_f d(phi_dot) = s R P and I_d d(theta_dot) = - s g R P
+    # an impact without friction: I_f d(phi_dot) = s R P and I_d d(theta_dot) = - s g R P
     drive = timer(friction=0.0, restitution=0.3)
     motion = esc.simulate(drive, 3)
     blows, start = motion.impacts, motion.trajectory.start
@@ -201,7 +201,7 @@ def test_impulse_and_momentum_with_friction():
 
 
 def smooth_blow(drive, wall, q, v):
-    """Speeds behind a blow whose friction, along the wall and in both journals, is smooth."""
+    """Speeds behind an impact whose friction, along the wall and in both journals, is smooth."""
     bodies, e = TwoBodies(drive, CHATTER), drive.restitution
     normal, tangent, *_ = bodies.directions(wall, q, v)
     rubs = [drive.driver_bearing_friction, drive.follower_bearing_friction]

@@ -11,10 +11,10 @@ import pytest
 
 from escapement.base.errors import InvalidValue, StorageError
 from escapement.cli import main
-from escapement.study import pool, run
+from escapement.study import pool, running
 from escapement.study.parse import plan_from
 from escapement.study.reader import read_study
-from escapement.study.run import sweep, write_plan
+from escapement.study.running import sweep, write_plan
 from escapement.study.writer import partial_path
 from study_tools import TIMER, without_date
 
@@ -90,7 +90,7 @@ def test_begun_here_and_continued_there(tmp_path, client, serial):
 def test_a_block_that_ends_every_worker(tmp_path, client, monkeypatch):
     made = {"__name__": "__main__"}  # so that it travels by value
     exec("def fatal(*_):\n    import os\n    os._exit(9)", made)
-    monkeypatch.setattr(run, "solve_block", made["fatal"])
+    monkeypatch.setattr(running, "solve_block", made["fatal"])
     monkeypatch.setattr(client.cluster.scheduler, "allowed_failures", 0)
     with pytest.raises(StorageError, match="a block of cases ended 1 workers"):
         write_plan(plan(10), tmp_path / "a.h5", scheduler=client)

@@ -205,7 +205,7 @@ def scene(rho, mu_plus, mu_minus, load, *, table=False):
 def test_kernels_follow_the_lagrangian(dimensionless):
     states = random_states()
     g, _, dg, w, _, r, _, m = states
-    bend, net_torque = from_python(dynamics.bend), from_python(dynamics.net_torque)
+    bend, net_torque = from_python(dynamics.friction_ratio), from_python(dynamics.net_torque)
     inertia, contact_of = from_python(dynamics.reduced_inertia), from_python(dynamics.contact)
 
     def acceleration(g, u, dg, w, s, rho, mu, load):
@@ -227,7 +227,7 @@ def test_kernels_follow_the_lagrangian(dimensionless):
 
 
 def test_a_mesh_divides_by_its_efficiency_what_it_passes_on_and_multiplies_what_comes_back():
-    bend = from_python(dynamics.bend)
+    bend = from_python(dynamics.friction_ratio)
     for eta in (0.3, 0.87, 1.0):
         mesh = scene(1.0, 1.0 / eta - 1.0, 1.0 - eta, 0.0, table=True)
         for g in (1e-9, 0.7, 6.0):

@@ -1,4 +1,4 @@
-"""Inverse design: wishes, fronts and reasons."""
+"""Inverse design: requirements, fronts and reasons."""
 
 import json
 import math
@@ -20,8 +20,8 @@ RUNS = Path(__file__).resolve().parents[1] / "runs"
 
 @pytest.fixture(scope="module")
 def thirty():
-    wish, _system = esc.load_wish(RUNS / "thirty_seconds.toml")
-    return esc.design(wish)
+    requirement, _system = esc.load_requirement(RUNS / "thirty_seconds.toml")
+    return esc.design(requirement)
 
 
 def test_nothing_on_a_front_is_dominated_and_all_else_is():
@@ -35,12 +35,12 @@ def test_nothing_on_a_front_is_dominated_and_all_else_is():
 
 
 def test_the_thirty_second_timer_is_found(thirty):
-    designs, wish = thirty.designs, thirty.wish
+    designs, requirement = thirty.designs, thirty.requirement
     assert len(designs) >= 20
-    costs = np.array([[one.values[name] for name in wish.objectives] for one in designs])
+    costs = np.array([[one.values[name] for name in requirement.objectives] for one in designs])
     assert undominated(costs).size == len(designs)
     for one in designs:
-        for name, (low, high) in wish.bounds.items():
+        for name, (low, high) in requirement.bounds.items():
             assert low <= one.values[name] <= high
         run = esc.rundown(one.timer, turns=180)
         assert run.time_of(180) == pytest.approx(30.0, rel=1e-9)
@@ -51,10 +51,10 @@ def test_the_thirty_second_timer_is_found(thirty):
 @pytest.mark.parametrize("turns", [10, 30, 100])
 def test_a_wish_for_whole_turns(turns):
     """However the turns are rounded, they are whole engagements."""
-    wish = esc.Wish(
+    requirement = esc.Requirement(
         total_time=0.2 * turns, turns=turns, torque=(0.005, 0.02), torque_lost=0.2, slots=6
     )
-    (one,) = esc.design(wish, count=1).designs
+    (one,) = esc.design(requirement, count=1).designs
     assert esc.rundown(one.timer, turns=turns).time_of(turns) == pytest.approx(0.2 * turns)
 
 
@@ -78,10 +78,10 @@ def test_what_is_promised_is_simulated_by_the_other_engine(thirty):
 
 
 def test_figures_scale_by_similarity():
-    wish = esc.Wish(period=0.05, torque=0.01)
+    requirement = esc.Requirement(period=0.05, torque=0.01)
     wheel = unit_wheel(4, False, 0.05)
-    natural = exact(wheel, 0.2, wish)
-    found = in_si(natural, body_of(wheel), 4, False, wish, (0.2, 0.02, 0.01))
+    natural = exact(wheel, 0.2, requirement)
+    found = in_si(natural, body_of(wheel), 4, False, requirement, (0.2, 0.02, 0.01))
     timer = esc.Escapement(
         esc.Geneva(4, crank_radius=0.02, pin_radius=0.001),
         esc.Inertia(found["driver_inertia"], found["follower_inertia"]),
@@ -100,20 +100,26 @@ def test_figures_scale_by_similarity():
     ({"size": 0.01, "contact_force_max": 1.0}, r"size must .*; contact_force_max .*; no single"),
 ])  # fmt: skip
 def test_an_impossible_wish_gets_its_reason(bounds, told):
-    wish = esc.Wish(period=0.04, torque=0.01, slots=(3, 6), internal=False, bounds=bounds)
-    found = esc.design(wish)
+    requirement = esc.Requirement(
+        period=0.04, torque=0.01, slots=(3, 6), internal=False, bounds=bounds
+    )
+    found = esc.design(requirement)
     assert not found.designs
     assert re.search(told, found.message), found.message
 
 
 def test_a_friction_at_which_all_wheels_jam_is_told():
-    wish = esc.Wish(period=0.04, torque=0.01, friction=3.0, slots=6, inertia_ratio=0.02)
-    assert "moves at a friction of 3" in esc.design(wish).message
+    requirement = esc.Requirement(
+        period=0.04, torque=0.01, friction=3.0, slots=6, inertia_ratio=0.02
+    )
+    assert "moves at a friction of 3" in esc.design(requirement).message
 
 
 @pytest.mark.parametrize("objectives", [("scatter", "contact_force_max", "size"), ("size", "mass")])
 def test_discs_are_as_thick_as_sheets_without_a_word(objectives):
-    found = esc.design(esc.Wish(period=0.04, torque=0.01, slots=(3, 6), objectives=objectives))
+    found = esc.design(
+        esc.Requirement(period=0.04, torque=0.01, slots=(3, 6), objectives=objectives)
+    )
     assert found.designs
     for one in found.designs:
         for name in ("driver_thickness", "follower_thickness"):
@@ -123,10 +129,10 @@ def test_discs_are_as_thick_as_sheets_without_a_word(objectives):
 
 def test_a_greatest_thickness_keeps_the_least():
     bounds = {"driver_thickness": 0.005, "follower_thickness": 1e-4, "thinnest_wall": 5e-4}
-    wish = esc.Wish(period=0.04, torque=0.01, bounds=bounds)
-    assert wish.bounds["driver_thickness"] == (3e-4, 0.005)
-    assert wish.bounds["follower_thickness"] == (-math.inf, 1e-4)
-    assert wish.bounds["thinnest_wall"] == (5e-4, math.inf)
+    requirement = esc.Requirement(period=0.04, torque=0.01, bounds=bounds)
+    assert requirement.bounds["driver_thickness"] == (3e-4, 0.005)
+    assert requirement.bounds["follower_thickness"] == (-math.inf, 1e-4)
+    assert requirement.bounds["thinnest_wall"] == (5e-4, math.inf)
 
 
 def test_foil_is_marked(capsys, tmp_path):

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from escapement.sources import dijksman
-from escapement.sources.dijksman import chart_mechanisms, figures
+from escapement.sources.dijksman import chart_mechanisms, dijksman_figures
 
 # solved by hand with another program from the tangency at entry
 RIGHT = {
@@ -56,7 +56,7 @@ def test_wheels_of_the_charts_start_at_once():
 
 
 def test_charts():
-    inside, outside = figures.plot_design_charts().axes
+    inside, outside = dijksman_figures.plot_design_charts().axes
     assert "n-24" in {line.get_gid() for line in outside.lines}
     lines = {line.get_gid(): line.get_xydata() for line in inside.lines}
     for n, end in [(6, 1.0), (12, 4.0), (24, 10.0)]:
@@ -65,7 +65,7 @@ def test_charts():
 
 
 def test_motions_begin_and_end_where_they_should():
-    angle, velocity, acceleration, jerk = figures.plot_motions().axes
+    angle, velocity, acceleration, jerk = dijksman_figures.plot_motions().axes
     for line in angle.lines:
         x, y = line.get_data()
         assert (y[0], y[-1]) == pytest.approx((0.0, 1.0), abs=1e-12)

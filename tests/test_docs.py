@@ -26,7 +26,7 @@ from escapement.base import errors
 from escapement.base.units import INCH_POUND
 from escapement.cli import COMMANDS, main
 from escapement.cli._arguments import parser_of
-from escapement.inverse_design.wish import wish_of
+from escapement.inverse_design.requirement import requirement_of
 from escapement.study.parse import parse_plan
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -188,7 +188,7 @@ def test_studies_are_valid(page):
         content = tomllib.loads(block.text)
         content.pop("limits", None)  # a table of the command budget
         if {"period", "total_time"} & content.keys():
-            assert wish_of(content)[0].objectives  # what the command design reads
+            assert requirement_of(content)[0].objectives  # what the command design reads
             continue
         assert parse_plan(content).cases > 1
 

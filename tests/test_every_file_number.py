@@ -13,14 +13,14 @@ import pytest
 import escapement as esc
 from command_scenes import CHANGED, motions, write_inputs
 from escapement.base.errors import EscapementError
-from escapement.dynamics.merit_table import FIGURES
-from escapement.inverse_design import search
-from escapement.inverse_design.wish import load_wish
+from escapement.dynamics.figure_table import FIGURES
+from escapement.inverse_design import timer_search
+from escapement.inverse_design.requirement import load_requirement
 from escapement.mechanisms import KINDS, kind_of
 from escapement.study.parse import load_tables
 from escapement.study.plan import settings_of
-from escapement.study.run import run_plan
-from escapement.tolerance.budget import budget_of
+from escapement.study.running import run_plan
+from escapement.tolerance.tolerance_budget import budget_of
 from test_every_number import alike
 
 
@@ -246,7 +246,7 @@ BOUNDS = {
 
 def results_of_wish(path):
     """What `design` finds, with fewer points and steps than it has by itself."""
-    found = esc.design(load_wish(path)[0], count=4)
+    found = esc.design(load_requirement(path)[0], count=4)
     return {"values": [one.values for one in found.designs], "message": found.message}
 
 
@@ -254,7 +254,7 @@ def results_of_wish(path):
 def short_search(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     for name, small in {"SAMPLE": 5, "_STEPS": 2}.items():
-        monkeypatch.setattr(search, name, small)
+        monkeypatch.setattr(timer_search, name, small)
 
 
 def test_every_number_of_a_wish_acts_or_is_refused(short_search):

@@ -14,7 +14,7 @@ import escapement as esc
 from escapement.base.errors import InvalidValue, MissingPackage
 from escapement.cli import main
 from escapement.outlines.curves import Curve, chain
-from escapement.outlines.gaps import outside, ways_of
+from escapement.outlines.gaps import outside, segments_of
 from tabulated_drive import exact
 
 WHEEL = esc.Geneva(6, 1, crank_radius=0.02, pin_radius=0.0015, clearance=3e-5)
@@ -132,7 +132,7 @@ def test_segments_stay_within_five_micrometres(tmp_path):
         # its corners lie on the curve, and its middles near it
         shift = complex(sum(found.box) - sum(curve.box)) / 2.0
         points = found.at([0.0, 0.5]) - shift
-        distance, _ = outside(ways_of([curve]), points.ravel())
+        distance, _ = outside(segments_of([curve]), points.ravel())
         assert np.abs(distance).max() < 1.1e-5  # the box of chords is off by 5 um as well
 
 

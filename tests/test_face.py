@@ -27,6 +27,27 @@ def test_an_unknown_name_is_refused():
         esc.nonsense  # noqa: B018
 
 
+@pytest.mark.parametrize(
+    ("former", "name"),
+    [
+        ("Rungs", "Fidelity"),
+        ("Wish", "Requirement"),
+        ("compare_rungs", "compare_fidelity"),
+        ("load_wish", "load_requirement"),
+    ],
+)
+def test_a_former_name_warns_of_the_one_that_replaces_it(former, name):
+    with pytest.warns(DeprecationWarning, match=f"escapement.{former} is called escapement.{name}"):
+        assert getattr(esc, former) is getattr(esc, name)
+    assert former not in dir(esc)
+
+
+def test_the_former_attribute_of_designs_warns_too():
+    found = esc.design(esc.Requirement(period=0.04, torque=0.01, slots=4, friction=3.0))
+    with pytest.warns(DeprecationWarning, match="requirement"):
+        assert found.wish is found.requirement
+
+
 @pytest.fixture(scope="module")
 def checked(tmp_path_factory):
     """What mypy says of a user's file with every public name and one that does not exist."""

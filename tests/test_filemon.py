@@ -15,7 +15,7 @@ from escapement.base.units import INCH_POUND
 from escapement.constant_speed import geneva
 from escapement.plots import plot_drive_torque
 from escapement.sources import filemon
-from escapement.sources.filemon import figures
+from escapement.sources.filemon import filemon_figures
 from escapement.sources.filemon.nomograms import NOMOGRAMS, plot_nomogram
 from escapement.sources.report import digits
 from figure_tools import by_id
@@ -116,19 +116,19 @@ def test_limit_angles():
 
 
 def test_every_figure_names_its_axes():
-    axes = [plot() for number, plot in figures.FIGURES.items() if number != 8]
+    axes = [plot() for number, plot in filemon_figures.FIGURES.items() if number != 8]
     assert all(ax.get_xlabel() and ax.get_ylabel() for ax in axes)
 
 
 def test_figure_8_shows_the_three_zones():
-    axes = figures.plot_zones().axes
+    axes = filemon_figures.plot_zones().axes
     titles = [ax.get_title().split(",")[0] for ax in axes]
     assert titles == ["a  zone 1", "b  zone 2", "c  zone 3"]
     assert [ax.lines[-1].get_xdata().size for ax in axes] == [0, 2, 1]
 
 
 def test_figure_9_puts_the_limits_on_the_curve():
-    ax = figures.plot_reversal_curve(8)
+    ax = filemon_figures.plot_reversal_curve(8)
     points = [line.get_xydata()[0] for line in ax.lines if line.get_marker() == "o"]
     for (angle, ratio), limit in zip(points, geneva.reversal_limits(8), strict=True):
         assert ratio == limit

@@ -99,13 +99,13 @@ def test_wild_parts_hand_over_by_the_rule_or_are_told_where_they_do_not_fit():
             assert "cannot drive slot" in wheel.misfit
             assert "degrees behind the first dead centre" in wheel.misfit
             continue
-        meetings, fit = wheel.meetings, fit + 1
+        meetings, fit = wheel.pairs, fit + 1
         for k, one in enumerate(meetings):
             ends, two = bodies.handoff(wheel, k), meetings[(k + 1) % len(meetings)]
             assert two.kind == ends.kind
             assert two.jump == pytest.approx(ends.jump, abs=1e-12)
-            leaves = one.late + one.edges[-1] + k * wheel.cell_angle
-            starts = two.late + two.edges[0] + (k + 1) * wheel.cell_angle
+            leaves = one.delay + one.edges[-1] + k * wheel.cell_angle
+            starts = two.delay + two.edges[0] + (k + 1) * wheel.cell_angle
             assert (leaves, starts) == pytest.approx((ends.leaves, ends.starts), abs=1e-10)
     assert 50 < fit < 150
 
@@ -119,9 +119,9 @@ def test_a_blow_in_which_a_wide_pin_slides_back_is_refused():
             continue
         wheel = dataclasses.replace(thin, pin_radius=0.95 * CRANK * thin.widest_pin)
         drive, back = SimpleNamespace(mechanism=wheel), False
-        for k, meeting in enumerate(thin.meetings):
+        for k, meeting in enumerate(thin.pairs):
             if meeting.kind == "strike":
-                pair, theta = bodies.pair_of(wheel, k), k * wheel.cell_angle + meeting.late
+                pair, theta = bodies.pair_of(wheel, k), k * wheel.cell_angle + meeting.delay
                 theta += meeting.edges[0]
                 phi, ratio = pair.asked(theta)
                 first, last = (

@@ -8,7 +8,7 @@ import pytest
 
 import escapement as esc
 from escapement.base.status import Status
-from escapement.dynamics.law import left_by_blow
+from escapement.dynamics.law import left_by_impact
 from escapement.dynamics.painleve import friction_limits
 from escapement.mechanisms.slotted import pose_at
 from imperfect_bodies import hand_over
@@ -65,7 +65,7 @@ def test_every_engagement_has_the_path_of_its_pin_and_slot(curve):
     k_ratio = float(wheel.gear_ratio)
     sense = Pair(wheel, 0).planet.sense
     for k in range(2 * wheel.slots):
-        pair, meeting = Pair(wheel, k), wheel.meetings[k % len(wheel.meetings)]
+        pair, meeting = Pair(wheel, k), wheel.pairs[k % len(wheel.pairs)]
         # one of the pins is at dead centre, and a slot stands there: the same one in each round
         pins = k_ratio * pair.dead * wheel.pins / (2.0 * math.pi)
         assert pins == pytest.approx(round(pins), abs=1e-9)
@@ -81,7 +81,7 @@ def test_every_engagement_has_the_path_of_its_pin_and_slot(curve):
             expected = *expected, planet.slide(theta) / FIXED
             close((g, dg, radius, u * radius), [float(x) for x in expected], 1.0, 1e-11)
             asked = pair.asked(theta)[0] - pair.step
-            assert meeting.turned(x) == pytest.approx(asked, abs=1e-13)
+            assert meeting.follower_angle(x) == pytest.approx(asked, abs=1e-13)
 
 
 @pytest.mark.parametrize("curve", CURVES)
@@ -89,7 +89,7 @@ def test_pins_hand_over_by_the_rule(curve):
     rng = np.random.default_rng(7)
     for size in (1e-5, 3e-3):
         wheel = imperfect(rng, *curve, size)
-        meetings = wheel.meetings
+        meetings = wheel.pairs
         for k in range(len(meetings)):
             a, b = Pair(wheel, k), Pair(wheel, k + 1)
             ends = hand_over(a, b, a.dead, b.dead, math.pi / abs(float(wheel.gear_ratio)))
@@ -107,7 +107,7 @@ def test_the_law_and_the_blow_follow_from_the_power_that_is_lost(curve):
     rng = np.random.default_rng(len(curve[0]) + 1)
     wheel = imperfect(rng, *curve)
     drive = random_drive(rng, mechanism=wheel)
-    for k in range(min(4, len(wheel.meetings))):
+    for k in range(min(4, len(wheel.pairs))):
         planet, scene = Planet(wheel, 0.0, wheel.slot_offsets[k % wheel.slots]), drive.scenes[k]
         theta = scene.edges[0] + (scene.edges[-1] - scene.edges[0]) * rng.uniform(0.03, 0.97)
         speed = 1.0 / drive.time_unit
@@ -119,7 +119,7 @@ def test_the_law_and_the_blow_follow_from_the_power_that_is_lost(curve):
         close(computed[0], acceleration, torques / drive.inertia.driver)
         close(computed[1], side * force, torques / FIXED)
         close(computed[2]["friction"] / abs(computed[1]), drive.friction * sliding * speed)
-        # a blow at the entry: impulse of the wheel, and power lost, for a normal impulse of 1
+        # an impact at the entry: impulse of the wheel, and power lost, for a normal impulse of 1
         start = float(scene.edges[0]) + 0.1
         touch = Touch(planet, start, wheel.pin_radius, 1.0)
         g = planet.ratio(start)
@@ -127,7 +127,7 @@ def test_the_law_and_the_blow_follow_from_the_power_that_is_lost(curve):
         own = drive.inertia
         left = own.driver / (own.driver + own.follower * g * (g + lost / lever))
         edges = np.array([start, scene.edges[-1]])
-        assert left_by_blow(scene._replace(edges=edges)) == pytest.approx(float(left), rel=1e-12)
+        assert left_by_impact(scene._replace(edges=edges)) == pytest.approx(float(left), rel=1e-12)
 
 
 @pytest.mark.parametrize("curve", [CURVES[2], CURVES[4]])
@@ -138,7 +138,7 @@ def test_engines_agree(curve):
     drive = esc.Escapement(wheel, drive.inertia, 0.01, friction)
     fast, slow = (esc.terminal(drive, engine=e, initial_speed=20.0) for e in ("energy", "ivp"))
     assert fast.status is slow.status is Status.OK
-    assert len(fast.beats) == len(wheel.meetings) > 1
+    assert len(fast.beats) == len(wheel.pairs) > 1
     np.testing.assert_allclose(fast.beats, slow.beats, rtol=1e-9)
     for name in ("period", "velocity_max", "velocity_min", "blow_max"):
         assert getattr(fast, name) == pytest.approx(getattr(slow, name), rel=1e-9), name

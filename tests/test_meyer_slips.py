@@ -10,7 +10,7 @@ import pytest
 import escapement as esc
 from escapement.base.units import INCH_POUND
 from escapement.sources import meyer
-from escapement.sources.meyer.parts import RUNS, disc_inertia, own_parts
+from escapement.sources.meyer.disc_parts import RUNS, disc_inertia, own_parts
 from escapement.sources.meyer.slips import equations
 
 PARTS = own_parts()

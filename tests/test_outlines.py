@@ -12,7 +12,7 @@ import escapement as esc
 from escapement.base.errors import InvalidValue
 from escapement.outlines.bodies import Disc
 from escapement.outlines.curves import Curve, chain, stadium
-from escapement.outlines.gaps import gap, outside, ways_of
+from escapement.outlines.gaps import gap, outside, segments_of
 from escapement.outlines.gears import pitch_curve
 from escapement.outlines.geneva import GenevaOutline, locking_disc
 from escapement.outlines.interference import least_gaps
@@ -48,7 +48,7 @@ def test_moments_are_those_of_a_polygon_of_a_million_points(curve):
 def test_a_cutter_runs_beside_the_line_by_its_half_width(curve):
     width = 0.01
     beside = curve.grown(width)
-    distance, _ = outside(ways_of([curve]), beside.at(np.linspace(0.0, 1.0, 7)).ravel())
+    distance, _ = outside(segments_of([curve]), beside.at(np.linspace(0.0, 1.0, 7)).ravel())
     np.testing.assert_allclose(distance, width, rtol=1e-9)
     # Steiner: a body without corners that point inwards grows by its edge and one circle
     whole = math.copysign(1.0, curve.moments.area)
@@ -73,7 +73,7 @@ PLACE = st.complex_numbers(max_magnitude=2.0, allow_nan=False)
 @given(PLACE, PLACE, st.floats(0.0, 6.3), st.floats(0.1, 0.5), st.floats(0.1, 2.0))
 def test_gap_of_two_rounded_bars(by, at, angle, radius, length):
     one, two = stadium(0.2, 1.0), stadium(radius, length)
-    found, _ = gap(ways_of([one]), ways_of([two.moved(np.exp(1j * angle), by)]))
+    found, _ = gap(segments_of([one]), segments_of([two.moved(np.exp(1j * angle), by)]))
     # the bars are all that lies within a radius of a segment
     along = by + length * np.exp(1j * angle) * np.linspace(0.0, 1.0, 2001)
     axes = np.abs(along - np.clip(along.real, 0.0, 1.0)).min()
@@ -82,7 +82,7 @@ def test_gap_of_two_rounded_bars(by, at, angle, radius, length):
         assert (found < 0.0) == (apart < 0.0) or abs(apart) < 1e-3
     if apart > 0.0:
         assert found == pytest.approx(apart, abs=1e-3)
-    disc, _ = outside(ways_of([one]), np.array([at]))
+    disc, _ = outside(segments_of([one]), np.array([at]))
     assert disc[0] == pytest.approx(abs(at - np.clip(at.real, 0.0, 1.0)) - 0.2, abs=1e-12)
 
 
@@ -92,7 +92,7 @@ def test_arcs_leave_an_ellipse_by_less_than_a_micrometre(a, eccentricity):
     turn = np.exp(1j * np.linspace(0.0, 2.0 * np.pi, 3001))
     minor = math.sqrt(1.0 - eccentricity**2)
     ellipse = a * (eccentricity + turn.real + 1j * minor * turn.imag)  # a focus at 0 [mm]
-    distance, _ = outside(ways_of([pitch_curve(a, eccentricity)]), ellipse)
+    distance, _ = outside(segments_of([pitch_curve(a, eccentricity)]), ellipse)
     assert np.abs(distance).max() < 1e-3
 
 
@@ -138,12 +138,12 @@ def test_an_error_of_two_hundredths_of_a_millimetre_is_found():
     def nearer(body, _):
         if isinstance(body, Disc):
             return body._replace(centre=body.centre - GAP - ERROR)
-        return body.turned(0.0, -GAP - ERROR)
+        return body.rotated(0.0, -GAP - ERROR)
 
     def wider(body, theta):
         edges = tuple(edge.moved(by=-WHEEL.centre_distance) for edge in body.edges)
         edges = tuple(edge.grown(2.0 * GAP + ERROR) for edge in edges)
-        return body._replace(edges=edges).turned(0.0, WHEEL.centre_distance)
+        return body._replace(edges=edges).rotated(0.0, WHEEL.centre_distance)
 
     # a thick pin has the wall of the slot in it, one too near its end, a large disc the wheel
     for change, name, theta in (

@@ -15,7 +15,7 @@ from escapement.measurement import sturges
 from escapement.outlines.gears import EllipticalOutline
 from escapement.plots import planetary
 from escapement.sources import prikhodko
-from escapement.sources.prikhodko import figures
+from escapement.sources.prikhodko import prikhodko_figures
 from escapement.study.parse import parse_plan
 from figure_tools import by_id
 
@@ -81,7 +81,7 @@ def test_errata_are_whole_sentences_of_one_line():
 
 
 def test_position_function_is_flat_at_the_stops():
-    ax = figures.plot_position_function(PAPER)
+    ax = prikhodko_figures.plot_position_function(PAPER)
     curve, marks = (line.get_xydata() for line in ax.lines[:2])
     stops = [line.get_xdata()[0] for line in ax.lines if line.get_linestyle() == ":"]
     assert stops == pytest.approx([101.25, 303.75])
@@ -95,8 +95,8 @@ def test_position_function_is_flat_at_the_stops():
 @pytest.mark.parametrize("drive", [PAPER, esc.EllipticalPlanetary.from_ellipse(0.1, 0.6)])
 def test_velocity_plans_hold_equation_3(drive):
     """Lines of a plan: its slopes are the speeds, and D' lies on the planet's line."""
-    axes = figures.plot_velocity_plans(drive).axes
-    for ax, theta in zip(axes, figures.positions(drive), strict=True):
+    axes = prikhodko_figures.plot_velocity_plans(drive).axes
+    for ax, theta in zip(axes, prikhodko_figures.positions(drive), strict=True):
         carrier, planet, output = (line.get_xydata() for line in ax.lines[-3:])
         scale = carrier[1, 0] / carrier[1, 1]
         np.testing.assert_allclose(carrier[1], planet[1])

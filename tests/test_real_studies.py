@@ -18,7 +18,7 @@ from escapement.engines import simulate as simulation
 from escapement.motion_file import read_motion, write_motion
 from escapement.study.parse import parse_plan, plan_from
 from escapement.study.result import RESULTS
-from escapement.study.run import run_plan
+from escapement.study.running import run_plan
 from test_real_mechanism import CRANK, DRAG, INERTIA, JOURNALS, OIL, TORQUE, VISCOUS, everything
 
 IDEAL = esc.Escapement(esc.Geneva(4, crank_radius=CRANK), INERTIA, TORQUE, 0.2)

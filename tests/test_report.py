@@ -87,7 +87,7 @@ def test_what_is_given_is_not_told_to_be_missing():
         follower_viscous=1e-7, spring_rate=1e-4,
     )  # fmt: skip
     left = {name for name, _ in left_out(more)}
-    assert left == {"play between pin and slot", "errors of the parts"}
+    assert left == {"clearance between pin and slot", "errors of the parts"}
 
 
 def test_a_report_that_cannot_be_is_refused(tmp_path):

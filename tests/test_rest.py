@@ -10,7 +10,7 @@ from numpy.testing import assert_allclose
 import escapement as esc
 from clearance_bodies import TwoBodies
 from escapement.base.status import Status
-from escapement.engines.contact.rigid.blow import CHATTER
+from escapement.engines.contact.rigid.impact import CHATTER
 
 RADIUS, TORQUE = 0.01, 0.0113
 INERTIA = esc.Inertia(3.39e-7, 5.65e-6)

@@ -9,7 +9,7 @@ import escapement as esc
 from escapement import plots
 from escapement.base.errors import CannotCreate, InvalidValue
 from escapement.base.units import INCH, INCH_POUND, POUND_FORCE
-from escapement.dynamics.merit_table import FIGURES
+from escapement.dynamics.figure_table import FIGURES
 from escapement.study.parse import parse_plan, plan_from
 from escapement.study.result import DEFAULT
 from study_tools import assert_as_alone

@@ -15,10 +15,10 @@ from escapement.base.errors import CannotCreate
 from escapement.cli import main
 from escapement.dynamics.figures_of_merit import Figures
 from escapement.engines import simulate as simulation
-from escapement.study import run
+from escapement.study import running
 from escapement.study.parse import plan_from
 from escapement.study.reader import read_study
-from escapement.study.run import sweep, write_plan
+from escapement.study.running import sweep, write_plan
 from escapement.study.stored import SCHEMA_VERSION
 from escapement.study.writer import partial_path
 from study_tools import IVP_STUDY, TIMER, let_go, without_date
@@ -68,14 +68,14 @@ def test_only_what_is_missing_is_computed(tmp_path, solved):
 def test_the_file_is_dated_when_it_was_begun(tmp_path, solved, monkeypatch):
     path = tmp_path / "a.h5"
     interrupted(path)
-    begun = run.frame_of
+    begun = running.frame_of
 
     def later(study):
         frame = begun(study)
         frame.attributes["created"] = "2999-01-01T00:00:00+00:00"
         return frame
 
-    monkeypatch.setattr(run, "frame_of", later)
+    monkeypatch.setattr(running, "frame_of", later)
     write_plan(plan(), path, resume=True)
     assert read_study(path).attributes["created"] < "2999"
 
@@ -123,14 +123,14 @@ def test_the_order_of_axes_is_part_of_a_study(tmp_path, solved):
 @pytest.mark.usefixtures("solved")
 def test_a_version_with_other_numbers_is_refused(tmp_path, monkeypatch):
     interrupted(tmp_path / "a.h5")
-    monkeypatch.setattr(run, "numerics", lambda: "other")
+    monkeypatch.setattr(running, "numerics", lambda: "other")
     with pytest.raises(CannotCreate, match=r"the version that began it, 0\.2\.0 \(\w{12}\), got"):
         write_plan(plan(), tmp_path / "a.h5", resume=True)
 
 
 def test_a_newer_version_with_the_same_numbers_goes_on(tmp_path, solved, monkeypatch):
     interrupted(tmp_path / "a.h5")
-    monkeypatch.setattr(run, "__version__", "9.9.9")
+    monkeypatch.setattr(running, "__version__", "9.9.9")
     write_plan(plan(), tmp_path / "a.h5", resume=True)
     assert read_study(tmp_path / "a.h5").attributes["package_version"] != "9.9.9"
 

@@ -10,8 +10,8 @@ import pytest
 import escapement as esc
 from escapement.base.status import Status
 from escapement.base.units import INCH_POUND
+from escapement.dynamics.figure_table import TRANSIENT
 from escapement.dynamics.figures_of_merit import read_transient
-from escapement.dynamics.merit_table import TRANSIENT
 from nearly_perfect import random_timer, slight_errors
 
 INERTIA = esc.Inertia(3e-6 * INCH_POUND, 50e-6 * INCH_POUND)
@@ -97,7 +97,7 @@ ERRORS = [
 @pytest.mark.parametrize("pins", [1, 2, 3])
 @pytest.mark.parametrize("friction", [0.05, 0.25])
 def test_times_of_the_start_pass_smoothly_to_imperfect_parts(pins, friction):
-    """A blow takes a share that grows with the root of an error, some 1e-7 here."""
+    """An impact takes a share that grows with the root of an error, some 1e-7 here."""
     wheel = esc.Geneva(5, pins, crank_radius=0.01, pin_radius=5e-4)
     perfect = esc.terminal(replace(MEYER, mechanism=wheel, friction=friction))
     for error in ERRORS:

@@ -14,7 +14,7 @@ from escapement.study import varied
 from escapement.study.parse import parse_plan, plan_from
 from escapement.study.reader import read_study
 from escapement.study.result import RESULTS
-from escapement.study.run import run_plan, sweep, write_plan
+from escapement.study.running import run_plan, sweep, write_plan
 from study_tools import assert_as_alone, without_date
 
 TIMER = esc.Escapement(esc.Geneva(slots=4), esc.Inertia(3.39e-7, 5.65e-6), 0.0113, 0.3)

@@ -11,7 +11,7 @@ from escapement.engines.energy import batch
 from escapement.study import scenes
 from escapement.study.parse import plan_from
 from escapement.study.result import RESULTS
-from escapement.study.run import run_plan
+from escapement.study.running import run_plan
 from study_tools import TIMER
 
 TORQUE, FRICTION = np.linspace(0.005, 0.02, 500), np.linspace(0.05, 0.4, 90)

@@ -8,8 +8,8 @@ import pytest
 
 import escapement as esc
 from escapement.base.status import Status
+from escapement.dynamics.figure_table import TRANSIENT
 from escapement.dynamics.figures_of_merit import fall_times, read_transient
-from escapement.dynamics.merit_table import TRANSIENT
 from slow_wheels import random_wheel, with_lossy_trains, with_uneven_parts
 
 GENEVA, INERTIA, TORQUE = esc.Geneva(4), esc.Inertia(3.39e-7, 5.65e-6), 0.0113

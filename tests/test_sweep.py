@@ -21,7 +21,7 @@ from escapement.model.escapement import Escapement, Inertia
 from escapement.study.parse import parse_plan, plan_from
 from escapement.study.reader import read_study
 from escapement.study.result import RESULTS
-from escapement.study.run import Tally, _mixed, run_plan, sweep, write_plan
+from escapement.study.running import Tally, _mixed, run_plan, sweep, write_plan
 from escapement.study.scenes import evaluate
 from study_tools import assert_as_alone
 

@@ -8,7 +8,7 @@ import pytest
 import escapement as esc
 from escapement.base.errors import InvalidValue
 from escapement.mechanisms.elliptical_teeth import PitchEllipse, fewest_teeth, tooth_module
-from escapement.outlines.gaps import gap, outside, ways_of
+from escapement.outlines.gaps import gap, outside, segments_of
 from escapement.outlines.meshed import spur_teeth, toothed_gears
 from escapement.outlines.parts import outline_of
 from escapement.outlines.teeth import rack_cut
@@ -26,7 +26,7 @@ def rolled(mechanism, fits, angles):
         driven = gears["driven"].moved(np.exp(-1j * inner))
         outer = -np.exp(1j * mechanism.ratio * theta)
         driving = gears["driving"].moved(outer, mechanism.centre_distance)
-        found.append(gap(ways_of([driven]), ways_of([driving]))[0])
+        found.append(gap(segments_of([driven]), segments_of([driving]))[0])
     return np.array(found)
 
 
@@ -52,13 +52,13 @@ def test_a_tooth_that_meets_a_tooth_is_seen():
     wrong = rack_cut(PAPER.pitch_ellipses[1], fewest_teeth(PAPER), True)
     other = gears["driving"].moved(-1.0, PAPER.centre_distance)
     module = tooth_module(PAPER, fewest_teeth(PAPER))
-    assert gap(ways_of([wrong]), ways_of([other]))[0] < -0.3 * module
+    assert gap(segments_of([wrong]), segments_of([other]))[0] < -0.3 * module
 
 
 def test_the_check_sees_the_teeth_near_the_line_of_centres():
     outline = outline_of(PAPER, esc.Fits())
     for theta in np.linspace(*PAPER.breaks, 7):
-        near = gap(*(ways_of(body.edges) for body in outline.bodies(float(theta))))[0]
+        near = gap(*(segments_of(body.edges) for body in outline.bodies(float(theta))))[0]
         assert 1e-3 * near == pytest.approx(rolled(PAPER, esc.Fits(), [theta])[0], abs=1e-12)
 
 
@@ -71,7 +71,7 @@ def test_flanks_of_a_round_gear_are_involutes():
     involute = spread - np.arctan(spread)
     half = 0.5 * math.pi / teeth + (math.tan(PRESSURE) - PRESSURE)
     points = r * np.exp(1j * (half - involute))
-    distance, _ = outside(ways_of([edge]), points)
+    distance, _ = outside(segments_of([edge]), points)
     assert np.abs(distance).max() < 2.5e-7
     # tip and root circles
     sizes = np.abs(edge.corners)
@@ -86,7 +86,7 @@ def test_sun_and_planet_mesh():
     for turn in (0.0, 0.05, 0.13):
         one = gears["sun"].moved(np.exp(-1j * turn))
         other = gears["planet"].moved(-np.exp(1j * turn * PAPER.ratio), PAPER.centre_distance)
-        assert abs(gap(ways_of([one]), ways_of([other]))[0]) < 5e-7
+        assert abs(gap(segments_of([one]), segments_of([other]))[0]) < 5e-7
 
 
 def test_parts_are_cut_and_their_mass_is_near_that_of_the_pitch_curve():

@@ -15,7 +15,7 @@ from escapement.cli import main
 from escapement.model.numbers import with_number
 from escapement.study.varied import unit_cube
 from escapement.tolerance.dual import Dual
-from escapement.tolerance.figures import figures_of
+from escapement.tolerance.figure_duals import figures_of
 from escapement.tolerance.indices import sobol_indices
 from escapement.tolerance.scatter import equal_factors
 from escapement.tolerance.sensitivities import corners_of
@@ -338,7 +338,7 @@ def test_a_kink_counts_on_the_sides_where_the_number_lies():
     for form, slope in sides:
         found = esc.budget(TIMER, {name: form}, size=64).figures["period"]
         assert found.sigma == pytest.approx(abs(slope) * width / math.sqrt(12.0), rel=1e-3)
-    # a blow costs energy as the root of the error, so that its derivative has no limit
+    # an impact costs energy as the root of the error, so that its derivative has no limit
     assert slopes["blow_max"][name] == (-math.inf, 0.0)
     assert slopes["beat_error"][name] == (0.0, 0.0)
 

@@ -11,7 +11,7 @@ import escapement as esc
 from clearance_bodies import TwoBodies
 from escapement.base.errors import InvalidValue
 from escapement.cli import main
-from escapement.engines.contact.rigid.blow import CHATTER
+from escapement.engines.contact.rigid.impact import CHATTER
 
 GENEVA = esc.Geneva(4, crank_radius=0.02)
 OWN = esc.Inertia(3.39e-7, 5.65e-6)
@@ -244,7 +244,7 @@ def loose(play=5e-4, stiffness=0.0, share=10.0, **numbers):
     """The worked example with a play of so many crank radii; `share` of sqrt(k I_f)/r damps."""
     wheel = esc.Geneva(4, crank_radius=0.02, clearance=2.0 * play * 0.02)
     tight = worked(**numbers)
-    torque, follower = tight.seen["torque"], tight.seen["follower_inertia"]
+    torque, follower = tight.referred["torque"], tight.referred["follower_inertia"]
     walls = {"stiffness": stiffness * torque / 4e-4}
     walls["damping"] = share * math.sqrt(stiffness * follower * torque) / 4e-4
     return replace(tight, mechanism=wheel, **walls)

@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from escapement.base.errors import InvalidValue
-from escapement.base.spoken import told
+from escapement.base.spoken import as_spoken
 from escapement.base.units import (
     INCH,
     INCH_POUND,
@@ -201,4 +201,4 @@ def test_messages_speak_the_users_system(command):
         code, _, err = command("mechanism", *sizes, "--units", system)
         assert code == 2
         assert re.search(rf"less than [\d.]+ {unit}, where .* got 0.9 {unit};", err), err
-    assert told(0.0254, "length") == "0.0254 m"
+    assert as_spoken(0.0254, "length") == "0.0254 m"

@@ -18,7 +18,7 @@ from crash_tools import NAMES
 from escapement.base.errors import CannotCreate, InputFileError, InvalidValue, MissingPackage
 from escapement.study.reader import read_configuration
 from escapement.study.result import RESULTS
-from escapement.study.tables import read_rows
+from escapement.study.table_files import read_rows
 from study_tools import TIMER, study
 
 OLD = Path(__file__).parent / "reference" / "schema_1"
@@ -131,7 +131,7 @@ def test_a_complete_file_of_the_same_study_is_left_alone(tmp_path, name):
 
 @pytest.mark.parametrize("name", ["a.txt", "a", "a.CSVX", "a.h5.gz"])
 def test_a_file_of_no_format_is_refused_before_anything_is_solved(tmp_path, name, monkeypatch):
-    monkeypatch.setattr("escapement.study.run._run", None)
+    monkeypatch.setattr("escapement.study.running._run", None)
     with pytest.raises(InvalidValue, match=r"must end in \.h5, \.hdf5, \.nc, \.csv, \.parquet,"):
         esc.sweep(TIMER, **GRID, path=tmp_path / name)
     assert list(tmp_path.iterdir()) == []

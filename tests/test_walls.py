@@ -14,7 +14,7 @@ from escapement.base.quantity import declared
 from escapement.cli import main
 from escapement.mechanisms import KINDS
 from escapement.outlines.curves import Curve, chain, stadium
-from escapement.outlines.walls import thinnest_wall
+from escapement.outlines.thin_walls import thinnest_wall
 
 _STEP = 2e-5  # distance of samples [m]
 

@@ -10,7 +10,7 @@ import numpy as np
 
 import escapement as esc
 from escapement.dynamics import law as dynamics
-from escapement.dynamics import tables as tabulation
+from escapement.dynamics import state_table as tabulation
 from escapement.dynamics.painleve import friction_limits
 
 BOTH = (1.0, -1.0)

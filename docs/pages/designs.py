@@ -1,4 +1,4 @@
-"""Figure of the designs that meet a wish."""
+"""Figure of the designs that meet a requirement."""
 
 from matplotlib.figure import Figure
 
@@ -10,5 +10,5 @@ from pages import RUNS, drawn
 @drawn
 def design_front() -> Figure:
     """Greatest contact force against scatter of timers that run for thirty seconds."""
-    wish, _units = esc.load_wish(RUNS / "thirty_seconds.toml")
-    return plot_designs(esc.design(wish))
+    requirement, _units = esc.load_requirement(RUNS / "thirty_seconds.toml")
+    return plot_designs(esc.design(requirement))

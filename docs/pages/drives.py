@@ -10,9 +10,12 @@ from escapement.plots import plot_table
 from escapement.plots.planetary import plot_planetary
 from escapement.plots.style import legend_above
 from escapement.sources import meyer
-from escapement.sources.filemon.figures import plot_reversal_curves
+from escapement.sources.filemon.filemon_figures import plot_reversal_curves
 from escapement.sources.filemon.nomograms import NOMOGRAMS, plot_nomogram
-from escapement.sources.prikhodko.figures import plot_position_function, plot_velocity_plans
+from escapement.sources.prikhodko.prikhodko_figures import (
+    plot_position_function,
+    plot_velocity_plans,
+)
 from pages import LINES, RUNS, drawn
 
 

@@ -4,7 +4,7 @@ from matplotlib.figure import Figure
 
 import escapement as esc
 from escapement.plots.gear_driven import plot_curves, plot_gear_driven_examples, plot_row
-from escapement.sources.dijksman.figures import plot_design_charts, plot_motions
+from escapement.sources.dijksman.dijksman_figures import plot_design_charts, plot_motions
 from pages import drawn
 
 

@@ -7,7 +7,7 @@ import escapement as esc
 from escapement import plots
 from escapement.plots import style
 from escapement.sources import meyer
-from escapement.sources.meyer.figures import plot_appendix_e
+from escapement.sources.meyer.meyer_figures import plot_appendix_e
 from escapement.sources.meyer.program import program_1973
 from pages import LINES, RUNS, drawn, panels, timer
 

@@ -20,16 +20,30 @@ with open(f"{__file__}i", encoding="utf-8") as _stub:
     _HOMES = {words[3]: words[1] for line in _stub if len(words := line.split()) == 6}
 __all__ = sorted([*_HOMES, "__version__"])
 
+_FORMER = {
+    "Rungs": "Fidelity",
+    "Wish": "Requirement",
+    "compare_rungs": "compare_fidelity",
+    "load_wish": "load_requirement",
+}
+"""Names of version 0.2 that go with the next release, and those that replace them."""
+
 
 def __getattr__(name):
+    if name in _FORMER:
+        import warnings
+
+        text = f"escapement.{name} is called escapement.{_FORMER[name]}; use this name"
+        warnings.warn(text, DeprecationWarning, stacklevel=2)
+        name = _FORMER[name]
     if name not in _HOMES:
         raise AttributeError(f"module 'escapement' has no attribute {name!r}")
     from importlib import import_module
 
     home = _HOMES[name]
     # names of the package itself and of its lowest room are those of modules
-    own = home in ("escapement", "escapement.base")
-    value = import_module(f"{home}.{name}") if own else getattr(import_module(home), name)
+    is_module = home in ("escapement", "escapement.base")
+    value = import_module(f"{home}.{name}") if is_module else getattr(import_module(home), name)
     globals()[name] = value
     return value
 

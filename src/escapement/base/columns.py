@@ -76,11 +76,11 @@ class _Wanted(NamedTuple):
 class _Layout(NamedTuple):
     """How a file is laid out.
 
-    places : of input, output and time, None for a missing column.
+    indices : of the columns of input, output and time, None for a missing column.
     units, scales : of the same.
     """
 
-    places: tuple[int | None, ...]
+    indices: tuple[int | None, ...]
     units: tuple[str | None, ...]
     scales: tuple[float, ...]
 
@@ -191,13 +191,13 @@ def _read(lines: Lines, wanted: _Wanted, plain: bool) -> Columns:
     except BrokenLine:
         lines.number, lines.text = head
         raise
-    places = sorted(place for place in layout.places if place is not None)
+    indices = sorted(index for index in layout.indices if index is not None)
     number, clock = partial(_number, decimal_comma=separator != ","), Clock()
-    readers: dict[int | str, Callable[[str], Any]] = dict.fromkeys(places, number)
-    if layout.places[-1] is not None:
-        readers[layout.places[-1]] = partial(_time, number=number, clock=clock)
+    readers: dict[int | str, Callable[[str], Any]] = dict.fromkeys(indices, number)
+    if layout.indices[-1] is not None:
+        readers[layout.indices[-1]] = partial(_time, number=number, clock=clock)
     # a type for each field makes `loadtxt` refuse rows with more or fewer of them
-    kinds = [(str(i), float if i in places else "U1") for i in range(len(fields))]
+    kinds = [(str(i), float if i in indices else "U1") for i in range(len(fields))]
     try:
         table = np.loadtxt(
             chain([lines.text], rows), np.dtype(kinds), comments=None, encoding=None, ndmin=1,
@@ -207,33 +207,33 @@ def _read(lines: Lines, wanted: _Wanted, plain: bool) -> Columns:
     except UnicodeDecodeError:
         raise
     except ValueError:
-        raise _bad_row(lines.text, separator, len(fields), layout.places) from None
+        raise _bad_row(lines.text, separator, len(fields), layout.indices) from None
     line = np.delete(np.arange(lines.number + 1), lines.passed_over)
     first, second, time = (
-        np.full(line.size, np.nan) if place is None else table[str(place)] * scale
-        for place, scale in zip(layout.places, layout.scales, strict=True)
+        np.full(line.size, np.nan) if index is None else table[str(index)] * scale
+        for index, scale in zip(layout.indices, layout.scales, strict=True)
     )
-    timed, time_unit = None if layout.places[-1] is None else time, layout.units[-1]
+    timed, time_unit = None if layout.indices[-1] is None else time, layout.units[-1]
     if clock.used:
-        timed, time_unit = past_midnight(table[str(layout.places[-1])]), "clock"
+        timed, time_unit = past_midnight(table[str(layout.indices[-1])]), "clock"
     units = tuple(
         unit
-        for unit, place in zip(layout.units[:-1], layout.places, strict=False)
-        if place is not None
+        for unit, index in zip(layout.units[:-1], layout.indices, strict=False)
+        if index is not None
     )
     return Columns((first, second), timed, line, units, time_unit, lines.comments)
 
 
-def _bad_row(text: str, separator: str, width: int, places: tuple[int | None, ...]) -> BrokenLine:
+def _bad_row(text: str, separator: str, width: int, indices: tuple[int | None, ...]) -> BrokenLine:
     """The rule that a row breaks."""
     if len(_split(text, separator)) != width:
         remedy = "give one row for each sample"
         if separator == " " and re.search(r"\d-\d\d?-\d+ +\d+:\d", text):
             remedy = "write date and time as one word, or separate the columns by semicolons"
         return BrokenLine(f"have {width} fields separated by {_SEPARATORS[separator]}", remedy)
-    known = sorted(place + 1 for place in places if place is not None)
+    known = sorted(index + 1 for index in indices if index is not None)
     remedy = "correct it, or leave the field empty"
-    if places[-1] is not None:
+    if indices[-1] is not None:
         remedy += f"; times are numbers, {EXAMPLES}"
     return BrokenLine(f"have numbers in fields {' and '.join(map(str, known))}", remedy)
 
@@ -254,21 +254,21 @@ def _find_layout(fields: list[str], names: list[str], header: bool, wanted: _Wan
     if not header and (len(fields) > 2 or any(wanted.names)):
         remedy = "begin the file with a line of names, among them input and output"
         raise BrokenLine(f"name its {len(fields)} columns", remedy)
-    places = _named_places(fields, wanted.names, wanted.by_order) if header else (0, 1, None)
+    indices = _named_indices(fields, wanted.names, wanted.by_order) if header else (0, 1, None)
     units: list[str | None] = []
     scales = []
-    for role, place, known in zip(_ROLES, places, (*wanted.angles, TIMES), strict=True):
-        word, own = name_and_unit(names[place]) if header and place is not None else ("", None)
+    for role, index, known in zip(_ROLES, indices, (*wanted.angles, TIMES), strict=True):
+        word, stated = name_and_unit(names[index]) if header and index is not None else ("", None)
         timed = role == "time"
-        if not (timed or word) and own in TIMES:
-            own = None  # a heading may just be "second"
-        chosen = (wanted.time_unit if timed else wanted.unit) or own
+        if not (timed or word) and stated in TIMES:
+            stated = None  # a heading may just be "second"
+        chosen = (wanted.time_unit if timed else wanted.unit) or stated
         usual = "s" if timed else wanted.default
         if (chosen or usual) not in known:
             raise _wrong_unit(chosen, timed)
         scales.append(known[chosen or usual])
         units.append(chosen)
-    return _Layout(places, tuple(units), tuple(scales))
+    return _Layout(indices, tuple(units), tuple(scales))
 
 
 def _wrong_unit(unit: str | None, timed: bool) -> BrokenLine:
@@ -283,20 +283,20 @@ def _wrong_unit(unit: str | None, timed: bool) -> BrokenLine:
     return BrokenLine("have angles in turns, degrees or radians", remedy)
 
 
-def _named_places(
+def _named_indices(
     fields: list[str], names: tuple[str | None, ...], by_order: bool
 ) -> tuple[int | None, ...]:
-    """Places of input, output and time, by the names given or usual ones."""
-    places: list[int | None] = []
+    """Indices of the columns of input, output and time, by the names given or usual ones."""
+    indices: list[int | None] = []
     *angles, time = names
     for (role, usual), name in zip(NAMES.items(), angles, strict=True):
-        found = _place(fields, role, name, usual)
+        found = _index_of(fields, role, name, usual)
         # if one of two columns is known, the other one has the other role
         may_lack = (by_order and len(fields) == 2) or (role == "output" and time is not None)
         if found is None and not may_lack:
             raise _unnamed(role, usual)
-        places.append(found)
-    first, second = places
+        indices.append(found)
+    first, second = indices
     if by_order:
         first = (0 if second is None else 1 - second) if first is None else first
         second = 1 - first if second is None else second
@@ -305,18 +305,18 @@ def _named_places(
             f"input and output must be different columns, got {fields[first or 0]!r} for both; "
             "name another column for one of them"
         )
-    return first, second, None if time is None else _time_place(fields, time)
+    return first, second, None if time is None else _time_index(fields, time)
 
 
-def _time_place(fields: list[str], name: str) -> int | None:
-    """Place of the column of times; one called time may have another usual name."""
+def _time_index(fields: list[str], name: str) -> int | None:
+    """Index of the column of times; one called time may have another usual name."""
     usual = [field for field in fields if name_and_unit(field)[0] in TIME_NAMES]
     other = name == TIME_NAMES[0] and len(usual) == 1
-    return _place(fields, "time", usual[0] if other else name, ())
+    return _index_of(fields, "time", usual[0] if other else name, ())
 
 
-def _place(fields: list[str], role: str, name: str | None, usual: tuple[str, ...]) -> int | None:
-    """Place of the column called `name`, or else of the only one with a usual name, or None."""
+def _index_of(fields: list[str], role: str, name: str | None, usual: tuple[str, ...]) -> int | None:
+    """Index of the column called `name`, or else of the only one with a usual name, or None."""
     wanted = usual if name is None else (name_and_unit(name)[0],)
     found = [i for i, field in enumerate(fields) if field == name]
     found = found or [i for i, text in enumerate(fields) if name_and_unit(text)[0] in wanted]

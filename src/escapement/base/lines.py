@@ -55,8 +55,8 @@ def encoding_of(path: str | PathLike[str]) -> str:
             if head.startswith(mark):
                 return encoding
         # without a mark, UTF-16 shows by the zero in every second byte of figures and commas
-        for place, encoding in ((1, "utf-16-le"), (0, "utf-16-be")):
-            if 2.2 * head[place::2].count(0) > len(head) > 1:
+        for offset, encoding in ((1, "utf-16-le"), (0, "utf-16-be")):
+            if 2.2 * head[offset::2].count(0) > len(head) > 1:
                 return encoding
         stream.seek(0)
         decoder = codecs.getincrementaldecoder("utf-8")()

@@ -14,7 +14,7 @@ class Notice:
     Numba compiles under a lock, so calls never overlap.
 
     silent : whether it says nothing; the environment variable ESCAPEMENT_QUIET asks for that.
-    lost : the folder in which compiled code cannot be kept, and why; told once.
+    lost : the folder in which compiled code cannot be kept, and why; shown once.
     done, spent : functions compiled so far, and the time that it took [s].
     """
 
@@ -22,7 +22,7 @@ class Notice:
         self.silent = bool(os.environ.get("ESCAPEMENT_QUIET"))
         self._depth = self.done = 0
         self._start = self.spent = 0.0
-        self._told = self._told_python = False
+        self._shown_once = self._python_shown = False
         self.lost = ""
 
     @property
@@ -34,9 +34,9 @@ class Notice:
         """The answer comes from Python source, since nothing is compiled yet."""
         from multiprocessing import parent_process
 
-        if self.silent or self._told_python or parent_process() is not None:
+        if self.silent or self._python_shown or parent_process() is not None:
             return
-        self._told_python = True
+        self._python_shown = True
         with contextlib.suppress(AttributeError, OSError, ValueError):
             print(
                 "escapement: not compiled yet, so that short work runs as plain Python; "
@@ -71,20 +71,20 @@ class Notice:
             # each worker of a cluster on this machine would print the same
             if self.silent or parent_process() is not None:
                 return
-            if self.lost and not self._told:
+            if self.lost and not self._shown_once:
                 print(
                     f"escapement: compiled code cannot be kept in {self.lost}, so that each run "
                     "compiles; set NUMBA_CACHE_DIR to a folder that can be written",
                     file=sys.stderr,
                 )
             if sys.stderr.isatty():
-                self._told = True
+                self._shown_once = True
                 columns = shutil.get_terminal_size().columns - 1
                 text += f": {self.done} functions, {time.monotonic() - self._start:.0f} s"
                 sys.stderr.write(f"\r{text * (self._depth > 0):{columns}.{columns}}\r")
                 sys.stderr.flush()
-            elif not self._told:
-                self._told = True
+            elif not self._shown_once:
+                self._shown_once = True
                 print(f"{text}; it takes a minute or two", file=sys.stderr)
 
 

@@ -126,15 +126,15 @@ class Progress:
         """The share done, counts, rate, time left or taken, and failures."""
         done, total, failed = self._counts
         rate = self._rate
-        told = f"{duration((total - done) / rate)} left" if rate > 0.0 else "starting"
+        note = f"{duration((total - done) / rate)} left" if rate > 0.0 else "starting"
         if done >= total:
             compiled = notice.spent - self._compiled_before
-            told = f"took {duration(time.monotonic() - self._begun - compiled)}"
+            note = f"took {duration(time.monotonic() - self._begun - compiled)}"
             if compiled >= 0.05:
-                told += f", and compiling {duration(compiled)}"
+                note += f", and compiling {duration(compiled)}"
         failures = f", {failed} failed" if failed else ""
         share = f"{100 * done // total:3d} % {done} of {total} {self._what}"
-        return f"{share}, {rate:.3g}/s, {told}{failures}"
+        return f"{share}, {rate:.3g}/s, {note}{failures}"
 
 
 def duration(seconds: float) -> str:

@@ -92,18 +92,18 @@ class Setting:
         unit = f" [{', '.join(units_shown)}]" if any(units_shown) else ""
         taken = self.typical if self.required else self.default
         shown = f"{taken:g}" if isinstance(taken, float) else taken
-        told = "" if taken is None or isinstance(taken, bool | tuple) else f" (default: {shown})"
-        return self.long_name + self.note + unit + told
+        default = "" if taken is None or isinstance(taken, bool | tuple) else f" (default: {shown})"
+        return self.long_name + self.note + unit + default
 
-    def fits(self, meshed: bool) -> bool:
+    def applies_to(self, meshed: bool) -> bool:
         """Whether a mechanism without slots (`meshed`), or one with slots, has this."""
         return self.slotted is None or self.slotted is not meshed
 
     def idle(self, value: Any) -> bool:
         """Whether `value` is a zero that need not be shown, as of a bearing without friction."""
-        told = self.name in ("friction", "load_torque") or not isinstance(self.default, float)
+        always = self.name in ("friction", "load_torque") or not isinstance(self.default, float)
         plain = isinstance(self.default, str) and not self.required and value == self.default
-        return plain or (not told and value == self.default == 0.0)
+        return plain or (not always and value == self.default == 0.0)
 
     def check(self, label: str, value: Any) -> Any:
         """`value` as Python stores it; raises InvalidValue if it breaks the rule."""
@@ -252,9 +252,9 @@ class Numbers(Setting):
             raise validate.fail(label, "a list of numbers", value, self.remedy)
         found = []
         for i, item in enumerate(value):
-            place = f"{label}[{i}]"
-            number = units.measured(place, item, self.unit, self.system, self.remedy)
-            found.append(validate.number(place, number, self.remedy))
+            element = f"{label}[{i}]"
+            number = units.measured(element, item, self.unit, self.system, self.remedy)
+            found.append(validate.number(element, number, self.remedy))
         return tuple(found)
 
     def parse(self, label: str, text: str) -> Any:

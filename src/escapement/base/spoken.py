@@ -22,7 +22,7 @@ class Spoken(str):
     __repr__ = str.__str__
 
 
-def told(value: float, quantity: str, figures: int = 6) -> Spoken:
+def as_spoken(value: float, quantity: str, figures: int = 6) -> Spoken:
     """An SI value with its unit in the system that messages speak: "0.002 m", "0.0787402 in"."""
     unit = printed(quantity, _system)
     return Spoken(f"{value / factor(quantity, _system):.{figures}g} {unit}".rstrip())

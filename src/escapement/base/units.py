@@ -88,7 +88,7 @@ def _size(unit: str, weights: bool = False) -> tuple[Fraction, tuple[int, ...]]:
         inner, inside = _size(others)
         size *= (scale * Fraction(many) * inner) ** power
         inside = tuple(int(name == base) for base in _BASE) if name in _BASE else inside
-        powers = [total + power * own for total, own in zip(powers, inside, strict=True)]
+        powers = [total + power * exponent for total, exponent in zip(powers, inside, strict=True)]
     return size, tuple(powers)
 
 
@@ -122,12 +122,12 @@ def measured(label: str, value: Any, kind: str, system: str, remedy: str) -> Any
         raise validate.fail(label, "a finite number", value, remedy)
     expected, powers = _size(unit_name(kind, system))
     try:
-        size, own = _size(found[2])
-        if own != powers:
-            size, own = _size(found[2], weights=True)
+        size, exponents = _size(found[2])
+        if exponents != powers:
+            size, exponents = _size(found[2], weights=True)
     except ValueError as error:
         raise validate.fail(label, f"in a known unit ({error})", value, remedy) from None
-    if own != powers:
+    if exponents != powers:
         wanted = printed(kind, system)
         rule = f"in {wanted} or a unit of the same kind" if wanted else "without a unit"
         raise validate.fail(label, rule, value, remedy)

@@ -53,8 +53,8 @@ def shortest(calls: Sequence[Call], rounds: int, clock: Clock = processor) -> li
     repeats = [max(1, round(_SAMPLE / each)) for each in once]
     best = [math.inf] * len(calls)
     for _ in range(rounds):
-        for place, (timer, count) in enumerate(zip(timers, repeats, strict=True)):
-            best[place] = min(best[place], timer.timeit(count) / count)
+        for index, (timer, count) in enumerate(zip(timers, repeats, strict=True)):
+            best[index] = min(best[index], timer.timeit(count) / count)
     return best
 
 

@@ -178,7 +178,7 @@ class MeasuredSolver(NamedTuple):
     prepare: Callable[[Problem, float], TimedRun]
 
 
-def own_solvers() -> Iterator[MeasuredSolver]:
+def package_solvers() -> Iterator[MeasuredSolver]:
     """Both engines, and each method of solve_ivp with the equation in each language."""
     for engine, tightest in (("energy", -13), ("ivp", -12)):
         prepare: Callable[[Problem, float], TimedRun] = partial(_prepare_engine, engine=engine)

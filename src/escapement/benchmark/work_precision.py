@@ -17,7 +17,7 @@ from matplotlib.figure import Figure
 from escapement import benchmark
 from escapement.base.files import replace_file
 from escapement.base.text import as_json
-from escapement.benchmark.problems import PROBLEMS, MeasuredSolver, Problem, own_solvers
+from escapement.benchmark.problems import PROBLEMS, MeasuredSolver, Problem, package_solvers
 from escapement.engines.solver import DEFAULT_RTOL
 from escapement.numerics.interpreted import compile_from_now_on
 from escapement.plots import save, style
@@ -123,7 +123,7 @@ def run(
     """
     compile_from_now_on()
     machine = benchmark.describe_machine(list(dict.fromkeys(each.family for each in further)))
-    solvers = [each for each in own_solvers() if not quick or each.solver in QUICK_SOLVERS]
+    solvers = [each for each in package_solvers() if not quick or each.solver in QUICK_SOLVERS]
     solvers += further
     points: list[Point] = []
     for problem in PROBLEMS[:1] if quick else PROBLEMS:

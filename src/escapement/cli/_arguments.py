@@ -112,15 +112,15 @@ def parser_of(name: str) -> tuple[ModuleType, Parser]:
     return command, parser
 
 
-def add_common(parser: Parser, own: str | None = None) -> None:
-    """Add the options of every command; `own` explains default units that are not SI."""
+def add_common(parser: Parser, default_units: str | None = None) -> None:
+    """Add the options of every command; `default_units` explains default units that are not SI."""
     parser.add_argument("--json", action="store_true", help="one JSON object on stdout")
     text = "append events to FILE as JSON lines, for job scripts"
     parser.add_argument("--log", type=Path, metavar="FILE", help=text)
-    text = own or (
+    text = default_units or (
         "units of input and output (default: SI); a number may have a unit of its own: '5 mN m'"
     )
-    default, rule = None if own else SYSTEMS[0], one_of("--units", SYSTEMS)
+    default, rule = None if default_units else SYSTEMS[0], one_of("--units", SYSTEMS)
     shown = "|".join(SYSTEMS)
     parser.add_argument("--units", type=rule, default=default, metavar=shown, help=text)
 
@@ -274,7 +274,7 @@ def add_folder(parser: Parser, what: str) -> None:
 
 
 def add_plot(group: ArgumentGroup, text: str, film: str = "") -> None:
-    """Add a figure to draw; `_output.check_wanted` checks its place."""
+    """Add a figure to draw; `_output.check_wanted` checks its path."""
     text += f"; {', '.join(FORMATS[:-1])} or {FORMATS[-1]}"
     if film:
         text += f"; {film}: {', '.join(FILMS[:-1])} or {FILMS[-1]}"
@@ -283,7 +283,7 @@ def add_plot(group: ArgumentGroup, text: str, film: str = "") -> None:
 
 
 def add_report(group: ArgumentGroup) -> None:
-    """Add a report to write; `_output.check_wanted` checks its place."""
+    """Add a report to write; `_output.check_wanted` checks its path."""
     text = "write a report that needs no other file; replaced if it exists"
     group.add_argument("--report", type=Path, metavar="FILE.html", help=text)
 
@@ -293,7 +293,7 @@ def refuse_idle(args: Arguments, settings: Mapping[str, Setting]) -> None:
     for name, entry in settings.items():
         if getattr(args, name) is None or not entry.needs:
             continue
-        # compliant walls have blows without clearance, too
+        # compliant walls have impacts without clearance, too
         partners = (entry.needs, "stiffness") if entry.needs == "clearance" else (entry.needs,)
         if all(getattr(args, partner) is None for partner in partners):
             raise UsageError(

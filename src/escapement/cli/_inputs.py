@@ -26,7 +26,7 @@ _NO_INPUTS = {
 def inputs_of_command(args: Arguments, known: Iterable[Input] = ()) -> list[Input]:
     """The numbers that are `known` of what was made, then whatever else was typed.
 
-    Angles that were typed in degrees are told so, under a name with "_deg".
+    Angles that were typed in degrees are marked so, under a name with "_deg".
     """
     found = {name: (value, kind) for name, value, kind in known}
     for name, value in vars(args).items():
@@ -37,21 +37,21 @@ def inputs_of_command(args: Arguments, known: Iterable[Input] = ()) -> list[Inpu
             found.pop(name, None)
             found[f"{name}_deg"] = value, "degrees"
         elif name not in found:
-            told = value if isinstance(value, bool | int | float | list | tuple) else str(value)
+            given = value if isinstance(value, bool | int | float | list | tuple) else str(value)
             kind = "ratio" if entry is None else entry.unit
             scale = factor(kind, args.units or SYSTEMS[0])
-            found[name] = in_unit(told, 1.0 / scale), kind
+            found[name] = in_unit(given, 1.0 / scale), kind
     return [(name, *rest) for name, rest in found.items()]
 
 
 def as_record(inputs: Iterable[Input], system: str) -> dict[str, Any]:
-    """Inputs by JSON key; one that has another unit in another system is told in each."""
-    told: dict[str, Any] = {"units": system}
+    """Inputs by JSON key; one that has another unit in another system is given in each."""
+    record: dict[str, Any] = {"units": system}
     for name, value, kind in inputs:
         alike = len({printed(kind, one) for one in SYSTEMS}) == 1
         each = {one: in_unit(value, factor(kind, one)) for one in SYSTEMS}
-        told[name] = value if alike or isinstance(value, str) else each
-    return told
+        record[name] = value if alike or isinstance(value, str) else each
+    return record
 
 
 def print_inputs(inputs: Iterable[Input], system: str) -> None:
@@ -93,14 +93,14 @@ def of_plan(plan: "StudyPlan") -> Iterable[Input]:
             yield name, shortened(values.tolist()), unit_kind(name)
 
 
-def of_wish(wish: Any) -> Iterable[Input]:
-    """The numbers of a wish for a timer, and its bounds, of which None is no bound."""
-    from escapement.inverse_design.wish import BOUNDS, NUMBERS, RANGES
+def of_requirement(requirement: Any) -> Iterable[Input]:
+    """The numbers of a requirement for a timer, and its bounds, of which None is no bound."""
+    from escapement.inverse_design.requirement import BOUNDS, NUMBERS, RANGES
 
     for name, entry in (NUMBERS | RANGES).items():
-        if (value := getattr(wish, name)) is not None:
+        if (value := getattr(requirement, name)) is not None:
             yield name, value, entry.unit
-    yield "internal", "any" if wish.internal is None else wish.internal, "ratio"
-    yield "objectives", ", ".join(wish.objectives), "ratio"
-    for name, ends in wish.bounds.items():
+    yield "internal", "any" if requirement.internal is None else requirement.internal, "ratio"
+    yield "objectives", ", ".join(requirement.objectives), "ratio"
+    for name, ends in requirement.bounds.items():
         yield f"{name}_bounds", [x if math.isfinite(x) else None for x in ends], BOUNDS[name].unit

@@ -1,6 +1,6 @@
 """Output of all commands: JSON, tables, notes, and checks of the files to write.
 
-The places of files are checked before anything is computed.
+The paths of files are checked before anything is computed.
 """
 
 import os
@@ -79,7 +79,7 @@ def tell(
     """Print what went in and what a command found, and what to know of it on stderr.
 
     The output is a JSON object, or a table. `known` are the numbers that went in, with their
-    defaults; whatever else was typed is told, too.
+    defaults; whatever else was typed is listed, too.
     """
     _waiting.end()
     inputs, system = inputs_of_command(args, known), args.units or SYSTEMS[0]
@@ -245,7 +245,7 @@ def check_wanted(
     formats: tuple[str, ...] | None = None,
     pictures: tuple[str, ...] = FORMATS,
 ) -> None:
-    """Check the places that --output with --force, and --plot, name.
+    """Check the paths that --output with --force, and --plot, name.
 
     None of them may be an input of the command.
 

@@ -34,7 +34,7 @@ def execute(args: Arguments) -> int:
     """Compute the budget and print it; write and draw it where that was asked for."""
     from escapement.study.parse import load_tables
     from escapement.study.plan import unit_kind
-    from escapement.tolerance.budget import budget_of
+    from escapement.tolerance.tolerance_budget import budget_of
 
     _output.check_wanted(args, file="OUT.h5")
     _output.speak_as(args, args.config, "study file")
@@ -56,8 +56,8 @@ def execute(args: Arguments) -> int:
     ends = [(f"{name}_limits", x, unit_kind(name)) for name, x in limits.items()]
     known = [*_inputs.of_plan(plan), *ends, ("indices", args.indices or 0, "ratio")]
     extra = {"size": found.size, "seed": found.seed, "failed": list(found.failed)}
-    told = {**record, **extra, "message": found.message}
-    _output.tell(args, told, lambda: _print(found, args.units), "", known)
+    shown_record = {**record, **extra, "message": found.message}
+    _output.tell(args, shown_record, lambda: _print(found, args.units), "", known)
     return SOME_FAILED if found.failed.value else 0
 
 
@@ -68,9 +68,9 @@ def _limits(name: str, ends: Any, system: str) -> Any:
     if not isinstance(ends, list):
         return ends
     kind = unit_kind(name)
-    own = [measured(f"limits.{name}", x, kind, system, "give a number") for x in ends]
+    limits = [measured(f"limits.{name}", x, kind, system, "give a number") for x in ends]
     scale = factor(kind, system)
-    return [scale * x if type(x) in (int, float) else x for x in own]
+    return [scale * x if type(x) in (int, float) else x for x in limits]
 
 
 def _record(scatter: Any, name: str, system: str) -> dict[str, Any]:

@@ -33,14 +33,14 @@ def configure(parser: Parser) -> None:
 
 def execute(args: Arguments) -> int:
     """Search, write and draw what was asked for, print the designs."""
-    from escapement.inverse_design.search import FOIL
-    from escapement.inverse_design.wish import BOUNDS, load_wish
+    from escapement.inverse_design.requirement import BOUNDS, load_requirement
+    from escapement.inverse_design.timer_search import FOIL
 
     _output.check_wanted(args, file="FILE.csv")
     _output.speak_as(args, args.wish, "wish")
-    wish, shown = load_wish(args.wish)[0], args.units
-    found = esc.design(wish, count=args.count or 40)
-    known = [*_inputs.of_wish(wish), ("count", args.count or 40, "ratio")]
+    requirement, shown = load_requirement(args.wish)[0], args.units
+    found = esc.design(requirement, count=args.count or 40)
+    known = [*_inputs.of_requirement(requirement), ("count", args.count or 40, "ratio")]
     kinds = {**_CHOSEN, **{name: entry.unit for name, entry in BOUNDS.items()}}
     lines = [_line(one) for one in found.designs]
     record = [
@@ -62,7 +62,7 @@ def execute(args: Arguments) -> int:
 
     def table_of_designs() -> None:
         names = ("slots", "internal", "crank_radius", "torque", "driver_inertia",
-                 "follower_inertia", *dict.fromkeys((*wish.objectives, *wish.bounds)),
+                 "follower_inertia", *dict.fromkeys((*requirement.objectives, *requirement.bounds)),
                  "can_be_cut")  # fmt: skip
         units = [printed(kinds[name], shown) for name in names]
         header = [words(n) + f" ({u})" * (u != "") for n, u in zip(names, units, strict=True)]

@@ -79,7 +79,7 @@ def execute(args: Arguments) -> int:
     else:
         how = {name: getattr(args, name) for name in ("segments", "r12")}
         suffix, inches = file_format(args.output, CUTS), args.units != "SI"
-        from escapement.outlines.export import drawn
+        from escapement.outlines.part_files import drawn
 
         data, gaps = drawn(mechanism, suffix, fits, inches=inches, **how)
     parts = esc.parts_of(mechanism, fits)
@@ -114,7 +114,7 @@ def _summary(
     record["least_gaps"] = [
         {
             "bodies": " and ".join(pair.names), "gap": pair.gap,
-            "angle_deg": math.degrees(pair.theta), "x": pair.place.real, "y": pair.place.imag,
+            "angle_deg": math.degrees(pair.theta), "x": pair.point.real, "y": pair.point.imag,
         }
         for pair in gaps
     ]  # fmt: skip
@@ -123,9 +123,9 @@ def _summary(
 
 def _warning(args: Arguments, mechanism: Any, fits: Fits, rows: list[dict[str, Any]]) -> str:
     """What a workshop would ask about: no clearance, thin walls, very large or small parts."""
-    told = []
+    texts = []
     if not (mechanism.meshed or mechanism.clearance or fits.clearance):
-        told.append("the slots are as wide as the pins; give a --clearance to make them")
+        texts.append("the slots are as wide as the pins; give a --clearance to make them")
 
     unit = printed("length", args.units)
     example = "12 mm" if args.units == "SI" else "0.5 in"
@@ -137,7 +137,7 @@ def _warning(args: Arguments, mechanism: Any, fits: Fits, rows: list[dict[str, A
     least = _arguments.typed(args, _WALLS).get("least_wall", max(_LEAST_WALL, fits.kerf))
     thin = [f"{row['part']} {length(row['wall'])}" for row in rows if row["wall"] <= least]
     if thin:
-        told.append(
+        texts.append(
             f"walls of {length(least)} or less may not survive the cut: {', '.join(thin)}; "
             "choose a larger crank or thinner shafts and pins, or state what you can make with "
             "--least-wall"
@@ -145,9 +145,9 @@ def _warning(args: Arguments, mechanism: Any, fits: Fits, rows: list[dict[str, A
     for row in rows:
         across = max(row["width"], row["height"])
         if not _SIZES[0] <= across <= _SIZES[1]:
-            told.append(
+            texts.append(
                 f"{row['part']} is {length(across)} across; a length without a unit is in {unit}: "
                 f"write for example '{example}'"
             )
             break
-    return "; ".join(f"warning: {text}" for text in told)
+    return "; ".join(f"warning: {text}" for text in texts)

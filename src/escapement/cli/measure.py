@@ -21,7 +21,7 @@ from escapement.cli._arguments import (
     option,
 )
 from escapement.mechanisms import DEFAULT_KIND, kind_of
-from escapement.mechanisms.checks import LENGTHS
+from escapement.mechanisms.wheel_checks import LENGTHS
 from escapement.model.escapement import model_settings
 from escapement.model.inputs import inputs_of, inputs_of_mechanism
 
@@ -278,7 +278,7 @@ def summarise(result: Any) -> dict[str, Any]:
     fit, errors, spectrum = result.fit, result.errors, result.periodogram
     power, sensor = float(spectrum.power[spectrum.peak]), result.sensor_share
     tests = result.chi_squared_test, result.published_test, result.anderson_darling_test
-    play_keys = "shaft", "width_deg", "standard_error_deg", "p_value"
+    backlash_keys = "shaft", "width_deg", "standard_error_deg", "p_value"
     part_keys = "shaft", "number", "parts", "size_deg", "standard_error_deg", "p_value"
     change_keys = "shaft", "line", "size_deg", "standard_error_deg", "p_value"
     shaft_keys = "shaft", "order", "amplitude_deg", "standard_error_deg", "p_value", "turns"
@@ -304,7 +304,7 @@ def summarise(result: Any) -> dict[str, Any]:
         },
         "shaft_errors": [_attributes(error, *shaft_keys) for error in result.shaft_errors],
         "slot_errors": [_attributes(part, *part_keys) for part in result.slot_errors],
-        "backlash": [_attributes(play, *play_keys) for play in result.backlash],
+        "backlash": [_attributes(backlash, *backlash_keys) for backlash in result.backlash],
         "changes": [_attributes(change, *change_keys) for change in result.changes],
         "glitches": [_attributes(one, "line", "size_deg", "p_value") for one in result.glitches],
         "scatter_deg": math.degrees(result.scatter),
@@ -354,9 +354,11 @@ def _print_tables(record: dict[str, Any]) -> None:
     for part in record["slot_errors"]:
         name = f"worst {'pin' if part['shaft'] == 'input' else 'slot'}, number {part['number']}"
         rows.append([name, part["size_deg"], part["standard_error_deg"], part["p_value"]])
-    for play in record["backlash"]:
-        name = f"backlash, {play['shaft']}"
-        rows.append([name, play["width_deg"], play["standard_error_deg"], play["p_value"]])
+    for backlash in record["backlash"]:
+        name = f"backlash, {backlash['shaft']}"
+        rows.append(
+            [name, backlash["width_deg"], backlash["standard_error_deg"], backlash["p_value"]]
+        )
     for change in record["changes"]:
         name = f"change behind line {change['line']}, {change['shaft']}"
         rows.append([name, change["size_deg"], change["standard_error_deg"], change["p_value"]])

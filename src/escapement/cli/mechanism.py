@@ -69,7 +69,7 @@ def execute(args: Arguments) -> int:
         kinds |= {name: "length" for name in found if not name.endswith("_over_crank_radius")}
     if not mechanism.perfect:
         text = "the numbers except the distance of the axes are those of parts without errors"
-        warnings += [f"warning: {told}" for told in (text, misfit) if told]
+        warnings += [f"warning: {reason}" for reason in (text, misfit) if reason]
     angle = math.radians(args.angle or 0.0)
     _output.draw(args.plot, lambda plots: plots.plot_mechanism(mechanism, angle))
     try:
@@ -88,12 +88,12 @@ def _engagements(wheel: Any) -> list[dict[str, Any]]:
     how much the follower jumps ahead where a pin picks it up or strikes it.
     """
     rows = []
-    for k, meeting in enumerate(wheel.meetings):
-        centre = k * wheel.cell_angle + meeting.late
+    for k, pair in enumerate(wheel.pairs):
+        centre = k * wheel.cell_angle + pair.delay
         rows.append({
-            "pin": k % wheel.pins, "slot": k % wheel.slots, "begins_with": meeting.kind,
-            "begin_deg": degrees(centre + meeting.edges[0]),
-            "end_deg": degrees(centre + meeting.edges[-1]), "jump_deg": degrees(meeting.jump),
+            "pin": k % wheel.pins, "slot": k % wheel.slots, "begins_with": pair.kind,
+            "begin_deg": degrees(centre + pair.edges[0]),
+            "end_deg": degrees(centre + pair.edges[-1]), "jump_deg": degrees(pair.jump),
         })  # fmt: skip
     return rows
 

@@ -51,7 +51,7 @@ def execute(args: Arguments) -> int:
                     f"{option} must come with a study, got {value!r} and a motion; leave it out"
                 )
         shown = read_motion(args.file)
-        _output.drawn_motion(path, shown, lambda plots: plots.motion.plot_motion(shown))()
+        _output.drawn_motion(path, shown, lambda plots: plots.motion_plots.plot_motion(shown))()
     else:
         holds, study = "study", esc.read_study(args.file)
         try:
@@ -81,8 +81,8 @@ def _gaps(study: "esc.Study", results: Iterable[str]) -> str:
     for name in results:
         lost = np.isnan(study.results[name]) & answered
         counts[f"without {words(name)}"] = int(np.count_nonzero(lost))
-    told = ", ".join(f"{n} {what}" for what, n in counts.items() if n)
-    return told and f"some of the {study.cases} cases leave gaps in the figure: {told}"
+    text = ", ".join(f"{n} {what}" for what, n in counts.items() if n)
+    return text and f"some of the {study.cases} cases leave gaps in the figure: {text}"
 
 
 def in_units(study: "esc.Study", system: str) -> "esc.Study":

@@ -127,8 +127,8 @@ def read_case(args: Arguments) -> "tuple[Escapement, dict[str, Any]]":
             f"--select must name a case with a possible mechanism, got {args.select!r}: {error}"
         ) from None
     # the tolerances of the study are not used for another engine
-    own = {} if "engine" in given else plan.solver.given
-    return escapement, own | given | {"initial_speed": plan.values(case)["initial_speed"]}
+    given_solver = {} if "engine" in given else plan.solver.given
+    return escapement, given_solver | given | {"initial_speed": plan.values(case)["initial_speed"]}
 
 
 def _files(motion: "esc.Motion", args: Arguments, speed: float) -> list[_output.Save]:
@@ -156,7 +156,7 @@ def _save_motion(motion: "esc.Motion", args: Arguments) -> None:
 
 def _summarise(motion: "esc.Motion", figures: "esc.Figures", units: str) -> dict[str, Any]:
     """What `run` reports, by JSON key, in the user's units."""
-    from escapement.dynamics.merit_table import FIGURES
+    from escapement.dynamics.figure_table import FIGURES
 
     found = {
         name: _output.in_units(getattr(figures, name), figure.kind, units)
@@ -211,7 +211,7 @@ def _balance(motion: "esc.Motion") -> None:
 
 def _print_table(record: dict[str, Any], units: str) -> None:
     """The results."""
-    from escapement.dynamics.merit_table import FIGURES
+    from escapement.dynamics.figure_table import FIGURES
 
     times, speeds = record["handoff_times"], record["handoff_velocities"]
     found = record | {"handoffs": len(times)}

@@ -17,7 +17,7 @@ from escapement.cli._arguments import Arguments, Parser, UsageError
 
 if TYPE_CHECKING:
     from escapement.study.plan import StudyPlan
-    from escapement.study.run import Tally
+    from escapement.study.running import Tally
 
 UNITS = "units of the axes printed (default: those of the study)"
 
@@ -43,7 +43,7 @@ def configure(parser: Parser) -> None:
 
 def execute(args: Arguments) -> int:
     """Run the study, then show a dozen of its cases."""
-    from escapement.study.tables import check_format
+    from escapement.study.table_files import check_format
 
     _output.speak_as(args, args.config, "study file")
     plan = esc.load_plan(args.config)
@@ -60,8 +60,8 @@ def execute(args: Arguments) -> int:
         plan.check_mechanism()
     except InvalidValue as error:
         raise InvalidValue(f"{args.config}: {error}") from None
-    for told in filter(None, (plan.idle, plan.unused)):
-        _output.note(told)
+    for text in filter(None, (plan.idle, plan.unused)):
+        _output.note(text)
     tally = _run(plan, path, args)
     cases, units = some_cases(plan, path, args.units)
 
@@ -87,7 +87,7 @@ def _run(plan: "StudyPlan", path: Path, args: Arguments) -> "Tally":
     """Run the study; if it is interrupted, tell how to continue."""
     from escapement.base.notice import notice
     from escapement.base.progress import Progress
-    from escapement.study.run import write_plan
+    from escapement.study.running import write_plan
     from escapement.study.writer import partial_path
 
     notice.silent |= args.quiet
@@ -117,24 +117,24 @@ def some_cases(
 
     from escapement.study.plan import unit_kind
     from escapement.study.stored import open_hdf5
-    from escapement.study.tables import is_table, read_rows
+    from escapement.study.table_files import is_table, read_rows
 
     along = [{name: values} | plan.varied[name] for name, values in plan.dimensions.items()]
     shown = [name for name in plan.results if name != "status"][:_RESULTS]
     names = [*(name for columns in along for name in columns), *shown, "status"]
     scaled = {name: in_system(unit_kind(name), plan.unit(name), units) for name in names}
-    cases, places = [], spread(plan.shape, _ROWS)
+    cases, indices = [], spread(plan.shape, _ROWS)
     if is_table(path):
-        numbers = [int(np.ravel_multi_index(place, plan.shape)) for place in places]
+        numbers = [int(np.ravel_multi_index(index, plan.shape)) for index in indices]
         results: dict[str, Any] = dict(read_rows(path, numbers))
     else:
         with open_hdf5(path) as hdf5:
             wanted = (*shown, "status")
-            results = {name: [hdf5[name][place] for place in places] for name in wanted}
-    for row, place in enumerate(places):
+            results = {name: [hdf5[name][index] for index in indices] for name in wanted}
+    for row, index in enumerate(indices):
         case = {
             name: values[i].item() * scaled[name][0]
-            for columns, i in zip(along, place, strict=True)
+            for columns, i in zip(along, index, strict=True)
             for name, values in columns.items()
         }
         case |= {name: float(results[name][row]) * scaled[name][0] for name in shown}
@@ -150,9 +150,9 @@ def in_system(kind: str, unit: str, system: str) -> tuple[float, str]:
 
 
 def spread(shape: tuple[int, ...], most: int) -> list[tuple[int, ...]]:
-    """At most `most` grid places: the ends of every axis, the middle, and places between them."""
+    """At most `most` grid points: the ends of every axis, the middle, and points between them."""
     counts = list(shape)
-    marked = [tuple(place) for place in zip(*((0, n // 2, n - 1) for n in shape), strict=True)]
+    marked = [tuple(index) for index in zip(*((0, n // 2, n - 1) for n in shape), strict=True)]
 
     def added() -> list[tuple[int, ...]]:
         few = any(n < min(size, 3) for size, n in zip(shape, counts, strict=True))
@@ -160,7 +160,7 @@ def spread(shape: tuple[int, ...], most: int) -> list[tuple[int, ...]]:
 
     while math.prod(counts) + len(added()) > most:
         largest = max(counts)
-        # an odd number of places between two ends has the middle among them
+        # an odd number of points between two ends has the middle among them
         counts[counts.index(largest)] -= 2 if largest > 3 and largest % 2 else 1
     picks = [
         [round(i * (size - 1) / (count - 1)) for i in range(count)] if count > 1 else [size // 2]
@@ -191,7 +191,7 @@ def load_case(path: Path, selection: str | None) -> "tuple[StudyPlan, int]":
 
     from escapement.study.parse import parse_plan
     from escapement.study.reader import read_configuration, read_sample_case
-    from escapement.study.result import place_on
+    from escapement.study.result import index_on
 
     written = path.suffix.lower() != ".toml"
     configuration = read_configuration(path) if written else esc.load_plan(path).configuration
@@ -214,15 +214,15 @@ def load_case(path: Path, selection: str | None) -> "tuple[StudyPlan, int]":
             f"--select must name axes of {path}, got {unknown[0]!r}; "
             f"it has {', '.join(plan.dimensions)}"
         )
-    place = []
+    index = []
     for name, values in plan.dimensions.items():
         if name not in wanted and values.size > 1:
             raise UsageError(
                 f"--select must choose one of the {values.size} values of {name} in {path}, "
                 f"got none; add {name}={values[0]:g}"
             )
-        place.append(place_on(values, name, wanted[name], path) if name in wanted else 0)
-    return plan, int(np.ravel_multi_index(place, plan.shape))
+        index.append(index_on(values, name, wanted[name], path) if name in wanted else 0)
+    return plan, int(np.ravel_multi_index(index, plan.shape))
 
 
 def parse_selection(selection: str, system: str) -> dict[str, float]:

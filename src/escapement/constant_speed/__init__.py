@@ -25,7 +25,7 @@ if TYPE_CHECKING:
         transmission_extrema,
     )
     from escapement.constant_speed.geneva import ReversalStudy, reversal_study
-    from escapement.constant_speed.torque import DriveTorque, drive_torque, inertia_ratio
+    from escapement.constant_speed.input_torque import DriveTorque, drive_torque, inertia_ratio
     from escapement.numerics.chebyshev import Extremum
 
 __all__ = [
@@ -80,12 +80,13 @@ class Case(Declared):
 
 
 def tight(mechanism: Any) -> Any:
-    """`mechanism`, or an error if its parts have errors, or its pins play in their slots."""
-    if play := checked(mechanism).clearance:
+    """`mechanism`, or an error if its parts have errors, or its pins have clearance in their
+    slots."""
+    if clearance := checked(mechanism).clearance:
         remedy = "leave it out; simulate computes motions with clearance"
-        raise validate.fail("clearance", "0 at constant speed", play, remedy)
+        raise validate.fail("clearance", "0 at constant speed", clearance, remedy)
     return mechanism
 
 
 def __getattr__(name: str) -> Any:
-    return offered(__name__, __all__, ("torque", "contact", "extrema", "geneva"), name)
+    return offered(__name__, __all__, ("input_torque", "contact", "extrema", "geneva"), name)

@@ -188,8 +188,8 @@ def reversal_study(
     angles = acceleration_max_angle(wheels, internal), engagement_half(wheels, internal)
     lower, upper = (limit[which] for limit in reversal_limits(wheels, internal))
     # F12 and F23 themselves belong to the zones without a second reversal
-    late = np.where(ratio >= upper * (1.0 - _ROUNDING), 3, 2)
-    zone = np.where(ratio <= lower * (1.0 + _ROUNDING), 1, late).astype(np.uint8)
+    zones = np.where(ratio >= upper * (1.0 - _ROUNDING), 3, 2)
+    zone = np.where(ratio <= lower * (1.0 + _ROUNDING), 1, zones).astype(np.uint8)
     reversals, top, at_top = np.full((n.size, 2), np.nan), np.empty(n.size), np.empty(n.size)
     every = which.flatten(), ratio.flatten(), zone.flatten()
     _fill(np.array(paths, dtype=float, ndmin=2), *angles, *every, reversals, top, at_top)

@@ -3,15 +3,15 @@
 Read `law` first: it is the equation of motion.
 
 - `codes`: kinds of events, and how an engagement ends
-- `scenes`: a scene with some numbers changed
-- `law`, `torque`, `train_losses`, `tables`: the equation, the torque of the drive, trains that
+- `altered_scenes`: a scene with some numbers changed
+- `law`, `torque`, `train_losses`, `state_table`: the equation, the torque of the drive, trains that
   lose power, and what kernels tabulate
 - `needs`: what a scene needs, for which alone kernels are compiled
 - `painleve`: the friction at which the equation loses its solution
 - `trajectory`, `motion`, `variables`: the output of an engine, the reader of it, and names of
   its variables
-- `events`, `flow_changes`, `impacts`: handoffs, changes of the direction of power, and blows of
+- `events`, `flow_changes`, `impacts`: handoffs, changes of the direction of power, and impacts of
   a motion
 - `energy_balance`: where the work went
-- `figures_of_merit`, `merit_table`: figures of merit, and their names and units
+- `figures_of_merit`, `figure_table`: figures of merit, and their names and units
 """

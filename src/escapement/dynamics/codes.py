@@ -14,10 +14,10 @@ class Event(IntEnum):
     REVERSAL: the other wall of the slot takes over the force. MINIMUM and MAXIMUM: extrema of the
     driver speed. BREAK: the sliding speed has a kink. ENTRY and EXIT: of the pin.
 
-    With clearance: BLOW, the pin strikes a wall, or the follower is stopped at the exit. LIFT_OFF:
-    the pin leaves a wall. SLIDE_CHANGE: its sliding along the wall turns round. At FLIGHT, CONTACT
-    and DWELL a piece of the motion begins in which the pin flies, touches a wall, or has left the
-    slot while the follower is locked.
+    With clearance: IMPACT, the pin strikes a wall, or the follower is stopped at the exit.
+    LIFT_OFF: the pin leaves a wall. SLIDE_CHANGE: its sliding along the wall turns round. At
+    FLIGHT, CONTACT and DWELL a piece of the motion begins in which the pin flies, touches a wall,
+    or has left the slot while the follower is locked.
     """
 
     REVERSAL = 0
@@ -26,7 +26,7 @@ class Event(IntEnum):
     BREAK = 3
     ENTRY = 4
     EXIT = 5
-    BLOW = 6
+    IMPACT = 6
     LIFT_OFF = 7
     SLIDE_CHANGE = 8
     FLIGHT = 9

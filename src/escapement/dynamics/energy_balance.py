@@ -58,8 +58,8 @@ class JudgedResult:
     def add_notes(self, *notes: str | None) -> None:
         """Add what a user should know to the message."""
         if any(notes):
-            own = vars(self)["message"]
-            said = (own if own != MESSAGES[Status.OK] else None, *notes)
+            stated = vars(self)["message"]
+            said = (stated if stated != MESSAGES[Status.OK] else None, *notes)
             vars(self)["message"] = "; ".join(filter(None, said))
 
     def judge(self) -> None:
@@ -72,8 +72,8 @@ class JudgedResult:
 
     def judge_by(self, residual: float) -> None:
         """Change the status if this residual of the energy balance shows a wrong motion."""
-        own: Any = self
-        status, message = judged(self.outcome, vars(self)["message"], residual, own._rtol)
+        stated: Any = self
+        status, message = judged(self.outcome, vars(self)["message"], residual, stated._rtol)
         vars(self).update(status=status, message=message)
 
     def _residual(self) -> float:
@@ -115,9 +115,9 @@ def ledger_of(motion: Any, progress: Callable[[int, int, int], None] | None = No
     if isinstance(motion.trajectory, NoTrajectory):
         return Ledger(**{field.name: 0.0 for field in fields(Ledger)})
     ends = motion.at([0.0, motion.end_time])
-    driver, follower = (escapement.seen[f"{body}_inertia"] for body in ("driver", "follower"))
+    driver, follower = (escapement.referred[f"{body}_inertia"] for body in ("driver", "follower"))
     taken = motion.trajectory.load_work
-    # a blow at the very start is part of the motion, which begins in front of it
+    # an impact at the very start is part of the motion, which begins in front of it
     first = ends if taken is None else motion.within(0, [0.0])
     one, two = (
         (driver * state.theta_dot**2 + follower * state.phi_dot**2) / 2.0 for state in (first, ends)
@@ -125,7 +125,7 @@ def ledger_of(motion: Any, progress: Callable[[int, int, int], None] | None = No
     energies = np.array([one[0], two[1]])
     work = escapement.drive_work(ends.theta[1] - ends.theta[0])
     jumps = blows = 0.0
-    if len(escapement.meetings) > 1:
+    if len(escapement.pairs) > 1:
         # a handoff at the end of the motion does not count, unless the motion stops after it
         last = motion.trajectory.around(np.array([motion.end_time])).engagement[-1]
         passed = motion.handoffs.engagement <= last

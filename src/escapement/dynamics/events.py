@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from escapement.dynamics.law import left_by_blow
+from escapement.dynamics.law import left_by_impact
 from escapement.dynamics.trajectory import Events, Handoffs, NoTrajectory
 from escapement.mechanisms.protocol import FloatArray
 from escapement.mechanisms.slotted import slide_change, transmission_at
@@ -16,36 +16,36 @@ from escapement.model.escapement import Escapement
 
 def handoffs_of(escapement: Escapement, time: FloatArray, speed: FloatArray) -> Handoffs:
     """The handoffs at times [s], after which the driver has these speeds [rad/s]."""
-    meetings, own = escapement.meetings, escapement.without_trains.inertia
+    pairs, inertia = escapement.pairs, escapement.without_trains.inertia
     engagement = np.arange(1, speed.size + 1)
     # a column for each quantity that does not depend on the speed, of each engagement in turn
     rows = []
-    for meeting, scene in zip(meetings, escapement.scenes, strict=True):
+    for pair, scene in zip(pairs, escapement.scenes, strict=True):
         start = float(scene.edges[0])
-        strikes = meeting.kind == "strike"
-        left = left_by_blow(scene) if strikes else 1.0
+        strikes = pair.kind == "strike"
+        left = left_by_impact(scene) if strikes else 1.0
         ratio = transmission_at(scene.path, start)[0] if strikes else 0.0
-        rows.append((start + meeting.late, left, ratio, meeting.jump, meeting.radius))
-    start, left, ratio, jump, radius = np.array(rows).T[:, engagement % len(meetings)]
+        rows.append((start + pair.delay, left, ratio, pair.jump, pair.radius))
+    start, left, ratio, jump, radius = np.array(rows).T[:, engagement % len(pairs)]
     before = speed / left
-    lost = own.driver * before**2 - (own.driver + own.follower * ratio**2) * speed**2
+    lost = inertia.driver * before**2 - (inertia.driver + inertia.follower * ratio**2) * speed**2
     crank = escapement.mechanism.crank_radius or np.nan
     return Handoffs(
         engagement,
         time,
         engagement * escapement.mechanism.cell_angle + start,
         speed,
-        kind=np.array([meeting.kind for meeting in meetings])[engagement % len(meetings)],
+        kind=np.array([pair.kind for pair in pairs])[engagement % len(pairs)],
         speed_before=before,
-        impulse=own.follower * ratio * speed,
+        impulse=inertia.follower * ratio * speed,
         energy=np.where(left < 1.0, 0.5 * lost, 0.0),
         jump=jump,
         clearance_needed=np.where(jump > 0.0, crank * radius * jump, 0.0),
     )
 
 
-def blows_among(found: Handoffs) -> Handoffs:
-    """The handoffs with a blow."""
+def impacts_among(found: Handoffs) -> Handoffs:
+    """The handoffs with an impact."""
     struck = found.kind == "strike"
     return Handoffs(*(getattr(found, field.name)[struck] for field in fields(Handoffs)))
 
@@ -61,16 +61,16 @@ def slide_changes_of(motion: Any) -> Events:
     start = trajectory.start[pieces]
     found = motion.within(pieces, start)
     engagement, side = trajectory.engagement[pieces], trajectory.sign[pieces]
-    which, late = engagement % len(scenes), np.array([m.late for m in motion.escapement.meetings])
-    angle = found.theta - engagement * motion.escapement.mechanism.cell_angle - late[which]
-    places = [
+    which, delays = engagement % len(scenes), np.array([m.delay for m in motion.escapement.pairs])
+    angle = found.theta - engagement * motion.escapement.mechanism.cell_angle - delays[which]
+    changes = [
         {s: slide_change(x.path, x.pin, s, x.edges[0], x.edges[-1]) for s in (1.0, -1.0)}
         for x in scenes
     ]
     rows = zip(angle, side, which, strict=True)
-    here = [abs(x - places[k].get(s, np.nan)) < 1e-9 for x, s, k in rows]
+    here = [abs(x - changes[k].get(s, np.nan)) < 1e-9 for x, s, k in rows]
     # at a reversal the other wall takes over, and the contact point changes, unless both are one
-    both = [abs(places[k].get(1.0, np.nan) - places[k].get(-1.0, np.nan)) < 1e-9 for k in which]
+    both = [abs(changes[k].get(1.0, np.nan) - changes[k].get(-1.0, np.nan)) < 1e-9 for k in which]
     kept = np.array(here) & ((side == trajectory.sign[pieces - 1]) | np.array(both))
     columns = engagement, start, found.theta, found.theta_dot
     return Events(*(column[kept] for column in columns))

@@ -16,7 +16,7 @@ from escapement.base.status import MESSAGES, Status
 from escapement.base.text import Shown
 from escapement.base.units import printed
 from escapement.dynamics.energy_balance import Judged, JudgedResult
-from escapement.dynamics.merit_table import FIGURES
+from escapement.dynamics.figure_table import FIGURES
 from escapement.dynamics.motion import Motion
 from escapement.dynamics.trajectory import Extrema
 from escapement.mechanisms.protocol import FloatArray
@@ -40,9 +40,9 @@ _NEAREST = 1e-9
 """The search for a peak begins this close to the ends of a piece, relative to its length."""
 
 
-def _peak(place: int, meaning: str) -> cached_property[float]:
+def _peak(index: int, meaning: str) -> cached_property[float]:
     """A figure that is a peak value of the terminal engagement."""
-    peak = cached_property(lambda figures: float(figures._peaks[place]))
+    peak = cached_property(lambda figures: float(figures._peaks[index]))
     peak.__doc__ = meaning
     return peak
 
@@ -75,7 +75,7 @@ class Figures(JudgedResult, Shown):
         over the engagements after which pins and slots meet again.
     rise_time : first velocity extremum within 2 % of its terminal value [s]. It jumps, by
         half an engagement or so, where a change of the design brings an earlier extremum
-        into the band or takes one out. A blow that takes less than 1e-4 of the speed is no
+        into the band or takes one out. An impact that takes less than 1e-4 of the speed is no
         extremum.
     settling_time : first extremum after which every engagement's extremes are within 1 % [s]; it
         jumps in the same way.
@@ -183,8 +183,8 @@ class Figures(JudgedResult, Shown):
         """Pin reversals, from dead centre [rad]."""
         if self.motion is None:
             return ()
-        turned, cell = self.motion.reversals, self.motion.escapement.mechanism.cell_angle
-        return tuple((turned.theta - turned.engagement * cell).tolist())
+        reversals, cell = self.motion.reversals, self.motion.escapement.mechanism.cell_angle
+        return tuple((reversals.theta - reversals.engagement * cell).tolist())
 
     @property
     def last_reversal_angle(self) -> float:
@@ -269,7 +269,7 @@ def read_transient(motion: Motion, figures: Figures) -> tuple[float, float]:
     """
     extrema = motion.extrema
     terminal = np.where(extrema.maximum, figures.velocity_max, figures.velocity_min)
-    extremes, size = _extremes(extrema), len(motion.escapement.meetings)
+    extremes, size = _extremes(extrema), len(motion.escapement.pairs)
     if size > 1:
         # each engagement of a pattern converges to its own extremes, those of the last round
         kinds = np.array([extrema.engagement % size, extrema.maximum])
@@ -373,7 +373,7 @@ def _vertex(values: np.ndarray) -> float:
     top = float(values.max())
     if values.size < 3:
         return top
-    bend = 2.0 * values[1] - values[0] - values[2]
+    curvature = 2.0 * values[1] - values[0] - values[2]
     rise = values[2] - values[0]
-    # rise^2 / (8 bend), but the square of a great force would overflow
-    return top + float(rise * (rise / (8.0 * bend))) if bend > 0.0 else top
+    # rise^2 / (8 curvature), but the square of a great force would overflow
+    return top + float(rise * (rise / (8.0 * curvature))) if curvature > 0.0 else top

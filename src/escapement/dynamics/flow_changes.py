@@ -13,7 +13,7 @@ from escapement.dynamics.trajectory import Events
 from escapement.mechanisms.protocol import FloatArray
 
 _SAMPLES = 129
-"""Places of a piece at which the torque in a train is evaluated."""
+"""Times in a piece at which the torque in a train is evaluated."""
 _ROUNDING = 1e-9
 
 
@@ -34,7 +34,7 @@ def flow_changes_of(motion: Any) -> FlowChanges:
     The torque is T - I_b theta_ddot for a barrel and M + I_l phi_ddot for a load train, with
     numbers referred to driver and follower. If a sign changes from one piece of the motion to the
     next, as at a pin reversal, the change is at the boundary. Two changes between neighbouring
-    places of 129 in a piece are missed.
+    times of 129 in a piece are missed.
     """
     found = sorted(row for train in motion.escapement.trains for row in _changes(motion, train))
     columns = [np.array(column) for column in zip(*found, strict=True)] or [np.empty(0)] * 6
@@ -61,11 +61,11 @@ def _changes(motion: Any, train: str) -> Iterator[tuple[float, int, float, float
             if values[i] * before < 0.0:
                 time = start
                 if last >= 0:
-                    own = motion, piece, train
-                    time = brentq(_at, times[last], times[i], args=own, xtol=1e-300)
+                    inputs = motion, piece, train
+                    time = brentq(_at, times[last], times[i], args=inputs, xtol=1e-300)
                 state = motion.within(np.array([piece]), np.array([time]))
-                place = float(state.theta[0]), float(state.theta_dot[0])
-                yield time, int(trajectory.engagement[piece]), *place, train, bool(values[i] > 0.0)
+                pose = float(state.theta[0]), float(state.theta_dot[0])
+                yield time, int(trajectory.engagement[piece]), *pose, train, bool(values[i] > 0.0)
             before, last = float(values[i]), i
 
 
@@ -75,15 +75,20 @@ def _passed(motion: Any, piece: int, times: FloatArray, train: str) -> FloatArra
     It is positive where power flows on towards the load.
     """
     state = motion.within(np.full(times.size, piece), times)
-    seen, own = motion.escapement.seen, motion.escapement.trains[train]
+    referred, train_inertia = motion.escapement.referred, motion.escapement.trains[train]
     if train == "load_train":
         # at a handoff rounding decides the sign of the follower's speed
-        way = np.where(state.phi_dot < -_ROUNDING * np.abs(state.theta_dot), -1.0, 1.0)
-        return np.asarray(seen["load_torque"] + way * own.inertia * own.ratio**2 * state.phi_ddot)
-    curve, turned = motion.escapement.curve, state.theta - motion.at(0.0).theta
-    torque = seen["torque"] if curve is None else curve(turned)
-    way = np.where(state.theta_dot < 0.0, -1.0, 1.0)
-    return np.asarray(way * (torque - own.inertia / own.ratio**2 * state.theta_ddot))
+        sense = np.where(state.phi_dot < -_ROUNDING * np.abs(state.theta_dot), -1.0, 1.0)
+        return np.asarray(
+            referred["load_torque"]
+            + sense * train_inertia.inertia * train_inertia.ratio**2 * state.phi_ddot
+        )
+    curve, driver_angle = motion.escapement.curve, state.theta - motion.at(0.0).theta
+    torque = referred["torque"] if curve is None else curve(driver_angle)
+    sense = np.where(state.theta_dot < 0.0, -1.0, 1.0)
+    return np.asarray(
+        sense * (torque - train_inertia.inertia / train_inertia.ratio**2 * state.theta_ddot)
+    )
 
 
 def _at(time: float, motion: Any, piece: int, train: str) -> float:

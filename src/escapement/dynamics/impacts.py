@@ -15,7 +15,7 @@ from escapement.mechanisms.protocol import FloatArray
 
 _NEARLY_DEAD = 0.01
 """A driver slower than this share of its mean speed has nearly stopped [-]."""
-_ONE_PLACE = 0.01
+_SAME_ANGLE = 0.01
 """Stops this close together [rad] are one jam, in which the driver trembles."""
 _SAMPLES = 4000
 """Times in an engagement at which jams are searched for; a jam lasts much longer than a step."""
@@ -23,14 +23,14 @@ _SAMPLES = 4000
 
 @dataclass(frozen=True, repr=False)
 class ContactSummary(Shown):
-    """Peak force, bounces and blows of a motion, from `contact_summary`.
+    """Peak force, bounces and impacts of a motion, from `contact_summary`.
 
     force_max, force_max_time : greatest contact force [N], and when it acts [s].
     bounces : number of times, in each engagement, that a pin returns to the wall that it left,
         without touching the other one in between.
-    impulses : impulse of each blow [N s], the greatest first.
-    edges, counts : how many blows have an impulse between neighbouring edges [N s].
-    energy : energy lost in all blows [J].
+    impulses : impulse of each impact [N s], the greatest first.
+    edges, counts : how many impacts have an impulse between neighbouring edges [N s].
+    energy : energy lost in all impacts [J].
     """
 
     _units: ClassVar[dict[str, str]] = {
@@ -48,7 +48,7 @@ class ContactSummary(Shown):
 
 
 def contact_summary(motion: Motion, intervals: int = 20) -> ContactSummary:
-    """Peak force, bounces and the spectrum of the blows of a motion with clearance or stiffness.
+    """Peak force, bounces and the spectrum of the impacts of a motion with clearance or stiffness.
 
     The force over time is `motion.at(t).contact_force`, of any times.
 
@@ -75,7 +75,7 @@ def contact_summary(motion: Motion, intervals: int = 20) -> ContactSummary:
         when = float(motion.t[int(force.argmax())])
     hardest = motion.trajectory.hardest
     if hardest is not None and force.size:
-        # a blow is shorter than the times of a motion lie apart
+        # an impact is shorter than the times of a motion lie apart
         top, when = hardest
     struck = found.wall != 0.0
     wall, engagement = found.wall[struck], found.engagement[struck]
@@ -137,13 +137,13 @@ def jams(motion: Motion) -> Jams:
     edges = np.diff(np.concatenate([[False], slow, [False]]).astype(int))
     # the first time of each stretch, and the last one
     starts, ends = np.flatnonzero(edges == 1), np.flatnonzero(edges == -1) - 1
-    place = state.theta
+    reached = state.theta
     if starts.size:
-        apart = place[starts[1:]] - place[ends[:-1]] > _ONE_PLACE
+        apart = reached[starts[1:]] - reached[ends[:-1]] > _SAME_ANGLE
         starts, ends = starts[np.append(True, apart)], ends[np.append(apart, True)]
         kept = starts > 0
         starts, ends = starts[kept], ends[kept]
-    turned = state.theta[starts] - motion.escapement.mechanism.breaks[0]
-    engagement = np.floor(turned / cell + 1e-12).astype(int)
+    driver_angle = state.theta[starts] - motion.escapement.mechanism.breaks[0]
+    engagement = np.floor(driver_angle / cell + 1e-12).astype(int)
     angle = state.theta[starts] - engagement * cell
     return Jams(engagement, times[starts], times[ends] - times[starts], angle)

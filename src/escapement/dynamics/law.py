@@ -45,7 +45,7 @@ J_s = rho + g p vanishes.
 
 import numpy as np
 
-from escapement.dynamics.torque import REST, gap_of_places, is_undriven
+from escapement.dynamics.torque import REST, is_undriven, same_angle_gap
 from escapement.mechanisms.path import OFFSET, PIN_RATE, Path
 from escapement.mechanisms.slotted import pose_at
 from escapement.model.scene import Scene
@@ -62,8 +62,8 @@ _SMALL, _BEHIND = 1e-6, 1e-7
 # Where a mesh stops, g and g' of a table are rounding errors below this.
 _TABLE_ROUNDING = 1e-9
 
-SLIGHTEST_BLOW = 1e-4
-"""A blow that takes a smaller share of the speed is no extremum of it [-]."""
+SLIGHTEST_IMPACT = 1e-4
+"""An impact that takes a smaller share of the speed is no extremum of it [-]."""
 
 
 @inner_jit(allocates=True, inlined=True)
@@ -121,36 +121,36 @@ def slide_at(g, u, radius, side, scene):
 
 
 @inner_jit
-def grip(g, u, radius, side, scene, way=0.0, turn=0.0):
+def grip(g, u, radius, side, scene, slide_sign=0.0, ratio_sign=0.0):
     """Sliding speed |v| per driver radian, and lever h of the contact force.
 
-    `way` and `turn` are the signs of v and g, if they are known; see `sign_of`.
+    `slide_sign` and `ratio_sign` are the signs of v and g, if they are known; see `sign_of`.
     """
     if is_ideal(scene):
-        return sign_of(u, way) * radius * u, radius
+        return sign_of(u, slide_sign) * radius * u, radius
     slide = slide_at(g, u, radius, side, scene)
-    way, turn = sign_of(slide, way), sign_of(g, turn)
+    slide_sign, ratio_sign = sign_of(slide, slide_sign), sign_of(g, ratio_sign)
     arm = scene.pin + side * scene.path.numbers[OFFSET]
-    lever = radius - side * signed_loss(side, scene) * way * arm
-    return way * slide, lever - side * turn * scene.follower_journal
+    lever = radius - side * signed_loss(side, scene) * slide_sign * arm
+    return slide_sign * slide, lever - side * ratio_sign * scene.follower_journal
 
 
 @inner_jit
-def bend(g, u, radius, side, scene, way=0.0, turn=0.0):
+def friction_ratio(g, u, radius, side, scene, slide_sign=0.0, ratio_sign=0.0):
     """What friction adds to the effective ratio, c = p - g; signs are as in `grip`."""
     friction = signed_loss(side, scene)
     # in a dwell u and R are given as zero
     if is_ideal(scene) or radius == 0.0:
-        return friction * sign_of(u, way) * u
-    slide, lever = grip(g, u, radius, side, scene, way, turn)
-    lost = scene.driver_journal + scene.follower_journal * sign_of(g, turn) * g
+        return friction * sign_of(u, slide_sign) * u
+    slide, lever = grip(g, u, radius, side, scene, slide_sign, ratio_sign)
+    lost = scene.driver_journal + scene.follower_journal * sign_of(g, ratio_sign) * g
     return (friction * slide + side * lost) / lever
 
 
 @where_known("follower_drag", lambda g, dg, scene, turn=0.0: dg)
-def dragged_slope(g, dg, scene, turn=0.0):
+def dragged_slope(g, dg, scene, ratio_sign=0.0):
     """k = g' + c_f g |g|."""
-    return dg + scene.follower_drag * (g * sign_of(g, turn) * g)
+    return dg + scene.follower_drag * (g * sign_of(g, ratio_sign) * g)
 
 
 @inner_jit
@@ -207,12 +207,12 @@ def free_gain(angle, pull, w, scene):
 
 
 @jit
-def left_by_blow(scene):
+def left_by_impact(scene):
     """Share of the driver's speed that is left where a pin strikes a follower at rest.
 
-    The blow is plastic, on the side s = +1, with friction: the follower takes the angular impulse
+    The impact is plastic, on the side s = +1, with friction: the follower takes the angular impulse
     P = I_d I_f g theta_dot/(I_d + I_f g p), and the driver loses p P. The pin strikes where the
-    engagement begins; after the blow the follower has the speed that the pin prescribes there.
+    engagement begins; after the impact the follower has the speed that the pin prescribes there.
     """
     g, c, _k = bent_pose(scene.edges[0], 1.0, scene)
     return scene.rho / reduced_inertia(g, c, scene)
@@ -220,12 +220,12 @@ def left_by_blow(scene):
 
 @jit
 def is_felt(share):
-    """Whether a blow that leaves this share of the speed counts as an extremum of the speed.
+    """Whether an impact that leaves this share of the speed counts as an extremum of the speed.
 
     A slighter one comes of errors of the parts far below what can be made, some 1e-11 of a length,
     and passes smoothly to the handoff of perfect parts, which has none.
     """
-    return share < 1.0 - SLIGHTEST_BLOW
+    return share < 1.0 - SLIGHTEST_IMPACT
 
 
 @inner_jit
@@ -274,15 +274,17 @@ def energy_rates(g, c, k, pull, inverse_inertia, dtheta_dx, root, scene):
 
 
 @inner_jit
-def losses_per_angle(g, u, radius, k, pull, w, side, scene, way=0.0, turn=0.0):
+def losses_per_angle(g, u, radius, k, pull, w, side, scene, slide_sign=0.0, ratio_sign=0.0):
     """Contact force N, and the work lost per driver angle in each of `LOSSES` but the trains."""
-    ratio = sign_of(g, turn) * g
+    ratio = sign_of(g, ratio_sign) * g
     root = np.sqrt(max(w, 0.0))
     force = slot = at_driver = at_follower = 0.0
     if radius > 0.0:
-        slide, lever = grip(g, u, radius, side, scene, way, turn)
+        slide, lever = grip(g, u, radius, side, scene, slide_sign, ratio_sign)
         moment = contact(g, k, pull, w, root_of(w, scene), scene)
-        moment /= reduced_inertia(g, bend(g, u, radius, side, scene, way, turn), scene)
+        moment /= reduced_inertia(
+            g, friction_ratio(g, u, radius, side, scene, slide_sign, ratio_sign), scene
+        )
         force = moment / lever
         # with the given sign of N they stay smooth if a trial step of a solver passes a reversal
         slot = signed_loss(side, scene) * slide * force
@@ -325,7 +327,7 @@ def side_at(theta, g, k, pull, slope, w, before, scene):
         g, _u, dg, _radius = pose_at(scene.path, theta + _BEHIND)
         k, w = dragged_slope(g, dg, scene), max(w + free_gain(_BEHIND, pull, w, scene), 0.0)
         behind = contact(g, k, pull + slope * _BEHIND, w, root_of(w, scene), scene)
-        value = settled(value, behind, _BEHIND, gap_of_places(scene))
+        value = settled(value, behind, _BEHIND, same_angle_gap(scene))
         if value == 0.0:
             value = behind
         if scene.path.table and max(abs(value), abs(behind)) <= _TABLE_ROUNDING * size:
@@ -334,12 +336,12 @@ def side_at(theta, g, k, pull, slope, w, before, scene):
 
 
 @inner_jit
-def settled(value, other, way, gap):
-    """A value at a place, or 0 where it has another sign closer to it than `gap` [rad].
+def settled(value, other, distance, gap):
+    """A value at an angle, or 0 where it has another sign closer to it than `gap` [rad].
 
-    `other` is the value at the distance `way` [rad], and has the sign that counts then.
+    `other` is the value at the distance `distance` [rad], and has the sign that counts then.
     """
-    near = abs(value) * way <= gap * abs(other - value)
+    near = abs(value) * distance <= gap * abs(other - value)
     return 0.0 if near and value * other <= 0.0 else value
 
 
@@ -349,7 +351,7 @@ def bent_pose(theta, side, scene):
     if side == 0.0:
         return 0.0, 0.0, 0.0
     g, u, dg, radius = pose_at(scene.path, theta)
-    return g, bend(g, u, radius, side, scene), dragged_slope(g, dg, scene)
+    return g, friction_ratio(g, u, radius, side, scene), dragged_slope(g, dg, scene)
 
 
 @jit

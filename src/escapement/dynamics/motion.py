@@ -20,11 +20,11 @@ from escapement.base.status import Status
 from escapement.base.text import Shown
 from escapement.base.validate import fail
 from escapement.dynamics.energy_balance import Judged, JudgedResult, Ledger, ledger_of
-from escapement.dynamics.events import blows_among, handoffs_of, slide_changes_of
+from escapement.dynamics.events import handoffs_of, impacts_among, slide_changes_of
 from escapement.dynamics.flow_changes import FlowChanges, flow_changes_of
 from escapement.dynamics.law import LOSSES
 from escapement.dynamics.painleve import painleve_message
-from escapement.dynamics.tables import tabulate, tabulate_losses
+from escapement.dynamics.state_table import tabulate, tabulate_losses
 from escapement.dynamics.trajectory import (
     Events,
     Extrema,
@@ -73,9 +73,9 @@ class State(Shown):
 def stall_message(angle: float, engagement: int, status: Status = Status.STALL) -> str:
     """Message of a motion that stops at `angle` [rad] of an engagement, counted from 0."""
     spent = status is Status.SPENT
-    place = f"{np.degrees(angle):.3f} degrees from dead centre of engagement {engagement + 1}"
+    where = f"{np.degrees(angle):.3f} degrees from dead centre of engagement {engagement + 1}"
     reason = "the spring is spent" if spent else "the drive cannot carry the load and losses"
-    return f"the mechanism {'stops' if spent else 'stalls'} {place}: {reason}"
+    return f"the mechanism {'stops' if spent else 'stalls'} {where}: {reason}"
 
 
 def _on_grid(name: str, meaning: str) -> cached_property[FloatArray]:
@@ -101,7 +101,7 @@ class Motion(JudgedResult, Shown):
     end_time : float
         Length of the motion [s].
     handoff_times, handoff_velocities : ndarray, shape (engagements,)
-        End of each completed engagement [s] and the driver speed there [rad/s], after the blow if
+        End of each completed engagement [s] and the driver speed there [rad/s], after the impact if
         there is one.
     status, message : Status, str
         How it ended, and the reason in a sentence. It is NOT_CONVERGED where the energy balance
@@ -146,14 +146,14 @@ class Motion(JudgedResult, Shown):
 
     @cached_property
     def handoffs(self) -> Handoffs:
-        """Every handoff: its kind, its blow, and the clearance that it needs."""
+        """Every handoff: its kind, its impact, and the clearance that it needs."""
         return handoffs_of(self.escapement, self.handoff_times, self.handoff_velocities)
 
     @property
     def impacts(self) -> Handoffs | Impacts:
-        """Every blow: with clearance those between pin and slot, otherwise those of handoffs."""
-        own = self.trajectory.impacts
-        return blows_among(self.handoffs) if own is None else own
+        """Every impact: with clearance those between pin and slot, otherwise those of handoffs."""
+        computed = self.trajectory.impacts
+        return impacts_among(self.handoffs) if computed is None else computed
 
     @cached_property
     def slide_changes(self) -> Events:
@@ -232,34 +232,34 @@ class Motion(JudgedResult, Shown):
         if np.isnan(speed).any():
             self.judge_by(np.nan)
         engagement, sign = trajectory.engagement[owners], trajectory.sign[owners]
-        turned = escapement.turned_before(engagement) + np.zeros(theta.size)
+        driver_angle = escapement.driver_angle_before(engagement) + np.zeros(theta.size)
         # the sense from the nearer end of the piece into it
         since, until = np.append(trajectory.start, self.end_time)[[owners, owners + 1]]
-        ahead = np.where(flat - since <= until - flat, 1.0, -1.0)
+        inward = np.where(flat - since <= until - flat, 1.0, -1.0)
         g, dg, rate, moment, _x = table = np.zeros((5, theta.size))
         losses = np.zeros((1 + len(LOSSES), theta.size))
-        phi, late = engagement * mechanism.follower_step, np.zeros(theta.size)
-        for k, meeting in enumerate(escapement.meetings):
-            here, scene = engagement % len(escapement.meetings) == k, escapement.scenes[k]
-            late[here] = meeting.late
-            turned[here] += theta[here] - scene.edges[0]
+        phi, delay = engagement * mechanism.follower_step, np.zeros(theta.size)
+        for k, pair in enumerate(escapement.pairs):
+            here, scene = engagement % len(escapement.pairs) == k, escapement.scenes[k]
+            delay[here] = pair.delay
+            driver_angle[here] += theta[here] - scene.edges[0]
             engaged = np.where(sign[here] == 0.0, scene.edges[-1], theta[here])
-            phi[here] += meeting.turned(engaged)
+            phi[here] += pair.follower_angle(engaged)
             for side in (1.0, 0.0, -1.0):
                 held = here & (sign == side)
                 angles, w = theta[held], (speed[held] * clock) ** 2
                 part = np.empty((len(table), angles.size))
                 lost = np.empty((len(losses), angles.size))
-                places = (scene, angles, ahead[held], turned[held], w, side)
-                tabulate(*places, part)
-                tabulate_losses(*places, lost)
+                inputs = (scene, angles, inward[held], driver_angle[held], w, side)
+                tabulate(*inputs, part)
+                tabulate_losses(*inputs, lost)
                 table[:, held], losses[:, held] = part, lost
         moment *= escapement.torque_unit
         rate /= clock**2
         losses *= escapement.torque_unit
         crank = mechanism.crank_radius
         columns: dict[str, FloatArray | None] = {
-            "theta": theta + engagement * mechanism.cell_angle + late,
+            "theta": theta + engagement * mechanism.cell_angle + delay,
             "theta_dot": speed,
             "theta_ddot": rate,
             "phi": phi,
@@ -290,7 +290,7 @@ class Motion(JudgedResult, Shown):
 
         The exact times of handoffs, reversals and extrema of the driver speed are among
         them, so that the samples show every peak of `theta_dot` in full, and the start of
-        every piece; of blows with clearance the last instant before them too.
+        every piece; of impacts with clearance the last instant before them too.
         """
         parts = [self._grid() if part is self else part.t for part in self.parts()]
         return parts[0] if len(parts) == 1 else np.unique(np.concatenate(parts))
@@ -301,9 +301,9 @@ class Motion(JudgedResult, Shown):
         ends = np.concatenate([starts[:1], self.handoff_times, [self.end_time]])
         even = np.linspace(ends[:-1], ends[1:], _SAMPLES, endpoint=False).reshape(-1)
         times = np.concatenate([even, starts, self.reversals.time, peaks, ends[-1:]])
-        if (blows := self.trajectory.impacts) is not None:
+        if (impacts := self.trajectory.impacts) is not None:
             # the states on both sides of a jump
-            times = np.concatenate([times, np.nextafter(blows.time, 0.0)])
+            times = np.concatenate([times, np.nextafter(impacts.time, 0.0)])
         return np.unique(np.minimum(times, self.end_time)) if self.end_time > 0.0 else np.empty(0)
 
     def parts(self) -> "Iterator[Motion]":

@@ -73,7 +73,7 @@ def known_scene(scene: Scene, kind: Kind) -> Scene:
     """A scene with `Known` numbers where a kind does without them."""
     if kind == Kind.WHOLE:
         return scene
-    return scene._replace(torque=CONSTANT, turned=0.0, **_KNOWN[kind])
+    return scene._replace(torque=CONSTANT, driver_angle=0.0, **_KNOWN[kind])
 
 
 def plain_scene(scene: Scene, kind: Kind) -> tuple[Any, ...]:

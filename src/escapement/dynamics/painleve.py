@@ -82,15 +82,15 @@ def painleve_limit(path, rho, entry, exit_):
             continue
         turn = np.arcsin(np.sqrt(x)) / abs(c[HALF_RATE])
         for theta in (-turn, turn):
-            place = min(max(theta, entry), exit_)
+            nearest = min(max(theta, entry), exit_)
             # the angle lies outside the engagement by more than rounding
-            if abs(place - theta) > 1e-15 * abs(theta):
+            if abs(nearest - theta) > 1e-15 * abs(theta):
                 continue
             # |u| comes from the circle: with a light driver the minimum lies so close to the
             # exit that no double for the angle gives g to enough digits
             ratio = (rho + g * g) / (abs(g) * np.sqrt((g1 - g) * (g - g2)))
             if ratio < limit:
-                limit, angle = ratio, place
+                limit, angle = ratio, nearest
     return limit, angle
 
 
@@ -125,13 +125,14 @@ def nearness(moment, slope, journal):
 
 
 @inner_jit
-def _nearness_at(theta, way, scene):
-    """`nearness` of the friction at which `margin` vanishes at an angle; `way` is the sign of v."""
+def _nearness_at(theta, slide_sign, scene):
+    """`nearness` of the friction at which `margin` vanishes at an angle; `slide_sign` is the sign
+    of v."""
     g, u, _dg, radius = pose_at(scene.path, theta)
     inertia, ratio, share = scene.rho + g * g, abs(g), np.hypot(1.0, scene.mu_minus)
     driver, follower = scene.driver_journal / share, scene.follower_journal / share
-    slide = way * slide_at(g, u, radius, -1.0, scene)
-    slope = ratio * slide + inertia * way * (scene.pin - scene.path.numbers[OFFSET])
+    slide = slide_sign * slide_at(g, u, radius, -1.0, scene)
+    slope = ratio * slide + inertia * slide_sign * (scene.pin - scene.path.numbers[OFFSET])
     journal = ratio * (driver + ratio * follower) - inertia * sign_of(g) * follower
     return nearness(inertia * radius, slope, journal)
 
@@ -143,19 +144,19 @@ def _nearest(low, high, scene):
     There it has one maximum, inside or at an end, which golden section finds.
     """
     g, u, _dg, radius = pose_at(scene.path, 0.5 * (low + high))
-    way = np.copysign(1.0, slide_at(g, u, radius, -1.0, scene))
+    slide_sign = np.copysign(1.0, slide_at(g, u, radius, -1.0, scene))
     a, b = low, high
     x, y = b - GOLDEN * (b - a), a + GOLDEN * (b - a)
-    at_x, at_y = _nearness_at(x, way, scene), _nearness_at(y, way, scene)
+    at_x, at_y = _nearness_at(x, slide_sign, scene), _nearness_at(y, slide_sign, scene)
     while b - a > 1e-12:
         if at_x > at_y:
             b, y, at_y = y, x, at_x
             x = b - GOLDEN * (b - a)
-            at_x = _nearness_at(x, way, scene)
+            at_x = _nearness_at(x, slide_sign, scene)
         else:
             a, x, at_x = x, y, at_y
             y = a + GOLDEN * (b - a)
-            at_y = _nearness_at(y, way, scene)
+            at_y = _nearness_at(y, slide_sign, scene)
     return max(at_x, at_y), 0.5 * (a + b)
 
 
@@ -173,9 +174,9 @@ def friction_limit(scene, low, high):
         change = high
     most, angle = _nearest(low, change, scene)
     if change < high:
-        behind, place = _nearest(change, high, scene)
+        behind, nearest = _nearest(change, high, scene)
         if behind > most:
-            most, angle = behind, place
+            most, angle = behind, nearest
     radius = min(pose_at(scene.path, 0.0)[3], pose_at(scene.path, exit_)[3])
     arm = scene.pin + abs(scene.path.numbers[OFFSET])
     lever = nearness(radius, arm, scene.follower_journal / np.hypot(1.0, scene.mu_minus))
@@ -196,11 +197,11 @@ def first_beyond(scene, low, high):
         left, right = low, _nearest(low, middle, scene)[1]
         if not margin(right, scene) > 0.0:
             while left < 0.5 * (left + right) < right:
-                place = 0.5 * (left + right)
-                if margin(place, scene) > 0.0:
-                    left = place
+                nearest = 0.5 * (left + right)
+                if margin(nearest, scene) > 0.0:
+                    left = nearest
                 else:
-                    right = place
+                    right = nearest
             return right
         low, middle = middle, high
     return np.nan if margin(high, scene) > 0.0 else high
@@ -381,5 +382,6 @@ def _uniqueness_note(escapement: Escapement) -> str | None:
         return None
     return (
         f"a second motion is possible, because friction {escapement.friction:g} is at "
-        f"or above the limit of uniqueness {limit:.6g}: a blow before dead centre could jam the pin"
+        f"or above the limit of uniqueness {limit:.6g}: an impact before dead centre could jam "
+        "the pin"
     )

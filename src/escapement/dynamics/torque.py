@@ -10,15 +10,15 @@ natural units the greatest torque is 1.
 
 import numpy as np
 
-from escapement.dynamics.scenes import scene_with
+from escapement.dynamics.altered_scenes import scene_with
 from escapement.numerics.jit import inner_jit, jit
 
 # Where nothing drives it a driver of this squared speed, in units of torque/I_f, is at rest.
 REST = 1e-6
-# Knots of the torque, and breaks or events as close to one [rad], are at one place.
+# Knots of the torque, and breaks or events as close to one [rad], are at one angle.
 KNOT_GAP = 1e-9
 # Without knots breaks and events so close together [rad] are.
-SAME_PLACE = 1e-12
+SAME_ANGLE = 1e-12
 
 
 @inner_jit
@@ -34,9 +34,9 @@ def is_constant(scene):
 
 
 @inner_jit
-def gap_of_places(scene):
-    """Distance up to which breaks and events are at one place [rad]."""
-    return SAME_PLACE if is_constant(scene) else KNOT_GAP
+def same_angle_gap(scene):
+    """Distance up to which breaks and events are at one angle [rad]."""
+    return SAME_ANGLE if is_constant(scene) else KNOT_GAP
 
 
 @inner_jit
@@ -46,25 +46,25 @@ def cell_of(scene):
 
 
 @inner_jit(inlined=True)
-def cell_after(turned, scene):
+def cell_after(driver_angle, scene):
     """The scene in the cell after a driver angle turned."""
-    return scene_with(scene, turned=turned)
+    return scene_with(scene, driver_angle=driver_angle)
 
 
 @inner_jit
-def _lap(turned, scene):
+def _lap(driver_angle, scene):
     """Angle at which the knots that repeat start again before an angle turned, or 0."""
     period = scene.torque[0]
-    return np.floor((turned - scene.torque[1]) / period) * period if period > 0.0 else 0.0
+    return np.floor((driver_angle - scene.torque[1]) / period) * period if period > 0.0 else 0.0
 
 
 @inner_jit
-def _first_behind(turned, scene):
+def _first_behind(driver_angle, scene):
     """Index of the first knot after an angle; the number of knots if there is none."""
     low, high = 0, knots_of(scene)
     while low < high:
         middle = (low + high) // 2
-        if scene.torque[1 + middle] <= turned:
+        if scene.torque[1 + middle] <= driver_angle:
             low = middle + 1
         else:
             high = middle
@@ -72,25 +72,26 @@ def _first_behind(turned, scene):
 
 
 @jit
-def torque_after(turned, scene):
+def torque_after(driver_angle, scene):
     """Torque after an angle turned since the start, and its slope by the angle."""
     if is_constant(scene):
         return scene.gain * scene.torque[2], 0.0
     count = knots_of(scene)
-    turned -= _lap(turned, scene)
-    k = _first_behind(turned, scene)
+    driver_angle -= _lap(driver_angle, scene)
+    k = _first_behind(driver_angle, scene)
     if k == 0 or k == count:
         return scene.gain * scene.torque[1 + count + max(k - 1, 0)], 0.0
     angle, before = scene.torque[k], scene.torque[count + k]
     slope = (scene.torque[1 + count + k] - before) / (scene.torque[1 + k] - angle)
-    torque = before + slope * (turned - angle)
+    torque = before + slope * (driver_angle - angle)
     return scene.gain * torque, scene.gain * slope
 
 
 @inner_jit
 def torque_at(theta, scene):
-    """Torque at a driver angle of the cell after `scene.turned`, and its slope by the angle."""
-    return torque_after(scene.turned + (theta - scene.edges[0]), scene)
+    """Torque at a driver angle of the cell after `scene.driver_angle`, and its slope by the
+    angle."""
+    return torque_after(scene.driver_angle + (theta - scene.edges[0]), scene)
 
 
 @jit
@@ -98,14 +99,14 @@ def next_knot(theta, end, scene):
     """Driver angle of the first knot after `theta` in the cell, or the end if that is nearer."""
     if is_constant(scene):
         return end
-    start = scene.turned - scene.edges[0]
-    turned = start + theta + KNOT_GAP
-    lap = _lap(turned, scene)
-    k = _first_behind(turned - lap, scene)
+    start = scene.driver_angle - scene.edges[0]
+    driver_angle = start + theta + KNOT_GAP
+    lap = _lap(driver_angle, scene)
+    k = _first_behind(driver_angle - lap, scene)
     if k == knots_of(scene):
         return end
-    place = lap + scene.torque[1 + k] - start
-    return place if place < end - KNOT_GAP else end
+    knot = lap + scene.torque[1 + k] - start
+    return knot if knot < end - KNOT_GAP else end
 
 
 @inner_jit
@@ -113,17 +114,17 @@ def last_knot(theta, start, scene):
     """Driver angle of the last knot before `theta`, or the start if that is nearer."""
     if is_constant(scene):
         return start
-    shift = scene.turned - scene.edges[0]
-    turned = shift + theta - KNOT_GAP
-    lap = _lap(turned, scene)
-    k = _first_behind(turned - lap, scene)
-    place = lap + scene.torque[k] - shift
-    return place if k > 0 and place > start + KNOT_GAP else start
+    shift = scene.driver_angle - scene.edges[0]
+    driver_angle = shift + theta - KNOT_GAP
+    lap = _lap(driver_angle, scene)
+    k = _first_behind(driver_angle - lap, scene)
+    knot = lap + scene.torque[k] - shift
+    return knot if k > 0 and knot > start + KNOT_GAP else start
 
 
 @inner_jit
 def has_knot(scene):
-    """Whether a knot lies inside the cell after `scene.turned`."""
+    """Whether a knot lies inside the cell after `scene.driver_angle`."""
     end = scene.edges[-1] + scene.dwell
     return next_knot(scene.edges[0], end, scene) < end
 

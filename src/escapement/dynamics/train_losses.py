@@ -7,7 +7,7 @@ the follower, it receives eta_l z. With the factors e_b = eta or 1/eta, and e_l 
 eta_l, each combination is an escapement without trains, of driver inertia I_d + e_b I_b, torque
 e_b T, follower inertia I_f + e_l I_l and load e_l M: see `in_flow`. The combination that holds is
 the one whose q and z have the signs that it assumes. theta_ddot is the root of one function that
-is continuous, linear between the places where a sign changes, and increasing below the Painleve
+is continuous, linear between the points where a sign changes, and increasing below the Painleve
 limit of every combination; therefore exactly one combination holds, and theta_ddot does not jump
 where it changes.
 
@@ -17,8 +17,8 @@ Inertias and torques are referred to the driver and the follower, in natural uni
 
 import numpy as np
 
+from escapement.dynamics.altered_scenes import scene_with
 from escapement.dynamics.law import bent_pose, contact, net_torque, reduced_inertia, root_of
-from escapement.dynamics.scenes import scene_with
 from escapement.dynamics.torque import torque_at
 from escapement.numerics.jit import inner_jit, jit
 from escapement.numerics.known import as_given
@@ -152,23 +152,23 @@ def shared(efficiency, flow):
 
 
 @inner_jit
-def passed_on(own, far, torque, other, efficiency, way):
+def passed_on(near, far, torque, other, efficiency, sense):
     """Acceleration of a body that moves on its own with a train behind it, and the factor e.
 
     The far shaft passes on q = T - I theta_ddot, of which the body receives e q.
 
     Parameters
     ----------
-    own, far : inertia of the body, and that of the far shaft I, referred to the body.
+    near, far : inertia of the body, and that of the far shaft I, referred to the body.
     torque, other : T on the far shaft, referred to the body, and all torques on the body itself.
     efficiency : eta.
-    way : sign of the body's speed, or a number between -1 and 1 that stands for it near rest.
+    sense : sign of the body's speed, or a number between -1 and 1 that stands for it near rest.
     """
-    share = shared(efficiency, way)
-    rate = (share * torque + other) / (own + share * far)
+    share = shared(efficiency, sense)
+    rate = (share * torque + other) / (near + share * far)
     if torque - far * rate < 0.0:
-        share = shared(efficiency, -way)
-        rate = (share * torque + other) / (own + share * far)
+        share = shared(efficiency, -sense)
+        rate = (share * torque + other) / (near + share * far)
     return rate, share
 
 

@@ -44,9 +44,9 @@ class Handoffs(Events):
     """Handoffs from pin to pin; `theta_dot` is the driver speed with which the new pin begins.
 
     kind : "overlap", "pick-up" (the driver turned free before it) or "strike".
-    speed_before : driver speed before the blow [rad/s], elsewhere the same as `theta_dot`.
-    impulse : angular impulse of the blow on the follower [N m s], 0 where there is none.
-    energy : what both bodies lose in the blow [J], friction along the wall included.
+    speed_before : driver speed before the impact [rad/s], elsewhere the same as `theta_dot`.
+    impulse : angular impulse of the impact on the follower [N m s], 0 where there is none.
+    energy : what both bodies lose in the impact [J], friction along the wall included.
     jump : by how much the follower jumps ahead from one pin to the other [rad].
     clearance_needed : by how much the slot must be wider than the pin for that [m]; NaN
         without a length.
@@ -72,10 +72,10 @@ class Impacts(Events):
 
     wall : +1 the wall that pushes the follower forward, -1 the one that holds it back; 0 where
         the follower is stopped and locked after the exit of the pin.
-    speed_before : driver speed before the blow [rad/s].
+    speed_before : driver speed before the impact [rad/s].
     approach_speed : speed with which pin and wall approach each other [m/s].
     impulse : of the normal force [N s].
-    energy : what both bodies lose in the blow [J], friction along the wall included.
+    energy : what both bodies lose in the impact [J], friction along the wall included.
     """
 
     _units: ClassVar[dict[str, str]] = {

@@ -62,19 +62,19 @@ prefix of their names, and their columns."""
 _IMPACTS: Columns = {
     **_EVENTS,
     "wall": ("ratio", "wall of the slot that is struck", "<f8"),
-    "speed_before": ("speed", "driver velocity before each blow", "<f8"),
+    "speed_before": ("speed", "driver velocity before each impact", "<f8"),
     "approach_speed": ("slip", "speed of approach", "<f8"),
     "impulse": ("impulse", "impulse of the normal force", "<f8"),
-    "energy": ("energy", "energy lost in each blow", "<f8"),
+    "energy": ("energy", "energy lost in each impact", "<f8"),
 }
 ATTRIBUTES = {"engine": str, "rtol": float, "end_time": float, "message": str}
 """Attributes of a motion as a whole, besides its status, with their types."""
 
 
 def groups_of(motion: Any) -> tuple[tuple[str, str, Columns], ...]:
-    """`GROUPS`, and the blows if the motion has clearance."""
-    own = motion.trajectory.impacts is not None
-    return (*GROUPS, ("impacts", "impact_", _IMPACTS)) if own else GROUPS
+    """`GROUPS`, and the impacts if the motion has clearance."""
+    has_impacts = motion.trajectory.impacts is not None
+    return (*GROUPS, ("impacts", "impact_", _IMPACTS)) if has_impacts else GROUPS
 
 
 def attributes_of(key: str, column: tuple[str, str, str], units: str) -> dict[str, Any]:

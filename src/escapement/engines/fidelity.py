@@ -1,6 +1,6 @@
-"""One design computed with models from simple to detailed, called rungs, and their differences.
+"""One design computed with models from simple to detailed, and their differences.
 
-The rungs are the ideal mechanism, real losses, clearance with rigid impact, and compliant
+The models are the ideal mechanism, real losses, clearance with rigid impact, and compliant
 contact. Each includes more of the real mechanism and takes longer to compute.
 """
 
@@ -16,22 +16,22 @@ from escapement.base.status import Status
 from escapement.base.text import Shown
 from escapement.dynamics.figures_of_merit import Figures
 from escapement.engines.simulate import terminal
-from escapement.mechanisms.checks import IMPERFECT
+from escapement.mechanisms.wheel_checks import IMPERFECT
 from escapement.model.escapement import AIR, CONTACT, FRICTION, Escapement
 
 ENOUGH = 1e-3
-"""A rung is sufficient if its period differs by less than this share from that of the next."""
+"""A model is sufficient if its period differs by less than this share from that of the next."""
 _FIGURES = ("period", "velocity_max", "velocity_min", "contact_force_max")
 
 
 @dataclass(frozen=True, repr=False)
-class Rungs(Shown):
-    """The figures of a design on each rung.
+class Fidelity(Shown):
+    """The figures of a design with each model.
 
-    figures : the `Figures` of each rung, by its name: "ideal", "losses", "impact", "compliant";
+    figures : the `Figures` of each model, by its name: "ideal", "losses", "impact", "compliant";
         only those for which the design has numbers.
-    changes : relative change of each figure from the rung before, by rung and figure.
-    message : which rung is enough for the period, and why figures are missing.
+    changes : relative change of each figure from the model before, by model and figure.
+    message : which model is enough for the period, and why figures are missing.
     """
 
     figures: dict[str, Figures]
@@ -43,18 +43,18 @@ class Rungs(Shown):
         return [*rows, ("message", self.message, "")]
 
 
-def compare_rungs(escapement: Escapement) -> Rungs:
+def compare_fidelity(escapement: Escapement) -> Fidelity:
     """Compare a design with simpler models of it.
 
     Parameters
     ----------
     escapement : Escapement
         The design with all known numbers. Its clearance and its stiffness belong to the upper
-        rungs; its bearings, drags, pin radii and errors of parts belong to the second.
+        models; its bearings, drags, pin radii and errors of parts belong to the second.
 
     Returns
     -------
-    Rungs
+    Fidelity
 
     Raises
     ------
@@ -63,29 +63,29 @@ def compare_rungs(escapement: Escapement) -> Rungs:
     """
     if not isinstance(escapement, Escapement):
         raise validate.fail("escapement", "an Escapement", escapement, "see escapement.Escapement")
-    figures = {name: terminal(rung) for name, rung in _rungs(escapement).items()}
+    figures = {name: terminal(model) for name, model in _models(escapement).items()}
     changes: dict[str, dict[str, float]] = {}
     for before, name in pairwise(figures):
         low, high = figures[before], figures[name]
         changes[name] = {key: getattr(high, key) / getattr(low, key) - 1.0 for key in _FIGURES}
-    return Rungs(figures, changes, _advice(figures, changes))
+    return Fidelity(figures, changes, _advice(figures, changes))
 
 
-def _rungs(escapement: Escapement) -> dict[str, Escapement]:
-    """The design on each rung, the simplest first; a rung that changes nothing is left out."""
+def _models(escapement: Escapement) -> dict[str, Escapement]:
+    """The design with each model, the simplest first; a model that changes nothing is left out."""
     rigid = replace(escapement, **_defaults(CONTACT))
-    fitting = replace(rigid, mechanism=_without(rigid.mechanism, ("clearance",)))
+    without_clearance = replace(rigid, mechanism=_without(rigid.mechanism, ("clearance",)))
     # even the simplest model has the friction of the slot, or the efficiency of the mesh
-    kept = {name: fitting.settings[name] for name in ("friction", "efficiency")}
-    plain = replace(fitting, **_defaults(FRICTION, AIR) | kept)
+    kept = {name: without_clearance.settings[name] for name in ("friction", "efficiency")}
+    plain = replace(without_clearance, **_defaults(FRICTION, AIR) | kept)
     bare = ("pin_radius", "roller_radius", *IMPERFECT)
     ideal = replace(plain, mechanism=_without(plain.mechanism, bare))
     impact = replace(rigid, restitution=escapement.restitution)
-    every = {"ideal": ideal, "losses": fitting, "impact": impact, "compliant": escapement}
+    every = {"ideal": ideal, "losses": without_clearance, "impact": impact, "compliant": escapement}
     found: dict[str, Escapement] = {}
-    for name, rung in every.items():
-        if rung not in found.values() and (name != "impact" or rung.contact):
-            found[name] = rung
+    for name, model in every.items():
+        if model not in found.values() and (name != "impact" or model.contact):
+            found[name] = model
     return found
 
 
@@ -103,7 +103,7 @@ def _without(mechanism: Any, names: tuple[str, ...]) -> Any:
 
 
 def _advice(figures: dict[str, Figures], changes: dict[str, dict[str, float]]) -> str:
-    """Which rung is enough."""
+    """Which model is enough."""
     jammed = [name for name, found in figures.items() if found.status is not Status.OK]
     names = list(figures)
     enough = names[-1]
@@ -111,7 +111,7 @@ def _advice(figures: dict[str, Figures], changes: dict[str, dict[str, float]]) -
         if not abs(changes[name]["period"]) < ENOUGH:
             break
         enough = names[names.index(name) - 1]
-    told = f"{enough} is enough for the period within {100.0 * ENOUGH:g} %"
+    text = f"{enough} is enough for the period within {100.0 * ENOUGH:g} %"
     if jammed:
-        told += f"; there is no cycle on {', '.join(jammed)}: {figures[jammed[0]].message}"
-    return told
+        text += f"; there is no cycle on {', '.join(jammed)}: {figures[jammed[0]].message}"
+    return text

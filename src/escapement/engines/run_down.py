@@ -1,7 +1,7 @@
-"""The run-down of a timer: its turns, its rate and the place where it stops.
+"""The run-down of a timer: its turns, its rate and the angle at which it stops.
 
 With a spring the driver runs ever more slowly. The engine computes a long run by quasi-static
-theory if that is as exact as `rtol`: see `engines.energy.rundown`.
+theory if that is as exact as `rtol`: see `engines.energy.rundown_series`.
 """
 
 import math
@@ -175,20 +175,20 @@ def rundown(
         ends = turns_before(escapement, np.arange(1, whole + 1))
         whole = int(np.searchsorted(ends, spent * (1.0 + ROUNDING), side="right"))
     end = float(times[whole - 1]) if whole else 0.0
-    turned = float(turns_before(escapement, whole))
-    if motion.end_time > end and turned < spent * (1.0 - ROUNDING):
-        end, turned = _last_stretch(motion, end, spent)
-    if turned >= spent * (1.0 - ROUNDING):
+    driver_angle = float(turns_before(escapement, whole))
+    if motion.end_time > end and driver_angle < spent * (1.0 - ROUNDING):
+        end, driver_angle = _last_stretch(motion, end, spent)
+    if driver_angle >= spent * (1.0 - ROUNDING):
         status = Status.SPENT
     if status in (Status.STALL, Status.SPENT):
         reason = "the spring is spent" if status is Status.SPENT else MESSAGES[status]
-        message = f"after {turned:.6g} turns, at {end:.6g} s, {reason}"
+        message = f"after {driver_angle:.6g} turns, at {end:.6g} s, {reason}"
     return Rundown(
         escapement,
         times=times[:whole],
         nominal_period=nominal,
         end_time=end,
-        end_turns=turned,
+        end_turns=driver_angle,
         status=status,
         message=message,
     )
@@ -202,10 +202,10 @@ def turns_before(escapement: Escapement, engagement: Any) -> Any:
     cell = escapement.mechanism.cell_angle
     share = _turns_of_cell(cell)
     # an engagement of imperfect parts begins slightly before or after its cell
-    late = escapement.angle_before(engagement) - engagement * cell
+    delay = escapement.angle_before(engagement) - engagement * cell
     # as floats, because NumPy's integers may overflow
     whole = engagement * float(share.numerator) / float(share.denominator)
-    return whole + late / (2.0 * math.pi)
+    return whole + delay / (2.0 * math.pi)
 
 
 def _turns_of_cell(cell: float) -> Fraction:
@@ -253,7 +253,7 @@ def _last_stretch(motion: Motion, begin: float, spent: float) -> tuple[float, fl
     def turns(t: float) -> float:
         return (float(motion.at(t).theta) - start) / (2.0 * math.pi)
 
-    turned = turns(end)
-    if turned > spent:
-        end, turned = brentq(lambda t: turns(t) - spent, begin, end, xtol=1e-300), spent
-    return end, turned
+    driver_angle = turns(end)
+    if driver_angle > spent:
+        end, driver_angle = brentq(lambda t: turns(t) - spent, begin, end, xtol=1e-300), spent
+    return end, driver_angle

@@ -9,7 +9,7 @@ from typing import Any
 from escapement.base import validate
 from escapement.base.errors import InvalidValue
 from escapement.base.quantity import check_number, quantities
-from escapement.base.spoken import told
+from escapement.base.spoken import as_spoken
 from escapement.base.status import MESSAGES, Status
 from escapement.dynamics.figures_of_merit import Figures
 from escapement.dynamics.law import ends_alike, is_lossless
@@ -200,7 +200,7 @@ def _terminal(escapement: Escapement, engine: str, settings: dict[str, Any]) -> 
         return replace(base, status=Status.PAINLEVE, message=message)
     if why := _undriven(escapement):
         return replace(base, status=Status.STALL, message=why)
-    struck = any(meeting.kind == "strike" for meeting in escapement.meetings)
+    struck = any(pair.kind == "strike" for pair in escapement.pairs)
     if not (contact or struck) and is_lossless(escapement.scene) and _ends_alike(escapement):
         # every engagement gains the same energy, so that one tells whether all stop, or none
         # is steady
@@ -229,7 +229,8 @@ def _undriven(escapement: Escapement) -> str:
     reaches = scene.barrel_efficiency * escapement.torque_unit
     return (
         "nothing drives the mechanism: the torque that reaches the driver, "
-        f"{told(reaches, 'torque')}, does not exceed that of its bearing, {told(held, 'torque')}"
+        f"{as_spoken(reaches, 'torque')}, does not exceed that of its bearing, "
+        f"{as_spoken(held, 'torque')}"
     )
 
 

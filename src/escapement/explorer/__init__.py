@@ -137,14 +137,14 @@ def player(motion: Motion) -> str:
     kind = motion.escapement.mechanism.kind
     count = motion.handoff_times.size
     lead = f"{count} engagements of a {kind} mechanism, as engine {motion.engine} computed them"
-    told = "." if motion.status is Status.OK else f"; {motion.message}."
-    return filled("play", html.escape(lead + told), {"motion": record, "systems": systems()})
+    text = "." if motion.status is Status.OK else f"; {motion.message}."
+    return filled("play", html.escape(lead + text), {"motion": record, "systems": systems()})
 
 
 def explored(groups: Mapping[str, Sequence[str]], entries: Mapping[str, Setting]) -> dict[str, Any]:
     """Data of a page whose design can be changed: its fields, their labels and units."""
     names = [name for group in groups.values() for name in group]
-    fields = {name: _told(entries[name]) for name in names}
+    fields = {name: _entry_of(entries[name]) for name in names}
     return {"fields": fields, "groups": groups, "systems": systems(), "stops": stops()}
 
 
@@ -152,15 +152,15 @@ def systems() -> dict[str, Any]:
     """Name and size of the unit of every kind, by system."""
     kinds = sorted({*_KINDS, *(entry.unit for entry in settings().values())})
 
-    def told(kind: str, system: str) -> dict[str, Any]:
+    def of_kind(kind: str, system: str) -> dict[str, Any]:
         return {"name": printed(kind, system), "factor": factor(kind, system)}
 
-    return {system: {kind: told(kind, system) for kind in kinds} for system in SYSTEMS}
+    return {system: {kind: of_kind(kind, system) for kind in kinds} for system in SYSTEMS}
 
 
 def filled(mode: str, lead: str, data: Mapping[str, Any], served: str = "") -> str:
     """The page with its data; `served` is HTML that only the page of a server has."""
-    told = json.dumps({**data, "units": spoken()}, ensure_ascii=False, allow_nan=False)
+    text = json.dumps({**data, "units": spoken()}, ensure_ascii=False, allow_nan=False)
     modules = [*MODULES[:-1], *(SERVED if served else ()), MODULES[-1]]
     parts = {
         "MODE": f"{mode} served" if served else mode,
@@ -170,7 +170,7 @@ def filled(mode: str, lead: str, data: Mapping[str, Any], served: str = "") -> s
         "SERVED": served,
         "STYLE": read("page.css"),
         # no text in the data may end its script element
-        "DATA": told.replace("<", "\\u003c"),
+        "DATA": text.replace("<", "\\u003c"),
         "SCRIPT": "\n".join(_MODULE.sub("", read(f"{name}.js")) for name in modules),
     }
     return re.sub(rf"/\*({'|'.join(parts)})\*/", lambda mark: parts[mark[1]], read("page.html"))
@@ -187,20 +187,20 @@ def settings() -> dict[str, Setting]:
     return declared(Geneva) | declared(Inertia) | declared(Escapement) | declared(Run)
 
 
-def _told(entry: Setting) -> dict[str, Any]:
+def _entry_of(entry: Setting) -> dict[str, Any]:
     """Properties of a number for its field: label, kind of unit, default and type."""
-    own = entry.name in ("crank_radius", "fixed_radius", "sun_radius", "planet_radius")
-    told = {
+    length = entry.name in ("crank_radius", "fixed_radius", "sun_radius", "planet_radius")
+    entry_shown = {
         "label": entry.long_name[0].upper() + entry.long_name[1:],
         "unit": entry.unit,
         "default": entry.default if isinstance(entry.default, int | float | str) else None,
         "whole": isinstance(entry, Quantity) and entry.whole,
         "optional": entry.default is None and not entry.required,
-        "needs": entry.unit == "length" and not own,
+        "needs": entry.unit == "length" and not length,
         "truth": isinstance(entry, Truth),
         "choices": list(entry.allowed) if isinstance(entry, Choice) else None,
     }
-    return {name: value for name, value in told.items() if value not in (None, False)}
+    return {name: value for name, value in entry_shown.items() if value not in (None, False)}
 
 
 def read(name: str) -> str:

@@ -12,7 +12,7 @@ from escapement.base import validate
 from escapement.base.errors import InvalidValue
 from escapement.base.text import words
 from escapement.base.toml_file import parse_toml
-from escapement.dynamics.merit_table import FIGURES
+from escapement.dynamics.figure_table import FIGURES
 from escapement.dynamics.painleve import friction_limits
 from escapement.engines import simulate as simulation
 from escapement.explorer import MOST_ENGAGEMENTS, design_of
@@ -23,7 +23,7 @@ from escapement.model.escapement import Escapement
 from escapement.model.torque_curve import TorqueCurve
 from escapement.study.parse import parse_plan, plan_from
 from escapement.study.plan import StudyPlan, unit_kind
-from escapement.study.run import run_plan
+from escapement.study.running import run_plan
 
 EXAMPLES: dict[str, dict[str, Any]] = {
     "geneva": {"slots": 4, "crank_radius": 0.02},
@@ -128,8 +128,8 @@ class Answers:
             raise validate.fail("tolerances", f"of {', '.join(TOLERANCES)}", "none", remedy)
         blocks = []
         for seed in range(math.ceil(size / _BLOCK)):
-            own = {"seed": seed, "size": min(_BLOCK, size - seed * _BLOCK)}
-            chosen: dict[str, Any] = {"sample": sample | own, "results": [figure]}
+            request = {"seed": seed, "size": min(_BLOCK, size - seed * _BLOCK)}
+            chosen: dict[str, Any] = {"sample": sample | request, "results": [figure]}
             study = run_plan(plan_from(escapement, {}, initial_speed=speed, **chosen), workers=2)
             blocks.append((study.sampled[names[0]], study.results[figure]))
             if time.perf_counter() - start > _LONGEST:
@@ -213,12 +213,12 @@ def _axis(name: str, edges: np.ndarray) -> dict[str, Any]:
 def another_kind(escapement: Escapement, kind: str) -> Escapement:
     """An escapement with the same drive and the example of another kind of mechanism."""
     wheel = kind_of(kind)(**EXAMPLES[kind])
-    own = {name: escapement.settings[name] for name in ("torque", "load_torque", "friction")}
+    kept = {name: escapement.settings[name] for name in ("torque", "load_torque", "friction")}
     if wheel.meshed:
-        own["friction"] = 0.0
-        return Escapement(wheel, escapement.inertia, **own, efficiency=0.9)
-    made = Escapement(wheel, escapement.inertia, **own | {"friction": 0.0})
+        kept["friction"] = 0.0
+        return Escapement(wheel, escapement.inertia, **kept, efficiency=0.9)
+    made = Escapement(wheel, escapement.inertia, **kept | {"friction": 0.0})
     # a wheel of another kind may jam at a smaller friction
     most = 0.5 * friction_limits(made)[0]
-    own["friction"] = min(own["friction"] or 0.1, float(f"{most:.2g}"))
-    return Escapement(wheel, escapement.inertia, **own)
+    kept["friction"] = min(kept["friction"] or 0.1, float(f"{most:.2g}"))
+    return Escapement(wheel, escapement.inertia, **kept)

@@ -30,14 +30,14 @@ def text_of(escapement: Escapement, initial_speed: float = 0.0) -> str:
     axes = {axis: [escapement.settings[axis]]}
     found = plan_from(escapement, axes, initial_speed=initial_speed).configuration
     # the engine is not written: it follows from the design, also after a change
-    plain = _told(
+    plain = _as_shown(
         found | {"title": "a design of the explorer"}, declared(Escapement) | declared(Run)
     )
-    plain["mechanism"] = _told(plain["mechanism"], declared(type(escapement.mechanism)))
+    plain["mechanism"] = _as_shown(plain["mechanism"], declared(type(escapement.mechanism)))
     return "\n".join(_lines(plain)) + "\n"
 
 
-def _told(table: Mapping[str, Any], entries: Mapping[str, Setting]) -> dict[str, Any]:
+def _as_shown(table: Mapping[str, Any], entries: Mapping[str, Setting]) -> dict[str, Any]:
     """The entries of a table that differ from their defaults."""
     idle = {entry.key: entry.default for entry in entries.values() if not entry.required}
     return {k: v for k, v in table.items() if k != "solver" and not (k in idle and v == idle[k])}
@@ -45,8 +45,8 @@ def _told(table: Mapping[str, Any], entries: Mapping[str, Setting]) -> dict[str,
 
 def _lines(table: Mapping[str, Any]) -> list[str]:
     """A table and those within it as lines of TOML."""
-    own = {name: value for name, value in table.items() if not isinstance(value, Mapping)}
-    lines = [f"{name} = {_value(value)}" for name, value in own.items() if value is not None]
+    numbers = {name: value for name, value in table.items() if not isinstance(value, Mapping)}
+    lines = [f"{name} = {_value(value)}" for name, value in numbers.items() if value is not None]
     for name, value in table.items():
         if isinstance(value, Mapping):
             inner = [f"{key} = {_value(item)}" for key, item in value.items() if item is not None]

@@ -25,7 +25,7 @@ _MOST_POINTS = 4000
 
 @singledispatch
 def bodies_of(mechanism: Any) -> dict[str, Any] | None:
-    """Bodies, the place where the pin touches, and the extent of the picture.
+    """Bodies, the point where the pin touches, and the extent of the picture.
 
     Parameters
     ----------
@@ -36,8 +36,8 @@ def bodies_of(mechanism: Any) -> dict[str, Any] | None:
     -------
     dict or None
         `bodies` with `name`, `path`, `at` (rows of x, y and rate) and `turn` (a, b); `contact`,
-        rows like those of `at` for the place of the contact, or None; `step`, the angle by which
-        that place turns from engagement to engagement, 0 without it; `box`, the left, right, lower
+        rows like those of `at` for the point of contact, or None; `step`, the angle by which
+        that point turns from engagement to engagement, 0 without it; `box`, the left, right, lower
         and upper limit. None if a mechanism has no bodies.
     """
     return None
@@ -59,7 +59,7 @@ def _(mechanism: Geneva) -> dict[str, Any]:
     if edge := outline.locking_edge:
         found += [_body("locking-disc", [edge], axis, (side, 0.0))]
     found += [_body("shaft", [Curve.circle(outline.driver_shaft)], axis)]
-    arms = outline.pin_places(0.0) - outline.centre
+    arms = outline.pin_centres(0.0) - outline.centre
     found += [_line("arm", [0.0, complex(arms[0])], axis, (side, 0.0))]
     found += _pins(mechanism, outline.pin_radius, [[*axis, (complex(arm), side)] for arm in arms])
     contact = [*axis, (side * (1.0 + 0.0j), side)]
@@ -102,7 +102,7 @@ def _(mechanism: EllipticalPlanetary) -> dict[str, Any]:
     )
     found = [_body("pitch", [Curve.circle(sun.radius)])]
     found += [_body("planet", [Curve.circle(planet.radius)], shaft)]
-    # an ellipse begins at an end of its long axis, and half its ways further is the other end
+    # an ellipse begins at an end of its long axis, and half its segments further is the other end
     axes: Any = ("follower", driven, [], (0.0, -1.0)), (
         "driving", driving.moved(-1.0), shaft, (mechanism.ratio + 1.0, 0.0)
     )  # fmt: skip
@@ -113,14 +113,14 @@ def _(mechanism: EllipticalPlanetary) -> dict[str, Any]:
     return _picture(found, None)
 
 
-def _pins(mechanism: Any, radius: float, places: Iterable[list[Vector]]) -> list[dict[str, Any]]:
+def _pins(mechanism: Any, radius: float, centres: Iterable[list[Vector]]) -> list[dict[str, Any]]:
     """Pins, within their rollers where they have some."""
     rollers = mechanism.roller_radius
     inner = radius * mechanism.pin_radius / rollers if rollers else radius
     sizes = [("roller", radius)] * bool(rollers) + [("pin", inner)]
     return [
         _body(f"{name}-{k}", [Curve.circle(size)], at)
-        for k, at in enumerate(places)
+        for k, at in enumerate(centres)
         for name, size in sizes
     ]
 
@@ -143,7 +143,7 @@ def _line(
     at: list[Vector] | None = None,
     turn: tuple[float, float] = _STILL,
 ) -> dict[str, Any]:
-    path = "M" + "L".join(map(_place, points))
+    path = "M" + "L".join(map(_coordinates, points))
     reach = max(map(abs, points))
     return {"name": name, "path": path, "at": _rows(at or []), "turn": turn, "reach": reach}
 
@@ -166,18 +166,18 @@ def _picture(bodies: list[dict[str, Any]], contact: list[Vector] | None) -> dict
 
 def _path(curve: Curve) -> str:
     """A closed curve of lines and arcs in SVG's words, y upwards."""
-    words = [f"M{_place(complex(curve.corners[0]))}"]
+    words = [f"M{_coordinates(complex(curve.corners[0]))}"]
     for end, start, turn in zip(
         curve.ends.tolist(), curve.corners.tolist(), curve.turns.tolist(), strict=True
     ):
         if abs(turn) < 1e-9:
-            words.append(f"L{_place(end)}")
+            words.append(f"L{_coordinates(end)}")
             continue
         radius = 0.5 * abs(end - start) / abs(math.sin(0.5 * turn))
         flags = f"{int(abs(turn) > math.pi)} {int(turn > 0.0)}"
-        words.append(f"A{radius:.5g} {radius:.5g} 0 {flags} {_place(end)}")
+        words.append(f"A{radius:.5g} {radius:.5g} 0 {flags} {_coordinates(end)}")
     return "".join(words) + "Z"
 
 
-def _place(z: complex) -> str:
+def _coordinates(z: complex) -> str:
     return f"{z.real:.5g} {z.imag:.5g}"

@@ -11,8 +11,8 @@ import numpy as np
 
 from escapement.base import validate
 from escapement.base.text import plain
+from escapement.dynamics.figure_table import FIGURES
 from escapement.dynamics.figures_of_merit import Figures
-from escapement.dynamics.merit_table import FIGURES
 from escapement.dynamics.motion import Motion
 from escapement.dynamics.painleve import painleve_limit
 from escapement.engines import simulate as simulation

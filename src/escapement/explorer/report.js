@@ -59,7 +59,7 @@ function showMargin(motion) {
     ? ` It jams first ${digits((figures.critical_angle * 180) / Math.PI, 4)}° from dead centre, marked in the picture.` : "";
   const beside = figures.uniqueness_friction;
   const unique = motion.status !== "painleve" && !motion.unique
-    ? ` At friction ${digits(beside)} and above, a second motion is possible: a blow could jam the pin.` : "";
+    ? ` At friction ${digits(beside)} and above, a second motion is possible: an impact could jam the pin.` : "";
   byId("margin").textContent = Number.isFinite(figures.critical_friction)
     ? `Friction is ${digits(100 * share, 3)} % of the Painlevé limit ${digits(figures.critical_friction)}.${where}${unique}`
     : motion.meshed ? "Gears have no Painlevé limit." : "This pin cannot jam at any friction.";

@@ -72,11 +72,11 @@ class _Handler(BaseHTTPRequestHandler):
 
     def do_GET(self) -> None:
         """Send the page."""
-        place = urlsplit(self.path)
-        token = parse_qs(place.query).get("token", [""])[0]
+        address = urlsplit(self.path)
+        token = parse_qs(address.query).get("token", [""])[0]
         if self._refused(token):
             return
-        if place.path != "/":
+        if address.path != "/":
             self._tell(HTTPStatus.NOT_FOUND, "the page is at /; open that address")
             return
         self._send(HTTPStatus.OK, "text/html; charset=utf-8", self.server.page)

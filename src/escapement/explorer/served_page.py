@@ -10,7 +10,7 @@ from escapement.base.quantity import Choice, Numbers, Quantity, Setting, Truth, 
 from escapement.base.status import Status
 from escapement.base.text import plain, words
 from escapement.base.units import spelt
-from escapement.dynamics.merit_table import FIGURES
+from escapement.dynamics.figure_table import FIGURES
 from escapement.explorer import COMPUTED, GROUPS, design_of, explored, filled, read
 from escapement.explorer.answers import CLOUD, EXAMPLES, MOST_CASES, TOLERANCES, Answers
 from escapement.explorer.serve import Server
@@ -69,19 +69,19 @@ def server_of(
         reply = None
     except InvalidValue:
         reply = answers.shown(escapement, initial_speed, engagements)
-    told: dict[str, Any] = {
+    server: dict[str, Any] = {
         "kinds": kinds,
         "kind": "geneva",
         "reply": reply,
         "study": shown,
         "sizes": MOST_CASES,
     }
-    told["figures"] = [(name, FIGURES[name].long_name.capitalize()) for name in CLOUD]
+    server["figures"] = [(name, FIGURES[name].long_name.capitalize()) for name in CLOUD]
     parts = read("served.html").replace("<!--TOLERANCES-->", _tolerances())
     parts += read("study.html") if shown else ""
 
     def page(token: str) -> str:
-        return filled("explore", _LEAD, data | {"served": told | {"token": token}}, parts)
+        return filled("explore", _LEAD, data | {"served": server | {"token": token}}, parts)
 
     return Server(page, {"/motion": answers.motion, "/cloud": answers.cloud})
 
@@ -89,13 +89,13 @@ def server_of(
 def groups_of(kind: str) -> dict[str, list[str]]:
     """Names of the fields for a kind of mechanism, by the titles of their groups."""
     wheel = kind_of(kind)
-    own = [name for name, entry in declared(wheel).items() if _has_field(entry)]
+    names_of_kind = [name for name, entry in declared(wheel).items() if _has_field(entry)]
     entries = _entries()
-    found = {"Mechanism": own}
+    found = {"Mechanism": names_of_kind}
     for title in (*GROUPS, *FURTHER):
         if title != "Mechanism" and title not in found:
             names = (*GROUPS.get(title, ()), *FURTHER.get(title, ()))
-            found[title] = [name for name in names if entries[name].fits(wheel.meshed)]
+            found[title] = [name for name in names if entries[name].applies_to(wheel.meshed)]
     return {title: names for title, names in found.items() if names}
 
 
@@ -131,9 +131,9 @@ def shown_study(plan: StudyPlan, study: Study) -> dict[str, Any]:
     answered = study.results["status"] == Status.OK
 
     def row(name: str, values: Any) -> dict[str, Any]:
-        told = {"words": study.long_names[name].capitalize(), "name": words(name)}
-        told["unit"] = spelt(study.units[name])
-        return told | {"values": plain(values)}
+        shown = {"words": study.long_names[name].capitalize(), "name": words(name)}
+        shown["unit"] = spelt(study.units[name])
+        return shown | {"values": plain(values)}
 
     results = [
         row(name, values.astype(float).ravel())

@@ -1,1 +1,1 @@
-"""From a wish to designs: the task of a timer, and the escapements that do it best."""
+"""From a requirement to designs: the task of a timer, and the escapements that do it best."""

@@ -18,12 +18,12 @@ from scipy.interpolate import PchipInterpolator
 from escapement.base.errors import InvalidValue
 from escapement.base.status import Status
 from escapement.engines import simulate as simulation
-from escapement.inverse_design.wish import Wish
+from escapement.inverse_design.requirement import Requirement
 from escapement.mechanisms import Geneva
 from escapement.mechanisms.protocol import FloatArray
 from escapement.model.escapement import Escapement, Inertia
 from escapement.outlines.parts import parts_of
-from escapement.study.run import sweep
+from escapement.study.running import sweep
 
 RATIOS = 24
 """Ratios of the inertias at which the figures are computed."""
@@ -77,26 +77,26 @@ class UnitWheel:
         return found | {name: np.exp(found[name]) for name in NATURAL[:4]}
 
 
-def wheels_for(wish: Wish) -> list[UnitWheel]:
-    """The wheels that a wish allows and that move at all of its frictions."""
+def wheels_for(requirement: Requirement) -> list[UnitWheel]:
+    """The wheels that a requirement allows and that move at all of its frictions."""
     found = []
-    kinds = (False, True) if wish.internal is None else (wish.internal,)
-    low, high = map(int, wish.slots)
-    ratios = np.geomspace(wish.inertia_ratio[0], wish.inertia_ratio[1], RATIOS)
-    if wish.inertia_ratio[0] == wish.inertia_ratio[1]:
+    kinds = (False, True) if requirement.internal is None else (requirement.internal,)
+    low, high = map(int, requirement.slots)
+    ratios = np.geomspace(requirement.inertia_ratio[0], requirement.inertia_ratio[1], RATIOS)
+    if requirement.inertia_ratio[0] == requirement.inertia_ratio[1]:
         ratios = ratios[0] * np.array([1.0, 1.0 + 1e-9])
     for slots in range(low, high + 1):
         for internal in kinds:
             try:
-                wheel = unit_wheel(slots, internal, wish.pin)
-                own = body_of(wheel)
+                wheel = unit_wheel(slots, internal, requirement.pin)
+                wanted = body_of(wheel)
             except InvalidValue:
                 continue  # pins too thick for so many slots
-            table = natural_figures(wheel, ratios, wish)
+            table = natural_figures(wheel, ratios, requirement)
             good = np.isfinite(table).all(axis=1)
             if good.sum() > 1:
                 curves = PchipInterpolator(np.log(ratios[good]), table[good])
-                found.append(UnitWheel(slots, internal, own, curves))
+                found.append(UnitWheel(slots, internal, wanted, curves))
     return found
 
 
@@ -105,16 +105,16 @@ def unit_wheel(slots: int, internal: bool, pin: float) -> Geneva:
     return Geneva(slots, internal=internal, crank_radius=1.0, pin_radius=pin)
 
 
-def frictions(wish: Wish) -> FloatArray:
+def frictions(requirement: Requirement) -> FloatArray:
     """The least, middle and greatest friction."""
-    low, high = wish.friction
+    low, high = requirement.friction
     return np.array([low, 0.5 * (low + high), high])
 
 
-def natural_figures(wheel: Geneva, ratios: FloatArray, wish: Wish) -> FloatArray:
+def natural_figures(wheel: Geneva, ratios: FloatArray, requirement: Requirement) -> FloatArray:
     """A row of `NATURAL` for each ratio, logarithms except for the jam margin."""
     timer = Escapement(wheel, Inertia(1.0, 1.0), torque=1.0)
-    three = frictions(wish)
+    three = frictions(requirement)
     study = sweep(timer, driver_inertia=ratios, friction=three, results=_SAMPLED)
     shape = ratios.size, 3
     columns = {name: np.asarray(study.results[name]).reshape(shape) for name in _SAMPLED}
@@ -138,9 +138,9 @@ def _natural(columns: dict[str, FloatArray], three: FloatArray) -> FloatArray:
     return np.column_stack([*rows, margin])
 
 
-def exact(wheel: Geneva, ratio: float, wish: Wish) -> Values:
+def exact(wheel: Geneva, ratio: float, requirement: Requirement) -> Values:
     """Figures of a wheel of crank radius 1, each friction being simulated; NaN where it jams."""
-    three, table = frictions(wish), []
+    three, table = frictions(requirement), []
     for friction in three:
         timer = Escapement(wheel, Inertia(ratio, 1.0), torque=1.0, friction=friction)
         table.append([getattr(simulation.terminal(timer), name) for name in _SAMPLED])
@@ -154,13 +154,13 @@ def in_si(
     body: Discs,
     slots: Any,
     internal: bool,
-    wish: Wish,
-    place: tuple[Any, Any, Any],
+    requirement: Requirement,
+    point: tuple[Any, Any, Any],
 ) -> Values:  # fmt: skip
     """Figures in SI of wheels at (inertia ratio, crank radius, torque), numbers or arrays."""
-    ratio, radius, torque = place
-    follower = torque * (period_of(wish, slots, internal) / natural["period"]) ** 2
-    driver, scale = ratio * follower, radius**4 * wish.density
+    ratio, radius, torque = point
+    follower = torque * (period_of(requirement, slots, internal) / natural["period"]) ** 2
+    driver, scale = ratio * follower, radius**4 * requirement.density
     masses = (i * a / j for i, (a, j) in ((driver, body.driver), (follower, body.follower)))
     return {
         "scatter": natural["scatter"],
@@ -177,17 +177,17 @@ def in_si(
     }
 
 
-def period_of(wish: Wish, slots: int, internal: bool) -> float:
-    """Period of an engagement at the torque of the start that a wish needs [s].
+def period_of(requirement: Requirement, slots: int, internal: bool) -> float:
+    """Period of an engagement at the torque of the start that a requirement needs [s].
 
     Over a run the period is inversely proportional to the root of the torque, which falls linearly.
     The additional time of a start from rest is corrected when a design is simulated.
     """
-    if wish.period is not None:
-        return wish.period
-    assert wish.turns is not None
-    assert wish.total_time is not None
+    if requirement.period is not None:
+        return requirement.period
+    assert requirement.turns is not None
+    assert requirement.total_time is not None
     cell = Geneva(slots, internal=internal).cell_angle
-    lost = wish.torque_lost
+    lost = requirement.torque_lost
     slower = 2.0 * (1.0 - math.sqrt(1.0 - lost)) / lost if lost else 1.0
-    return wish.total_time / (wish.turns * 2.0 * math.pi / cell) / slower
+    return requirement.total_time / (requirement.turns * 2.0 * math.pi / cell) / slower

@@ -21,7 +21,8 @@ Motions:
 Beats:
 
 - `ticks`, `rounds`: beats without missed or doubled ticks, sorted by pin and slot
-- `beats`, `parts`, `jitter`, `curvature`, `told`: the fit of parts to beats, and what it says
+- `beats`, `beat_unknowns`, `jitter`, `curvature`, `estimate`: the fit of parts to beats, and what
+  it says
 - `beat_verdict`: whether the parts explain the beats
 - `beat_spectrum`: which lines of the spectrum pins and slots cause
 """
@@ -41,6 +42,7 @@ from escapement.measurement.encoder import SensorShare as SensorShare
 from escapement.measurement.encoder import sensor_share as sensor_share
 from escapement.measurement.encoder import sensor_uncertainty as sensor_uncertainty
 from escapement.measurement.encoder import synthetic_readings as synthetic_readings
+from escapement.measurement.estimate import Combination as Combination
 from escapement.measurement.fit import Fit as Fit
 from escapement.measurement.fit import position as position
 from escapement.measurement.fit import slope as slope
@@ -62,5 +64,4 @@ from escapement.measurement.readings import write_readings as write_readings
 from escapement.measurement.rounds import Rounds as Rounds
 from escapement.measurement.shaft_errors import ShaftError as ShaftError
 from escapement.measurement.slot_errors import SlotError as SlotError
-from escapement.measurement.told import Combination as Combination
 from escapement.measurement.verdict import Verdict as Verdict

@@ -12,16 +12,18 @@ import numpy as np
 
 from escapement.mechanisms.protocol import FloatArray
 
-_ENGAGED = 10  # the width is fitted if so many samples are at either end of the play
-_ROOM = 0.1  # the first estimate is at most this share of the travel, so that the play is crossed
-_WIDE = 4.0  # a play is narrower than this many standard deviations of errors that it causes
+_ENGAGED = 10  # the width is fitted if so many samples are at either end of the backlash
+_ROOM = (
+    0.1  # the first estimate is at most this share of the travel, so that the backlash is crossed
+)
+_WIDE = 4.0  # a backlash is narrower than this many standard deviations of errors that it causes
 
 
 class Backlash(NamedTuple):
     """Free play of a shaft, fitted together with all errors that are significant.
 
     shaft : "input" or "output".
-    width : width of the play, as an angle of that shaft [rad]. If it is negative, the output
+    width : width of the backlash, as an angle of that shaft [rad]. If it is negative, the output
         leads, as it does if the input's encoder is loose.
     standard_error : standard error of the width [rad].
     p_value : probability that independent normal errors cause this width or more (F test).
@@ -33,20 +35,22 @@ class Backlash(NamedTuple):
     p_value: float
 
 
-def with_play(angle: FloatArray, width: float) -> FloatArray:
+def with_backlash(angle: FloatArray, width: float) -> FloatArray:
     """Angle of a shaft that is driven through a free play, beginning in its middle [rad]."""
-    play = 0.5 * width
-    followed = accumulate(angle.tolist(), lambda at, end: min(max(at, end - play), end + play))
+    half_width = 0.5 * width
+    followed = accumulate(
+        angle.tolist(), lambda at, end: min(max(at, end - half_width), end + half_width)
+    )
     return np.array([*followed])
 
 
 def lag(angle: FloatArray, width: float) -> FloatArray:
     """By how much a shaft leads, as a share of its free play, -1/2 to 1/2, shape (n,) [-]."""
-    return np.asarray((with_play(angle, width) - angle) / width)
+    return np.asarray((with_backlash(angle, width) - angle) / width)
 
 
 def first_engaged(share: FloatArray) -> int | None:
-    """First sample at which a shaft is at an end of its play; before it the place is unknown.
+    """First sample at which a shaft is at an end of its backlash; before it the side is unknown.
 
     None if there are too few samples at both ends to fit the width.
     """
@@ -62,7 +66,7 @@ def first_width(angle: FloatArray, errors: FloatArray, slope: float) -> float:
     return min(_WIDE * float(errors.std()) / slope, room) if slope > 0.0 else room
 
 
-def first_plays(
+def first_widths(
     driver: FloatArray, follower: FloatArray, slope: FloatArray, errors: FloatArray
 ) -> tuple[dict[str, float], int]:
     """For each shaft that turns both ways, a first estimate of its backlash [rad].

@@ -12,23 +12,23 @@ from escapement.base import validate
 from escapement.base.errors import InvalidValue
 from escapement.base.lazy import Lazy
 from escapement.base.text import Shown
+from escapement.measurement.beat_unknowns import Parts, starts
 from escapement.measurement.beat_verdict import verdict_on
 from escapement.measurement.curvature import curved
-from escapement.measurement.parts import Parts, starts
-from escapement.measurement.rounds import Rounds, checked_wheel, rounds_of
-from escapement.measurement.time_unit import check_unit
-from escapement.measurement.told import (
+from escapement.measurement.estimate import (
     Combination,
     Doubt,
-    Told,
+    PartEstimate,
     doubt_of,
+    estimate,
+    joint_estimate,
     remarks,
     spanned,
-    told,
-    told_together,
     within_range,
     without,
 )
+from escapement.measurement.rounds import Rounds, checked_wheel, rounds_of
+from escapement.measurement.time_unit import check_unit
 from escapement.measurement.verdict import Verdict
 from escapement.mechanisms.protocol import FloatArray
 from escapement.model.escapement import Escapement
@@ -192,13 +192,16 @@ def fit_beats(
     best, *others = _fitted(escapement, rounds, pins, slots)
     doubt = doubt_of(best.parts, best.unknowns, rounds, noise, share)
     if parts == "both" and math.gcd(wheel.pins, wheel.slots) > 1:
-        known = told_together(best.parts, rounds, doubt)
+        known = joint_estimate(best.parts, rounds, doubt)
     else:
         # a fit that is worse by no more than the edge of an interval may be true as well
         edge = best.cost + 0.5 * (doubt.reach * doubt.noise / rounds.means.mean()) ** 2
         sets = [best] + [it for it in others if it.cost <= edge and not _alike(it, best)]
         doubts = [doubt_of(*it[:2], rounds, noise, share) for it in sets]
-        solutions = [_told(it, rounds, own) for it, own in zip(sets, doubts, strict=True)]
+        solutions = [
+            _estimate(it, rounds, doubt_of_set)
+            for it, doubt_of_set in zip(sets, doubts, strict=True)
+        ]
         known = spanned(solutions, _joined(sets, rounds, edge))
     known = within_range(known, best.parts)
     return BeatFit(
@@ -243,9 +246,9 @@ def _fitted(escapement: Escapement, rounds: Rounds, pins: bool, slots: bool) -> 
     return sorted((_improved(*one[:2], rounds, _EXACT) for one in near), key=_Trial.left)
 
 
-def _told(trial: _Trial, rounds: Rounds, doubt: Doubt) -> Told:
+def _estimate(trial: _Trial, rounds: Rounds, doubt: Doubt) -> PartEstimate:
     """What one fit says, NaN where its intervals do not hold."""
-    found = told(trial.parts, trial.unknowns, doubt.root)
+    found = estimate(trial.parts, trial.unknowns, doubt.root)
     return without(found, trial.parts, curved(trial.parts, trial.unknowns, rounds, doubt))
 
 

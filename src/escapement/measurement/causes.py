@@ -12,9 +12,9 @@ from escapement.measurement.glitches import Glitch
 from escapement.measurement.shaft_errors import (
     DOUBT_PARTS,
     SURE,
+    backlash_text,
     chance,
     interval,
-    told_backlash,
 )
 from escapement.measurement.slot_errors import SlotError
 
@@ -26,12 +26,12 @@ _NAMED = 3  # lines of readings far out that are named
 class Cause(NamedTuple):
     """A cause of errors that independent noise seldom shows.
 
-    told : words for it.
+    text : words for it.
     doubt : what else it may be, "" if it is certain.
     effect : its greatest error as a share of what still leaves this mechanism possible [-].
     """
 
-    told: str
+    text: str
     doubt: str
     effect: float = 0.0
 
@@ -53,22 +53,22 @@ def causes_of(result: Any, small: float) -> Iterator[Cause]:
             doubt = _doubt(result, found, (found.shaft, found.order))
             effect = found.amplitude * (through if found.shaft == "input" else 1.0)
             room = small if found.shaft == "cell" else 2.0 * small
-            yield Cause(found.told(not doubt), doubt, effect / room)
+            yield Cause(found.text(not doubt), doubt, effect / room)
     for slot in result.slot_errors:
         if slot.p_value < DOUBT_PARTS:
             doubt = _doubt(result, slot, (slot.shaft, "parts"))
             effect = abs(slot.size) * (through if slot.shaft == "input" else 1.0)
-            yield Cause(_told_slot(slot, not doubt), doubt, 0.5 * effect / small)
-    for play in result.backlash:
-        if play.p_value < SURE:
-            doubt = _doubt(result, play, (play.shaft, "lag"))
-            yield Cause(told_backlash(play, not doubt), doubt)
+            yield Cause(_slot_text(slot, not doubt), doubt, 0.5 * effect / small)
+    for backlash in result.backlash:
+        if backlash.p_value < SURE:
+            doubt = _doubt(result, backlash, (backlash.shaft, "lag"))
+            yield Cause(backlash_text(backlash, not doubt), doubt)
     for change in result.changes:
         doubt = _doubt(result, change, ("change", change.line))
         verb = "change" if not doubt else "may change"
         yield Cause(
             f"the errors {verb} for good behind line {change.line}, as if the {change.shaft} had "
-            f"slipped by {_told_size(change)}",
+            f"slipped by {_size_text(change)}",
             doubt,
         )
     yield from _far_out(result.glitches)
@@ -103,21 +103,21 @@ def _mean(result: Any) -> Iterator[Cause]:
         yield Cause(f"the mean error {verb} {size} with the zeros given", doubt)
 
 
-def _told_size(change: Change) -> str:
+def _size_text(change: Change) -> str:
     if math.isnan(change.size):
         return "an angle that cannot be told"
     return interval(abs(change.size), change.standard_error)
 
 
-def _told_slot(slot: SlotError, certain: bool) -> str:
+def _slot_text(slot: SlotError, certain: bool) -> str:
     part = "pin" if slot.shaft == "input" else "slot"
     verb = "is" if certain else "may be"
-    way = "ahead of" if slot.size > 0.0 else "behind"
+    direction = "ahead of" if slot.size > 0.0 else "behind"
     if math.isnan(slot.size):
         return f"{part} {slot.number} of {slot.parts} {verb} in error, by an angle that is hidden"
     return (
         f"{part} {slot.number} of {slot.parts}, counted from the one at the first sample, {verb} "
-        f"{way} the others by {interval(abs(slot.size), slot.standard_error)}"
+        f"{direction} the others by {interval(abs(slot.size), slot.standard_error)}"
     )
 
 

@@ -21,8 +21,8 @@ from escapement.measurement.normal_equations import (
     OFFSET,
     PHASE,
     Fitted,
+    Indices,
     NormalEquations,
-    Place,
     log_of,
 )
 from escapement.mechanisms.protocol import FloatArray
@@ -72,18 +72,18 @@ class Candidate(NamedTuple):
     variance: float
 
 
-def best_change(sums: NormalEquations, others: list[Place]) -> Candidate | None:
+def best_change(sums: NormalEquations, others: list[Indices]) -> Candidate | None:
     """The most significant change beside others, None where none can be separated from them."""
     found = [_best_of(sums, others, shaft) for shaft in _ACTS]
     known = [one for one in found if one is not None]
     return min(known, key=lambda one: one.log_p, default=None)
 
 
-def _best_of(sums: NormalEquations, others: list[Place], shaft: str) -> Candidate | None:
+def _best_of(sums: NormalEquations, others: list[Indices], shaft: str) -> Candidate | None:
     """The most significant change of one shaft."""
-    own = _ACTS[shaft]
+    factors = _ACTS[shaft]
     base, inverse = sums.beside(others)
-    rows, whole = sums.behind[:, own, :], sums.behind[:, own, own]
+    rows, whole = sums.behind[:, factors, :], sums.behind[:, factors, factors]
     shared = rows[:, base] @ inverse
     square = whole - (shared * rows[:, base]).sum(axis=1)
     inside = (sums.edges >= _LEAST) & (sums.edges <= sums.samples - _LEAST)
@@ -109,7 +109,7 @@ def _best_of(sums: NormalEquations, others: list[Place], shaft: str) -> Candidat
     at, log_p = int(tried[best]), min(log_p, 0.0)
     size, error = float(product[best] / square[at]), math.sqrt(fitted.variance / square[at])
     return Candidate(
-        shaft=shaft, edge=at, column=own, log_p=log_p, size=size, standard_error=error,
+        shaft=shaft, edge=at, column=factors, log_p=log_p, size=size, standard_error=error,
         explained=fitted.explained, variance=fitted.variance,
     )  # fmt: skip
 

@@ -2,9 +2,9 @@
 
 import numpy as np
 
-from escapement.measurement.parts import Parts
+from escapement.measurement.beat_unknowns import Parts
+from escapement.measurement.estimate import Doubt
 from escapement.measurement.rounds import Rounds
-from escapement.measurement.told import Doubt
 from escapement.mechanisms.protocol import FloatArray
 
 _RISE = 0.5  # the sum of squares rises at the end of an interval by this share of what it should
@@ -38,13 +38,13 @@ def curved(parts: Parts, unknowns: FloatArray, rounds: Rounds, doubt: Doubt) -> 
 
     least, found = squares(unknowns), np.zeros(unknowns.size, dtype=bool)
     unit = (doubt.reach * doubt.noise) ** 2
-    for place, row in enumerate(doubt.root):
+    for index, row in enumerate(doubt.root):
         width = float(np.linalg.norm(row))
         if width == 0.0:
             continue
-        ahead = doubt.root @ row / width
-        for at in (unknowns + ahead, unknowns - ahead):
-            # bounds are physical, and told allows for those of blows
+        forward = doubt.root @ row / width
+        for at in (unknowns + forward, unknowns - forward):
+            # bounds are physical, and `estimate` allows for those of impacts
             inside = (at >= low).all() and (at <= high).all()
-            found[place] |= inside and squares(at) - least < _RISE * unit
+            found[index] |= inside and squares(at) - least < _RISE * unit
     return found

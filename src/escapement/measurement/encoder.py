@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from escapement.base import validate
-from escapement.measurement.backlash import with_play
+from escapement.measurement.backlash import with_backlash
 from escapement.measurement.fit import position
 from escapement.measurement.readings import FARTHEST, LEAST_SAMPLES, TURN, WITHIN, Readings
 from escapement.mechanisms.protocol import FloatArray, Mechanism, checked
@@ -93,9 +93,9 @@ def sensor_share(encoder: Encoders, slope: FloatArray) -> SensorShare:
     """
     of_input, of_output = map(_limits, pair_of(encoder))
     through = math.sqrt(float(np.mean(slope * slope)))
-    rounding, bend = (limit / math.sqrt(3.0) for limit in of_output)
-    before, bend_before = (through * limit / math.sqrt(3.0) for limit in of_input)
-    parts = rounding, before, bend, bend_before
+    rounding, deviation = (limit / math.sqrt(3.0) for limit in of_output)
+    before, input_deviation = (through * limit / math.sqrt(3.0) for limit in of_input)
+    parts = rounding, before, deviation, input_deviation
     steepest = float(np.abs(slope).max())
     return SensorShare(*parts, math.hypot(*parts), sum(of_output) + steepest * sum(of_input))
 
@@ -119,12 +119,12 @@ def steps_of(
         of_input, of_output = pair_of(encoder)
         return of_input.quantum, of_output.quantum
     # an input may have stopped at even steps, which then are no counts
-    own, step = step_of(angle, _SEVERAL), step_of(output)
-    if not own and step:
+    input_step, step = step_of(angle, _SEVERAL), step_of(output)
+    if not input_step and step:
         counts = (angle - angle[0]) / step
         # an encoder like that of the output shows multiples of its step
-        own = step if np.abs(counts - np.round(counts)).max() < _OFF_GRID else 0.0
-    return own, step
+        input_step = step if np.abs(counts - np.round(counts)).max() < _OFF_GRID else 0.0
+    return input_step, step
 
 
 def step_of(angle: FloatArray, several: int = 1) -> float:
@@ -246,11 +246,11 @@ def synthetic_readings(
     if validate.truth("both_ways", both_ways):
         share = 1.0 - np.abs(1.0 - 2.0 * share)
     theta = start + travel * share
-    phi = with_play(position(mechanism, with_play(theta, input_backlash)), backlash)
+    phi = with_backlash(position(mechanism, with_backlash(theta, input_backlash)), backlash)
     pair = None if encoder is None else pair_of(encoder)
-    bends = (0.0, 0.0) if pair is None else [one.greatest_deviation for one in pair]
-    angle = theta - start + _shaft(random, theta, input_eccentricity, bends[0])
-    read = sense * (phi + _shaft(random, phi, output_eccentricity, bends[1])) + zero
+    deviations = (0.0, 0.0) if pair is None else [one.greatest_deviation for one in pair]
+    angle = theta - start + _shaft(random, theta, input_eccentricity, deviations[0])
+    read = sense * (phi + _shaft(random, phi, output_eccentricity, deviations[1])) + zero
     read = read + noise * random.standard_normal(count)
     if pair is not None:
         angle, read = _digital(angle, pair[0]), _digital(read, pair[1])

@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from escapement.measurement.normal_equations import PHASE, NormalEquations, Place
+from escapement.measurement.normal_equations import PHASE, Indices, NormalEquations
 from escapement.measurement.readings import blocks
 from escapement.measurement.shaft_errors import ORDERS
 from escapement.measurement.slot_errors import Parts
@@ -50,9 +50,9 @@ class Columns(NamedTuple):
     errors: FloatArray
     scale: FloatArray
 
-    def places(self) -> dict[Key, Place]:
+    def indices(self) -> dict[Key, Indices]:
         """The columns of each error, by its shaft and its order, "parts" or "lag"."""
-        found: dict[Key, Place] = {}
+        found: dict[Key, Indices] = {}
         end = PHASE + 1
         sizes: list[tuple[str, int | str, int]] = [(n, m, 2) for n in self.angles for m in ORDERS]
         sizes += [(name, "parts", parts.size - 1) for name, parts in self.parts.items()]

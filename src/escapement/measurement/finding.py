@@ -12,16 +12,16 @@ from typing import NamedTuple
 
 import numpy as np
 
-from escapement.measurement.backlash import Backlash, first_plays, lag, next_width
+from escapement.measurement.backlash import Backlash, first_widths, lag, next_width
 from escapement.measurement.changes import Candidate, Change, best_change
 from escapement.measurement.error_columns import Behind, Columns, Key
 from escapement.measurement.fit import position, slope
 from escapement.measurement.glitches import Glitch, far_out
 from escapement.measurement.noise import Noise, first_noise, noise_of, rounding_of
-from escapement.measurement.normal_equations import PHASE, Fitted, NormalEquations, Place
+from escapement.measurement.normal_equations import PHASE, Fitted, Indices, NormalEquations
 from escapement.measurement.readings import TURN
-from escapement.measurement.shaft_errors import DOUBT, ORDERS, SURE, UNKNOWN, ShaftError, told_size
-from escapement.measurement.slot_errors import SlotError, parts_seen, worst_part
+from escapement.measurement.shaft_errors import DOUBT, ORDERS, SURE, UNKNOWN, ShaftError, sized
+from escapement.measurement.slot_errors import SlotError, parts_met, worst_part
 from escapement.mechanisms.protocol import FloatArray, Mechanism
 
 # the width of a backlash changes its column in the fit; it converges in so many fits. Before, the
@@ -103,7 +103,7 @@ def find_errors(
     while True:
         search.fit()
         most = _FITS_OF_CHANGES if search.changes else _FITS
-        if search.fits >= most or not search.moved():
+        if search.applies_to >= most or not search.moved():
             return search.found(line)
 
 
@@ -111,18 +111,18 @@ def find_errors(
 class _Certain:
     """What is certain in one fit.
 
-    places : columns of all that is certain.
-    changes : the changes among them, and where each of them acts, by the place of its column.
+    indices : columns of all that is certain.
+    changes : the changes among them, and where each of them acts, by the index of its column.
     next_change : the most significant one of those that are not certain.
     suspect : the most significant of all errors that are not certain, if noise seldom causes it.
     rounded : errors that may be rounding.
     """
 
     sums: NormalEquations
-    places: list[Place] = field(default_factory=list)
-    changes: dict[Place, tuple[Candidate, Behind]] = field(default_factory=dict)
+    indices: list[Indices] = field(default_factory=list)
+    changes: dict[Indices, tuple[Candidate, Behind]] = field(default_factory=dict)
     next_change: Candidate | None = None
-    suspect: Place | Candidate | None = None
+    suspect: Indices | Candidate | None = None
     rounded: set[Key] = field(default_factory=set)
 
 
@@ -141,10 +141,10 @@ class _Search:
         self.errors, self.steps = errors, steps
         self.theory = sense * position(mechanism, driver)
         self.changes: list[Behind] = []
-        self.fits = 0
+        self.applies_to = 0
         self._at(np.zeros_like(driver))
         self.rounding = rounding_of(driver, steps)
-        self.plays, start = first_plays(driver, self.follower, self.slope, errors)
+        self.backlash_widths, start = first_widths(driver, self.follower, self.slope, errors)
         self.counted = np.arange(errors.size) >= start
         self.noise = first_noise(errors, self.slope, steps)
         self.scale = self.counted / self.noise.deviation(self.slope)
@@ -174,26 +174,28 @@ class _Search:
 
     def fit(self) -> None:
         """Fit all that is certain, at the present point."""
-        self.fits += 1
+        self.applies_to += 1
         cell = self.mechanism.cell_angle
         angles = {"input": self.true, "output": self.follower, "cell": self.true * (TURN / cell)}
-        lags = {name: lag(angles[name], width) for name, width in self.plays.items()}
-        parts = parts_seen(self.mechanism, self.true) if self.enough else {}
+        lags = {name: lag(angles[name], width) for name, width in self.backlash_widths.items()}
+        parts = parts_met(self.mechanism, self.true) if self.enough else {}
         self.columns = Columns(angles, self.slope, parts, lags, self.rest, self.scale)
-        self.places = {
-            key: place
-            for key, place in self.columns.places().items()
+        self.indices = {
+            key: indices
+            for key, indices in self.columns.indices().items()
             if key[0] in self.judged or key[1] not in ORDERS
         }
         sums = self.columns.sums([change.sample for change in self.changes])
         self.certain = self._ranked(sums)
         self.changes = [behind for _, behind in self.certain.changes.values()]
-        found = self.coefficients = self.certain.sums.coefficients(self.certain.places)
-        self.ahead = self.columns.input_error(found, self.changes)
+        found = self.coefficients = self.certain.sums.coefficients(self.certain.indices)
+        self.input_error = self.columns.input_error(found, self.changes)
         self.left = self.columns.rest(found, self.changes)
-        for (name, kind), place in self.places.items():
+        for (name, kind), indices in self.indices.items():
             if kind == "lag":
-                self.plays[name] = next_width(self._size(name, place), self.plays[name])
+                self.backlash_widths[name] = next_width(
+                    self._size(name, indices), self.backlash_widths[name]
+                )
 
         self._weigh()
 
@@ -201,32 +203,32 @@ class _Search:
         """Go to the point that was found; whether there is any reason for another fit."""
         same = np.allclose(self.scale, self.next_scale, rtol=_SAME_WEIGHT, atol=0.0)
         # a cause of half a cell and more leads the method astray
-        far = float(np.abs(self.ahead).max()) > 0.5 * self.mechanism.cell_angle
-        if far or (same and not self.certain.places):
+        far = float(np.abs(self.input_error).max()) > 0.5 * self.mechanism.cell_angle
+        if far or (same and not self.certain.indices):
             return False
         self.scale = self.next_scale
-        for place, (_, behind) in self.certain.changes.items():
+        for indices, (_, behind) in self.certain.changes.items():
             if behind.column == PHASE:
-                self._place(float(self.coefficients[place[0]]), behind.sample)
-        self._at(self.ahead)
+                self._locate(float(self.coefficients[indices[0]]), behind.sample)
+        self._at(self.input_error)
         return True
 
-    def _place(self, size: float, sample: int) -> None:
+    def _locate(self, size: float, sample: int) -> None:
         """Move a slip of the input to where the exact errors are least."""
-        without = self.ahead.copy()
+        without = self.input_error.copy()
         without[sample:] -= size
         # what the output itself has
-        beside = self.rest - self.left - self.slope * self.ahead - self.theory
+        beside = self.rest - self.left - self.slope * self.input_error - self.theory
         before, behind = (
-            (self.errors - beside - self.sense * position(self.mechanism, self.driver + ahead)) ** 2
-            for ahead in (without, without + size)
+            (self.errors - beside - self.sense * position(self.mechanism, self.driver + shift)) ** 2
+            for shift in (without, without + size)
         )
         gain = np.cumsum(np.append(0.0, (before - behind) * self.scale**2))
         # behind which sample it slipped in the dwell does not show
         same = np.flatnonzero(gain <= gain.min() + _SAME * np.ptp(gain))
         at = int(same[same.size // 2])
-        self.ahead = without
-        self.ahead[at:] += size
+        self.input_error = without
+        self.input_error[at:] += size
 
     def _weigh(self) -> None:
         """Find the readings that are far out, and weigh the others by their noise."""
@@ -249,16 +251,16 @@ class _Search:
         far out like noise where it lies: both would hide themselves.
         """
         certain, left = self.certain, self.left
-        sums, places, changes = certain.sums, certain.places, self.changes
+        sums, indices, changes = certain.sums, certain.indices, self.changes
         if isinstance(certain.suspect, Candidate):
             edge, column = certain.suspect.edge, certain.suspect.column
-            places = [*places, (len(sums.gram),)]
+            indices = [*indices, (len(sums.gram),)]
             changes = [*changes, Behind(int(sums.edges[edge]), column)]
             sums = sums.with_column_behind(edge, column)
         elif certain.suspect is not None:
-            places = [*places, certain.suspect]
+            indices = [*indices, certain.suspect]
         if certain.suspect is not None:
-            left = self.columns.rest(sums.coefficients(places), changes)
+            left = self.columns.rest(sums.coefficients(indices), changes)
         inside = np.flatnonzero(self.scale > 0.0)
         left, slope = left[inside], self.slope[inside]
         noise = noise_of(left, slope, self.steps)
@@ -268,44 +270,48 @@ class _Search:
     def _ranked(self, sums: NormalEquations) -> _Certain:
         """All that is certain, the most significant first, each tested with those before."""
         found = _Certain(sums)
-        plays = {place for (_, kind), place in self.places.items() if kind == "lag"}
+        lags = {indices for (_, kind), indices in self.indices.items() if kind == "lag"}
         while True:
             found.rounded = set()
-            log_p, place, is_play = self._best_place(found)
+            log_p, indices, is_backlash = self._most_significant(found)
             # where a shaft turns back once, a slip there looks like its backlash, until the width
             # of the latter has converged
-            early = self.fits < _FITS and plays & {*found.places}
-            look = self.enough and not is_play and not early
-            found.next_change = change = best_change(found.sums, found.places) if look else None
+            early = self.applies_to < _FITS and lags & {*found.indices}
+            look = self.enough and not is_backlash and not early
+            found.next_change = change = best_change(found.sums, found.indices) if look else None
             if change and self._may_be_rounding(change.shaft, change):
                 if change.log_p < math.log(DOUBT):
                     found.rounded.add(("change", int(found.sums.edges[change.edge])))
                 change = None
-            ahead = change is not None and change.log_p < log_p
+            shift = change is not None and change.log_p < log_p
             seldom = min(log_p, change.log_p if change else 0.0) < math.log(_SUSPECTED)
-            found.suspect = (change if ahead else place) if seldom else None
-            if self.fits < _FITS and len(found.places) == self.fits:
+            found.suspect = (change if shift else indices) if seldom else None
+            if self.applies_to < _FITS and len(found.indices) == self.applies_to:
                 return found
-            if ahead and change and change.log_p < math.log(SURE):
+            if shift and change and change.log_p < math.log(SURE):
                 if len(found.changes) == _CHANGES:
                     return found
-                place = (len(found.sums.gram),)
+                indices = (len(found.sums.gram),)
                 behind = Behind(int(found.sums.edges[change.edge]), change.column)
-                found.changes[place] = change, behind
+                found.changes[indices] = change, behind
                 found.sums = found.sums.with_column_behind(change.edge, change.column)
             elif log_p >= math.log(SURE):
                 return found
-            found.places.append(place)
+            found.indices.append(indices)
 
-    def _best_place(self, certain: _Certain) -> tuple[float, Place, bool]:
-        """The most significant of the other errors: log p, columns, and whether it is a play.
+    def _most_significant(self, certain: _Certain) -> tuple[float, Indices, bool]:
+        """The most significant of the other errors: log p, columns, and whether it is a backlash.
 
-        A play that is certain comes before all others.
+        A backlash that is certain comes before all others.
         """
         trials = []
-        waves = sum(kind != "parts" for _, kind in self.places)
-        for (name, kind), place in self.places.items():
-            fitted = None if place in certain.places else certain.sums.fitted(place, certain.places)
+        waves = sum(kind != "parts" for _, kind in self.indices)
+        for (name, kind), indices in self.indices.items():
+            fitted = (
+                None
+                if indices in certain.indices
+                else certain.sums.fitted(indices, certain.indices)
+            )
             if fitted is None:
                 continue
             log_p, searched = fitted.log_p, math.log(waves)
@@ -314,9 +320,9 @@ class _Search:
             if self._may_be_rounding(name, fitted):
                 certain.rounded |= {(name, kind)} if log_p < math.log(DOUBT) else set()
             else:
-                trials.append((log_p + searched, place, kind == "lag"))
-        plays = [trial for trial in trials if trial[2] and trial[0] < math.log(SURE)]
-        return min(plays or trials, default=(0.0, (), False))
+                trials.append((log_p + searched, indices, kind == "lag"))
+        lags = [trial for trial in trials if trial[2] and trial[0] < math.log(SURE)]
+        return min(lags or trials, default=(0.0, (), False))
 
     def _may_be_rounding(self, shaft: str, error: Fitted | Candidate) -> bool:
         """Whether rounding alone may explain as large a sum of squares."""
@@ -327,27 +333,29 @@ class _Search:
         noise = self.noise.shrunk(left / (left + error.explained))
         return error.explained < self.rounding.explains(shaft, self.slope, self.scale, noise)
 
-    def _fitted(self, place: Place) -> Fitted | None:
+    def _fitted(self, indices: Indices) -> Fitted | None:
         """An error fitted together with all others that are certain."""
-        return self.certain.sums.fitted(place, [it for it in self.certain.places if it != place])
+        return self.certain.sums.fitted(
+            indices, [it for it in self.certain.indices if it != indices]
+        )
 
-    def _size(self, name: str, place: Place) -> tuple[float, float, float]:
+    def _size(self, name: str, indices: Indices) -> tuple[float, float, float]:
         """Size, standard error and p-value of a wave or a lag."""
-        fitted = self._fitted(place)
-        return UNKNOWN if fitted is None else told_size(fitted, self.limits[name])
+        fitted = self._fitted(indices)
+        return UNKNOWN if fitted is None else sized(fitted, self.limits[name])
 
     def found(self, line: np.ndarray) -> Found:
         """What was found at last."""
         shaft_errors, backlash, slots = [], [], []
         for name, turns in self.turns.items():
             for order in ORDERS:
-                place = self.places.get((name, order))
-                size = UNKNOWN if place is None else self._size(name, place)
+                indices = self.indices.get((name, order))
+                size = UNKNOWN if indices is None else self._size(name, indices)
                 shaft_errors.append(ShaftError(name, order, *size, turns))
-        for (name, kind), place in self.places.items():
+        for (name, kind), indices in self.indices.items():
             if kind == "lag":
-                backlash.append(Backlash(name, *self._size(name, place)))
-            fitted = self._fitted(place) if kind == "parts" else None
+                backlash.append(Backlash(name, *self._size(name, indices)))
+            fitted = self._fitted(indices) if kind == "parts" else None
             if fitted is not None:
                 parts = self.columns.parts[name]
                 index, angle, error, log_p = worst_part(fitted, parts)
@@ -380,8 +388,8 @@ class _Search:
     def _changes(self, line: np.ndarray) -> tuple[Change, ...]:
         """Changes that are certain, and the next one if noise hardly causes it."""
         certain, found = self.certain, []
-        for place, (change, behind) in certain.changes.items():
-            if (fitted := self._fitted(place)) is not None:
+        for indices, (change, behind) in certain.changes.items():
+            if (fitted := self._fitted(indices)) is not None:
                 size, error = float(fitted.values[0]), math.sqrt(float(fitted.covariance[0, 0]))
                 found.append((behind.sample, change.shaft, size, error, change.log_p))
         if (last := certain.next_change) is not None and last.log_p < math.log(DOUBT):

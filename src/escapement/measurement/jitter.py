@@ -25,7 +25,7 @@ def whitening(known: np.ndarray, share: float) -> tuple[Callable[[FloatArray], F
     Parameters
     ----------
     known : ndarray of int, shape (n,)
-        Places of the beats in the sequence; those between them are missing.
+        Indices of the beats in the sequence; those between them are missing.
     share : float
         Share of the variance that comes from time stamps, in [0, 1].
 
@@ -58,7 +58,7 @@ def share_of(values: FloatArray, design: FloatArray, known: np.ndarray, stamps: 
     design : ndarray, shape (n, p)
         Columns whose combination they are, except for noise.
     known : ndarray of int, shape (n,)
-        Their places in the sequence.
+        Their indices in the sequence.
     stamps : bool
         Whether they are known to be differences of time stamps. If they are not, the share is 0
         unless the beats show with certainty that it is not; if they are, and are too few to show

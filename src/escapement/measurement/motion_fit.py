@@ -103,18 +103,18 @@ class MotionFit(Shown):
         units = [factor(unit_kind(name), spoken.spoken()) for name in self.parameters]
         found = [
             f"{words(name)} {value / unit:.4g} ({100.0 * self.confidence:g} % interval "
-            f"{low / unit:.4g} to {spoken.told(high, unit_kind(name), 4)})"
+            f"{low / unit:.4g} to {spoken.as_spoken(high, unit_kind(name), 4)})"
             for name, value, (low, high), unit in zip(
                 self.parameters, self.values, self.intervals, units, strict=True
             )
         ]
-        told = f" with {' and '.join(found)}; all other numbers are as given" if found else ""
+        text = f" with {' and '.join(found)}; all other numbers are as given" if found else ""
         if self.contradicted:
-            told = f", not even{told}" if found else ""
-            return Verdict(False, f"The model does not explain the motion{told}.")
+            text = f", not even{text}" if found else ""
+            return Verdict(False, f"The model does not explain the motion{text}.")
         if self.doubt:
             return Verdict(None, f"Cannot say whether the model explains the motion: {self.doubt}.")
-        return Verdict(True, f"The model explains the motion{told}.")
+        return Verdict(True, f"The model explains the motion{text}.")
 
 
 def fit_motion(
@@ -169,7 +169,7 @@ def fit_motion(
     found = optimize.least_squares(
         task.residuals, task.begin(), task.slopes, bounds=task.bounds(), x_scale="jac", **_EXACT
     )
-    task.check_told(found.jac)
+    task.check_determined(found.jac)
     n, unknowns = task.time.size, found.x.size + 1
     noise = math.sqrt(2.0 * float(found.cost) / (n - unknowns))
     reach = float(special.stdtrit(n - unknowns, 0.5 + 0.5 * share))

@@ -91,11 +91,11 @@ class MotionTask:
         """Derivatives of the residuals: by the numbers from differences, by the release exactly."""
         columns, low = [], np.maximum(unknowns - _STEP * np.maximum(unknowns, _SMALL), _LEAST)
         high = np.minimum(unknowns + _STEP * np.maximum(unknowns, _SMALL), self.bounds()[1])
-        for place in range(len(self.parameters)):
+        for index in range(len(self.parameters)):
             less, more = unknowns.copy(), unknowns.copy()
-            less[place], more[place] = low[place], high[place]
+            less[index], more[index] = low[index], high[index]
             change = self.residuals(more) - self.residuals(less)
-            columns.append(change / (high[place] - low[place]))
+            columns.append(change / (high[index] - low[index]))
         try:
             speed = np.asarray(self.state(unknowns).theta_dot)
         except InvalidValue:
@@ -149,20 +149,20 @@ class MotionTask:
                 message = message or motion.message
                 continue
             grid = np.linspace(0.0, motion.end_time, 50 * cells)
-            turned = motion.at(grid).theta
-            own = np.interp(self.angle[moving], turned - turned[0], grid)
-            rate, start = np.polyfit(own, times, 1)
+            simulated = motion.at(grid).theta
+            time = np.interp(self.angle[moving], simulated - simulated[0], grid)
+            rate, start = np.polyfit(time, times, 1)
             if not rate > 0.0:
                 continue
             pace = rate if scales else 1.0
-            start = start if scales else float(np.mean(times - own))
+            start = start if scales else float(np.mean(times - time))
             trial = np.array(
                 [
                     pace**-2.0 if it == "torque" else x
                     for it, x in zip(self.parameters, trial, strict=True)
                 ]
             )
-            miss = float(np.square(times - start - pace * own).sum())
+            miss = float(np.square(times - start - pace * time).sum())
             tries.append((miss, *trial, start / self.span, rate))
         if not tries:
             raise InvalidValue(
@@ -179,8 +179,8 @@ class MotionTask:
         rate : measured over computed time of the same angles [-].
         """
         took, turns = self.span, float(self.angle[-1]) / (2.0 * math.pi)
-        told = f"{took:.3g} s for {turns:.3g} turns of the driver, which take {took / rate:.3g} s"
-        check_unit("time", rate, told, self.numbers.get("torque"))
+        text = f"{took:.3g} s for {turns:.3g} turns of the driver, which take {took / rate:.3g} s"
+        check_unit("time", rate, text, self.numbers.get("torque"))
 
     def bounds(self) -> tuple[FloatArray, FloatArray]:
         """Least and greatest unknowns: positive numbers, and a release during the recording.
@@ -191,7 +191,7 @@ class MotionTask:
         most = [1.0 / self.numbers[it] if is_share(it) else math.inf for it in self.parameters]
         return np.array([*np.full(len(most), _LEAST), -1.0]), np.array([*most, 1.0])
 
-    def check_told(self, slopes: FloatArray) -> None:
+    def check_determined(self, slopes: FloatArray) -> None:
         """Raise an error if these readings do not determine each of the numbers."""
         lengths = np.linalg.norm(slopes, axis=0)
         for name, length in zip(self.parameters, lengths, strict=False):

@@ -128,8 +128,8 @@ def rounding_of(angle: FloatArray, steps: tuple[float, float]) -> Rounding:
 def _positions(angle: FloatArray, step: float) -> float:
     """Number of different positions in a turn, over that of as many positions at random."""
     counts = np.round(np.mod(angle, TURN) / step)
-    places = min(TURN, float(np.ptp(angle))) / step
-    expected = -places * math.expm1(-counts.size / places)
+    count = min(TURN, float(np.ptp(angle))) / step
+    expected = -count * math.expm1(-counts.size / count)
     return float(np.unique(counts).size / expected)
 
 

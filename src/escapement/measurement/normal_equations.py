@@ -18,7 +18,7 @@ ERRORS, OFFSET, PHASE = 0, 1, 2
 # a column that differs from all others by a smaller share is not fitted; rounding is far below
 COLLINEAR = 1e-9
 _UNDERFLOW = 1e-290
-Place = tuple[int, ...]
+Indices = tuple[int, ...]
 """The columns of one error among all columns."""
 
 
@@ -73,35 +73,35 @@ class NormalEquations(NamedTuple):
         """Sums over all samples, shape (p, p)."""
         return np.asarray(self.behind[0])
 
-    def _base(self, others: list[Place]) -> list[int]:
+    def _base(self, others: list[Indices]) -> list[int]:
         return [OFFSET, PHASE, *(column for other in others for column in other)]
 
-    def beside(self, others: list[Place]) -> tuple[list[int], FloatArray]:
+    def beside(self, others: list[Indices]) -> tuple[list[int], FloatArray]:
         """Offset, phase and some others, and the inverse of the products of these columns."""
         base = self._base(others)
         square = self.gram[np.ix_(base, base)]
         return base, np.asarray(np.linalg.pinv(square, rcond=1e-12, hermitian=True), float)
 
-    def fitted(self, own: Place, others: list[Place]) -> Fitted | None:
+    def fitted(self, chosen: Indices, others: list[Indices]) -> Fitted | None:
         """Fit of columns together with others; None if it cannot separate them."""
         base, inverse = self.beside(others)
-        kept = [ERRORS, *own]
+        kept = [ERRORS, *chosen]
         cross = self.gram[np.ix_(base, kept)]
         left = self.gram[np.ix_(kept, kept)] - cross.T @ inverse @ cross
         square, product = left[1:, 1:], left[1:, 0]
-        whole = self.gram[own, own].sum()
+        whole = self.gram[chosen, chosen].sum()
         if np.linalg.eigvalsh(square)[0] <= COLLINEAR * whole:
             return None
         covariance = np.asarray(np.linalg.inv(square), float)
         values = covariance @ product
-        freedom = self.samples - len(base) - len(own)
+        freedom = self.samples - len(base) - len(chosen)
         explained = float(values @ product)
         variance = max(float(left[0, 0]) - explained, 0.0) / freedom
         if not (variance > 0.0 and explained > 0.0):
             return None
         return Fitted(values, variance * covariance, explained, freedom, variance)
 
-    def coefficients(self, sure: list[Place]) -> FloatArray:
+    def coefficients(self, sure: list[Indices]) -> FloatArray:
         """Fitted factor of each column, 0 for those that are not significant, shape (p,)."""
         base, inverse = self.beside(sure)
         found = np.zeros(len(self.gram))
@@ -110,11 +110,11 @@ class NormalEquations(NamedTuple):
 
     def with_column_behind(self, edge: int, column: int) -> "NormalEquations":
         """The same with one more column, equal to another one behind an edge and 0 before it."""
-        later = self.behind[np.maximum(np.arange(len(self.edges)), edge)]
-        row, own = later[:, column, :], later[:, column, column]
+        sums_behind = self.behind[np.maximum(np.arange(len(self.edges)), edge)]
+        row, square = sums_behind[:, column, :], sums_behind[:, column, column]
         size = len(self.gram)
         behind = np.empty((len(self.edges), size + 1, size + 1))
         behind[:, :size, :size] = self.behind
         behind[:, size, :size] = behind[:, :size, size] = row
-        behind[:, size, size] = own
+        behind[:, size, size] = square
         return self._replace(behind=behind)

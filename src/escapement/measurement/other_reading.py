@@ -38,12 +38,13 @@ def other_reading(result: Any, cells: float, small: float) -> str:
             continue
         error = float(fit_zeros(result.mechanism, angle, output).errors.std())
         if error < small * step:
-            fits = f"within {math.degrees(error):.3g} degrees"
+            agreement = f"within {math.degrees(error):.3g} degrees"
             if not name:
-                return f"With input and output exchanged, they fit this mechanism {fits}."
+                return f"With input and output exchanged, they fit this mechanism {agreement}."
             unit = _OPTIONS[name]
             return (
-                f"Read as {name}, the angles fit this mechanism {fits}: give --angle-unit {unit}, "
+                f"Read as {name}, the angles fit this mechanism {agreement}: give --angle-unit "
+                f"{unit}, "
                 f"in Python angle_unit={unit!r}."
             )
     return ""

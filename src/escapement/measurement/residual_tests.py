@@ -46,17 +46,17 @@ def chance(residuals: FloatArray, slopes: FloatArray, cells: FloatArray) -> floa
     size, unknowns = residuals.size, slopes.shape[1] + 1
     if size - unknowns < _LEAST:
         return math.nan
-    place = np.pi * (np.arange(size) + 0.5) / size
-    turned = 2.0 * np.pi * cells
-    slow = [np.cos(k * place) for k in range(1, _SLOW + 1)]
-    repeated = [wave(k * turned) for k in (1, 2) for wave in (np.cos, np.sin)]
+    angle = np.pi * (np.arange(size) + 0.5) / size
+    angles = 2.0 * np.pi * cells
+    slow = [np.cos(k * angle) for k in range(1, _SLOW + 1)]
+    repeated = [wave(k * angles) for k in (1, 2) for wave in (np.cos, np.sin)]
     waves = np.column_stack([*slow[:2], *repeated, *slow[2:]])[:, : (size - unknowns) // 3]
     # the waves less all that the unknowns and the zero of the encoder can fit
     fitted, _ = np.linalg.qr(np.column_stack([np.ones(size), _scaled(slopes)]))
-    own, sizes, _ = np.linalg.svd(waves - fitted @ (fitted.T @ waves), full_matrices=False)
-    own = own[:, sizes > 1e-6 * math.sqrt(size)]
+    basis, sizes, _ = np.linalg.svd(waves - fitted @ (fitted.T @ waves), full_matrices=False)
+    basis = basis[:, sizes > 1e-6 * math.sqrt(size)]
     rest = residuals - fitted @ (fitted.T @ residuals)
-    found, count = float(np.sum((own.T @ rest) ** 2)), own.shape[1]
+    found, count = float(np.sum((basis.T @ rest) ** 2)), basis.shape[1]
     left = size - unknowns - count
     noise = (float(rest @ rest) - found) / left
     return float(special.fdtrc(count, left, found / count / noise)) if noise > 0.0 else math.nan
@@ -89,5 +89,5 @@ def smooth_as_well(time: FloatArray, angle: FloatArray, residuals: FloatArray) -
     curve = np.polynomial.Polynomial.fit(at, angle, _DEGREE, domain=[-1.0, 1.0])
     left = float(np.sum((angle - curve(at)) ** 2))
     # the likelihood of normal noise falls with the n-th power of the scatter
-    own = max(float(residuals @ residuals), 1e-30 * left)
-    return bool(0.5 * time.size * math.log(left / own) < math.log(_ODDS)) if left > 0.0 else True
+    square = max(float(residuals @ residuals), 1e-30 * left)
+    return bool(0.5 * time.size * math.log(left / square) < math.log(_ODDS)) if left > 0.0 else True

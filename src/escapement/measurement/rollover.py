@@ -38,8 +38,8 @@ def unrolled(angle: FloatArray, count: float, turn: float) -> tuple[FloatArray, 
         size = 2.0**bits
         over = np.round(jumps / size)
         rest = np.abs(jumps - size * over)
-        fits = np.ptp(counts) < size and rest.max() < _NEAR * size
-        if fits and over.any() and abs(size * count - turn) > 1e-9 * turn:
+        alike = np.ptp(counts) < size and rest.max() < _NEAR * size
+        if alike and over.any() and abs(size * count - turn) > 1e-9 * turn:
             found = angle.copy()
             found[present[1:]] -= size * count * np.cumsum(over)
             return found, bits, int(present[1 + np.argmax(over != 0.0)])

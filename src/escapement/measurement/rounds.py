@@ -51,7 +51,7 @@ class Rounds(Shown):
 
     @cached_property
     def known(self) -> np.ndarray:
-        """Places of the measured beats in turn, shape (samples,)."""
+        """Indices of the measured beats in turn, shape (samples,)."""
         return np.flatnonzero(np.isfinite(self.table.ravel()))
 
     @cached_property
@@ -59,7 +59,7 @@ class Rounds(Shown):
         """Means, the root of their information, and what is left."""
         white, _ = whitening(self.known, self.jitter)
         values = white(self.table.ravel()[self.known])
-        basis, root = np.linalg.qr(white(_places(self.known, self.pattern)))
+        basis, root = np.linalg.qr(white(_indices(self.known, self.pattern)))
         means = np.linalg.solve(root, basis.T @ values)
         rest = values - basis @ (basis.T @ values)
         return np.asarray(means), np.asarray(root), float(rest @ rest)
@@ -95,7 +95,7 @@ class Rounds(Shown):
         return np.asarray(white((self.table - computed).ravel()[self.known]))
 
 
-def _places(known: np.ndarray, pattern: int) -> FloatArray:
+def _indices(known: np.ndarray, pattern: int) -> FloatArray:
     """One in the column of the engagement that each beat belongs to, shape (samples, pattern)."""
     return np.asarray(np.eye(pattern)[known % pattern])
 
@@ -115,7 +115,7 @@ def rounds_of(given: ArrayLike, wheel: Geneva, times: bool = False) -> Rounds:
             f"{k % (wheel.pins or 1)} in slot {k % wheel.slots}{amiss}; measure longer"
         )
     known = found.known
-    jitter = share_of(padded[known], _places(known, size), known, times)
+    jitter = share_of(padded[known], _indices(known, size), known, times)
     return replace(found, jitter=jitter)
 
 

@@ -50,7 +50,7 @@ class ShaftError(NamedTuple):
     p_value: float
     turns: float
 
-    def told(self, certain: bool) -> str:
+    def text(self, certain: bool) -> str:
         """A sentence about this error, with "may" if it is not certain."""
         where = "cell" if self.shaft == "cell" else f"turn of the {self.shaft}"
         often = ("once", "twice")[self.order - 1]
@@ -69,13 +69,15 @@ def interval(size: float, error: float) -> str:
     return f"{size:.3g} degrees (95 % interval {size - half:.3g} to {size + half:.3g})"
 
 
-def told_backlash(play: Backlash, certain: bool) -> str:
+def backlash_text(backlash: Backlash, certain: bool) -> str:
     """A sentence about the backlash of a shaft, with "may" if it is not certain."""
-    size = interval(abs(play.width), play.standard_error)
-    if play.width > 0.0:
-        return f"the {play.shaft} {'has' if certain else 'may have'} a backlash of {size}"
+    size = interval(abs(backlash.width), backlash.standard_error)
+    if backlash.width > 0.0:
+        return f"the {backlash.shaft} {'has' if certain else 'may have'} a backlash of {size}"
     leads = "leads" if certain else "may lead"
-    return f"the {play.shaft} {leads} by {size} where it turns back, as if its encoder were loose"
+    return (
+        f"the {backlash.shaft} {leads} by {size} where it turns back, as if its encoder were loose"
+    )
 
 
 def chance(p_value: float, correlation: float) -> float:
@@ -86,7 +88,7 @@ def chance(p_value: float, correlation: float) -> float:
     return float(max(p_value, _LEAST) ** worth)
 
 
-def told_size(fitted: Fitted, limit: float) -> tuple[float, float, float]:
+def sized(fitted: Fitted, limit: float) -> tuple[float, float, float]:
     """Amplitude of a wave or width of a backlash, its standard error, and its p-value.
 
     A size beyond its limit is none that a shaft can have: the fit does not determine it.

@@ -63,7 +63,7 @@ class Parts(NamedTuple):
             yield (index == number) - last
 
 
-def parts_seen(mechanism: Mechanism, driver: FloatArray) -> dict[str, Parts]:
+def parts_met(mechanism: Mechanism, driver: FloatArray) -> dict[str, Parts]:
     """The pins and slots of a mechanism that has several, by their shaft."""
     cells = np.floor((driver - mechanism.breaks[0]) / mechanism.cell_angle).astype(int)
     angles = {"input": mechanism.cell_angle, "output": abs(mechanism.follower_step)}

@@ -39,9 +39,9 @@ def checked_times(values: ArrayLike, lines: np.ndarray, where: str) -> tuple[Flo
             "delete this row, or fill the time in"
         )
     steps = np.diff(times)
-    late = np.flatnonzero(steps < 0.0)
-    if late.size or not np.ptp(times) > 0.0:
-        at = late[0] if late.size else 0
+    backward = np.flatnonzero(steps < 0.0)
+    if backward.size or not np.ptp(times) > 0.0:
+        at = backward[0] if backward.size else 0
         raise InvalidValue(
             f"time must increase, got {times[at + 1]:g} s after {times[at]:g} s in "
             f"{where} {lines[at + 1]}; sort the samples, or check the column of times"
@@ -74,7 +74,7 @@ def spread(times: FloatArray, tick: float) -> FloatArray:
     gaps = tick / counts
     if counts.size > 1:
         gaps[[0, -1]] = np.minimum(gaps[[0, -1]], gaps[[1, -2]])
-    place = np.arange(times.size) - np.repeat(starts, counts) + 0.5
+    position = np.arange(times.size) - np.repeat(starts, counts) + 0.5
     # the first step is seen from somewhere in it to its end
-    place[: counts[0]] += tick / gaps[0] - counts[0]
-    return np.asarray(times + np.repeat(gaps, counts) * place - 0.5 * tick)
+    position[: counts[0]] += tick / gaps[0] - counts[0]
+    return np.asarray(times + np.repeat(gaps, counts) * position - 0.5 * tick)

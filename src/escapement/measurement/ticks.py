@@ -48,8 +48,8 @@ def ticks_of(given: ArrayLike, times: bool, pattern: int) -> Ticks:
     beats = _differences(values) if times else values
     wrong = np.flatnonzero(~np.isnan(beats) & ~((beats > 0.0) & np.isfinite(beats)))
     if wrong.size:
-        place = int(wrong[0])
-        raise validate.fail(f"beat {place}", "finite and greater than 0", beats[place], _REMEDY)
+        index = int(wrong[0])
+        raise validate.fail(f"beat {index}", "finite and greater than 0", beats[index], _REMEDY)
     known = beats[np.isfinite(beats)]
     if not times and known.size >= _INCREASING and (np.diff(known) > 0.0).all():
         raise InvalidValue(
@@ -59,7 +59,7 @@ def ticks_of(given: ArrayLike, times: bool, pattern: int) -> Ticks:
     if not known.size:
         return Ticks(beats, ())
     mended, faults = _counted(beats, float(np.median(known)))
-    faults += [*_out_of_place(mended, pattern)]
+    faults += [*_displaced(mended, pattern)]
     return Ticks(mended, tuple(faults))
 
 
@@ -77,9 +77,9 @@ def _differences(stamps: FloatArray) -> FloatArray:
     known = np.flatnonzero(~np.isnan(stamps))
     back = np.flatnonzero(~(np.diff(stamps[known]) > 0.0))
     if back.size:
-        place = int(known[back[0] + 1])
+        index = int(known[back[0] + 1])
         rule = f"later than the one before it, {float(stamps[known[back[0]]])!r} s"
-        raise validate.fail(f"time {place}", rule, stamps[place], "sort the times, without doubles")
+        raise validate.fail(f"time {index}", rule, stamps[index], "sort the times, without doubles")
     return np.diff(stamps)
 
 
@@ -93,61 +93,61 @@ def _counted(beats: FloatArray, typical: float) -> tuple[FloatArray, list[str]]:
         )
     unit = float(beats[~off & np.isfinite(beats)].mean())
     found: list[float] = []
-    faults, place = [], 0
-    while place < beats.size:
-        if not off[place]:
-            found.append(float(beats[place]))
-            place += 1
+    faults, index = [], 0
+    while index < beats.size:
+        if not off[index]:
+            found.append(float(beats[index]))
+            index += 1
             continue
-        stop = place + 1
+        stop = index + 1
         while stop < beats.size and off[stop]:
             stop += 1
-        before, after, count = _window(beats, found, place, stop, unit)
+        before, after, count = _window(beats, found, index, stop, unit)
         del found[len(found) - before :]
-        total = float(np.sum(beats[place - before : stop + after]))
+        total = float(np.sum(beats[index - before : stop + after]))
         found += [total] if count == 1 else [np.nan] * count
-        faults.append(_told(beats / unit, place, stop, after, count))
-        place = stop + after
+        faults.append(_fault(beats / unit, index, stop, after, count))
+        index = stop + after
     return np.array(found), faults
 
 
 def _window(
-    beats: FloatArray, found: list[float], place: int, stop: int, unit: float
+    beats: FloatArray, found: list[float], index: int, stop: int, unit: float
 ) -> tuple[int, int, int]:
     """How many neighbours before and after intervals make a whole number of beats, and which."""
-    alone = float(beats[place:stop].sum())
+    alone = float(beats[index:stop].sum())
     left = found[-1] if found else np.nan
     right = float(beats[stop]) if stop < beats.size else np.nan
-    fits = {}
+    whole = {}
     for window, more in {(0, 0): 0.0, (0, 1): right, (1, 0): left, (1, 1): left + right}.items():
         number = (alone + more) / unit
         count = round(number) if np.isfinite(number) else 0
         if 1 <= count <= _MOST and abs(number - count) < _NEAR:
-            fits[window] = count
-    both = (0, 1) in fits and (1, 0) in fits
+            whole[window] = count
+    both = (0, 1) in whole and (1, 0) in whole
     for window in ((0, 0), (1, 1)) if both else ((0, 0), (0, 1), (1, 0), (1, 1)):
-        if window in fits:
-            return *window, fits[window]
+        if window in whole:
+            return *window, whole[window]
     if stop == beats.size and alone < _SHORT * unit:
         # a tick after the last beat changes no number of a pin or slot
         return 0, 0, 0
     raise InvalidValue(
-        f"beat {place} must be a whole number of beats, alone or with its neighbours, got "
-        f"{beats[place] / unit:.2f} times the mean of the others; take the recording from the "
+        f"beat {index} must be a whole number of beats, alone or with its neighbours, got "
+        f"{beats[index] / unit:.2f} times the mean of the others; take the recording from the "
         "beat after it on, or put NaN for as many beats as there were"
     )
 
 
-def _told(shares: FloatArray, place: int, stop: int, after: int, count: int) -> str:
+def _fault(shares: FloatArray, index: int, stop: int, after: int, count: int) -> str:
     """What was found at intervals, and what was done, in words."""
-    rows = range(place, stop + (after if count else 0))
-    name = f"beat {place} is" if len(rows) == 1 else f"beats {place} to {rows[-1]} are"
+    rows = range(index, stop + (after if count else 0))
+    name = f"beat {index} is" if len(rows) == 1 else f"beats {index} to {rows[-1]} are"
     sizes = " and ".join(f"{shares[k]:.2f}" for k in rows)
     if count == 0:
         return f"{name} {sizes} of the others: a tick after the last beat, which is left out"
     if count == 1:
         return f"{name} {sizes} of the others: an echo, whose parts are joined"
-    if len(rows) == 1 and shares[place] > 1.0:
+    if len(rows) == 1 and shares[index] > 1.0:
         missed = "a tick was" if count == 2 else f"{count - 1} ticks were"
         return (
             f"{name} {sizes} times the others: {missed} not heard, and {count} beats are left out"
@@ -158,7 +158,7 @@ def _told(shares: FloatArray, place: int, stop: int, after: int, count: int) -> 
     )
 
 
-def _out_of_place(beats: FloatArray, pattern: int) -> Iterator[str]:
+def _displaced(beats: FloatArray, pattern: int) -> Iterator[str]:
     """Leave out beats that are far from those of the same pin and slot in other rounds."""
     padded = np.full(-(-beats.size // pattern) * pattern, np.nan)
     padded[: beats.size] = beats
@@ -176,10 +176,10 @@ def _out_of_place(beats: FloatArray, pattern: int) -> Iterator[str]:
         out = np.flatnonzero(np.abs(apart) > _OUT * scatter + least)
     if out.size > 0.1 * beats.size:
         return
-    for place in out.tolist():
+    for index in out.tolist():
         yield (
-            f"engagement {place} takes {beats[place] / (beats[place] - apart[place]):.3f} times as "
+            f"engagement {index} takes {beats[index] / (beats[index] - apart[index]):.3f} times as "
             "long as with the same pin and slot in other rounds: a tick is out of place, and the "
             "beat is left out"
         )
-        beats[place] = np.nan
+        beats[index] = np.nan

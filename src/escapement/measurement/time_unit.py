@@ -11,7 +11,7 @@ _READ_AS_S = {"ns": 1e9, "us": 1e6, "ms": 1e3, "minutes": 1.0 / 60.0, "hours": 1
 """Units of time, and by how much times in them are too long if they are read as seconds."""
 
 
-def check_unit(name: str, ratio: float, told: str, torque: float | None = None) -> None:
+def check_unit(name: str, ratio: float, text: str, torque: float | None = None) -> None:
     """Raise InvalidValue where measured times are far from those of a design.
 
     Parameters
@@ -20,7 +20,7 @@ def check_unit(name: str, ratio: float, told: str, torque: float | None = None) 
         Argument that holds the measured times.
     ratio : float
         Measured time divided by the time of the design, above 0 [-].
-    told : str
+    text : str
         Both times in words.
     torque : float, optional
         The design's torque [N m]; the message says with which torque the times would be right.
@@ -33,9 +33,9 @@ def check_unit(name: str, ratio: float, told: str, torque: float | None = None) 
         guess = f", which may be {unit} taken as s"
     right = "correct the numbers of the escapement"
     if torque is not None:
-        needed = spoken.told(torque / ratio**2, "torque", 2)
+        needed = spoken.as_spoken(torque / ratio**2, "torque", 2)
         right = f"give the escapement a torque of about {needed}"
     raise InvalidValue(
-        f"{name} must be of the order of the design's, got {told}; check the unit of the "
+        f"{name} must be of the order of the design's, got {text}; check the unit of the "
         f"times{guess}, or, if it is right, {right}"
     )

@@ -24,7 +24,7 @@ _CLOSE_TO_HALF_A_TURN = 0.8 * math.pi
 _MUCH = 0.25  # errors above this share of a step mean that the mechanism is another one
 _SMALL = 0.05  # errors of this share of a step leave a pin no way into its slot
 _CELLS = 2  # an error that repeats must be seen twice before it can be told from others
-_SEEN = 5.0  # standard errors of an error that is seen nineteen times in twenty
+_DETECTED = 5.0  # standard errors of an error that is seen nineteen times in twenty
 
 
 class Verdict(NamedTuple):
@@ -50,7 +50,7 @@ def verdict_on(result: Any) -> Verdict:
         hint = hint or "Turn it further, or check the unit of the angles and the columns."
         return Verdict(None, f"Cannot say: {reason}. {hint}")
     lacking = "" if result.backlash else " It turned one way only, so backlash cannot be seen."
-    if wrong := [cause.told for cause in _causes(result) if cause.certain]:
+    if wrong := [cause.text for cause in _causes(result) if cause.certain]:
         return Verdict(False, f"Not good: {'; '.join(wrong)}.{lacking}")
     if doubts := [*_doubts(result)]:
         return Verdict(None, f"Cannot say: {'; '.join(doubts)}.{lacking}")
@@ -80,7 +80,7 @@ def _not_this_mechanism(result: Any) -> str:
         )
     for cause in _causes(result):
         if cause.certain and cause.effect > 1.0:
-            return f"{cause.told}, which is large against the follower's step of {_deg(step)}"
+            return f"{cause.text}, which is large against the follower's step of {_deg(step)}"
     return ""
 
 
@@ -119,7 +119,7 @@ def _doubts(result: Any) -> Iterator[str]:
     step = abs(result.mechanism.follower_step)
     causes = [*_causes(result)]
     for cause in causes:
-        yield f"{cause.told}, or is {cause.doubt}"
+        yield f"{cause.text}, or is {cause.doubt}"
     if any(cause.doubt == ROUNDING for cause in causes):
         yield (
             f"errors below half a step of the encoders ({_deg(0.5 * max(result.steps))}) cannot "
@@ -139,14 +139,16 @@ def _doubts(result: Any) -> Iterator[str]:
 
 def _good(result: Any) -> str:
     """What was looked for and not found, and how small it might have been."""
-    seen = max(_SEEN * result.scatter * math.sqrt(2.0 / result.errors.size), result.hidden)
+    detectable = max(
+        _DETECTED * result.scatter * math.sqrt(2.0 / result.errors.size), result.hidden
+    )
     text = (
         "Good: the errors are noise without an error of a shaft or of a slot, without a change for "
         f"good and without a reading far out, and scatter by {_deg(result.standard_deviation)}"
     )
     if result.sensor_share:
         text += f", where the encoders alone explain {_deg(result.sensor_share.standard)[:-8]}"
-    text += f". An error of the output of {_deg(seen)} that repeats would have been seen."
+    text += f". An error of the output of {_deg(detectable)} that repeats would have been seen."
     if unknown := _unjudged(result):
         text += f" Errors that repeat with the {unknown} cannot be told from others."
     return text
@@ -217,7 +219,7 @@ def _on_repeated_errors(result: Any) -> Iterator[str]:
     # where the verdict cannot say, it names the other doubts itself
     for cause in _causes(result):
         if cause.doubt and result.verdict.good is False:
-            yield f"{cause.told}, or is {cause.doubt}"
+            yield f"{cause.text}, or is {cause.doubt}"
     if unknown := _unjudged(result):
         yield (
             f"errors that repeat with the {unknown} are not judged: either the readings do not "

@@ -5,7 +5,7 @@ Modules are loaded when they are first used.
 
 Read `protocol` first, then `geneva`.
 
-- `protocol`, `path`, `checks`: what is asked of a mechanism, its path for kernels, checks of
+- `protocol`, `path`, `wheel_checks`: what is asked of a mechanism, its path for kernels, checks of
   lengths
 - `other_sizes`: diameters and distances in place of a mechanism's own numbers
 - `kind`: the base of the kinds, with what files and the command line need

@@ -88,17 +88,17 @@ class Rows(Kind):
         theta, phi = columns(self.theta, self.phi, measured)
         cell, step = self.cell_angle, self.follower_step
         if cell == 0.0:
-            late = np.flatnonzero(np.diff(theta) <= 0.0)
-            if late.size:
+            falling = np.flatnonzero(np.diff(theta) <= 0.0)
+            if falling.size:
                 raise InvalidValue(
                     "theta must ascend from one end of the cell to the other, got "
-                    f"{float(theta[1 + late[0]])!r} out of order; sort the table, or give "
+                    f"{float(theta[1 + falling[0]])!r} out of order; sort the table, or give "
                     "cell_angle and follower_step"
                 )
-            cell, turned = float(theta[-1] - theta[0]), float(phi[-1] - phi[0])
+            cell, step_turned = float(theta[-1] - theta[0]), float(phi[-1] - phi[0])
             if step == 0.0 and measured:
-                turned = table.smoothing(theta, phi, cell, rising=True)[1]
-            step = step or abs(turned)
+                step_turned = table.smoothing(theta, phi, cell, rising=True)[1]
+            step = step or abs(step_turned)
         elif step == 0.0:
             raise InvalidValue(
                 "cell_angle must come with follower_step, got it alone; give both, or neither "
@@ -117,12 +117,12 @@ class Rows(Kind):
 
     def _warn_of_gap(self) -> None:
         """Warn the caller if a large part of the cell has no rows."""
-        places, cell = self._folded[0], self.cell_angle
-        distances = np.diff(np.append(places, places[0] + cell))
+        angles, cell = self._folded[0], self.cell_angle
+        distances = np.diff(np.append(angles, angles[0] + cell))
         widest = int(np.argmax(distances))
         usual = float(np.median(distances[distances > self._near]))
         if distances[widest] > max(_GAP * cell, _MANY[self.measured] * usual):
-            gap, whole, after = np.degrees([distances[widest], cell, places[widest]])
+            gap, whole, after = np.degrees([distances[widest], cell, angles[widest]])
             rule = f"got none for {gap:.3g} of {whole:.4g} degrees after {after:.4g}"
             remedy = "the curve there is a guess; give rows there"
             warnings.warn(f"theta must have rows all over the cell, {rule}: {remedy}", stacklevel=4)
@@ -131,7 +131,7 @@ class Rows(Kind):
         """Refuse rows of a whole cell that do not turn by the given step."""
         theta, phi = self._angles
         phi, step = phi[np.argsort(theta)], self.follower_step
-        turned = abs(float(phi[-1] - phi[0]))
+        follower_turn = abs(float(phi[-1] - phi[0]))
         if self.measured:  # five deviations of the scatter, rather too great, from its bends
             doubt = 5.0 * 1.4826 * float(np.median(np.abs(np.diff(phi, 2)))) / math.sqrt(6.0)
         else:
@@ -139,9 +139,9 @@ class Rows(Kind):
         allowed = max(_OPEN[self.measured] * step, doubt)
         # the last row may be a little before the end of the cell
         allowed += 3.0 * self._mean_ratio * abs(float(np.ptp(theta)) - self.cell_angle)
-        if abs(turned - step) > allowed:
-            degrees = math.degrees(turned)
-            rule = f"what phi turns over the cell, {turned:.9g} rad or {degrees:.7g} degrees"
+        if abs(follower_turn - step) > allowed:
+            degrees = math.degrees(follower_turn)
+            rule = f"what phi turns over the cell, {follower_turn:.9g} rad or {degrees:.7g} degrees"
             remedy = "correct phi, or leave cell_angle and follower_step out"
             raise validate.fail("follower_step", rule, step, remedy)
 
@@ -154,23 +154,23 @@ class Rows(Kind):
 
     def _leaps(self, sense: float) -> float:
         """Sum of the squared steps of the rest between rows for this sense, each over its gap."""
-        places, order = self._folded
+        angles, order = self._folded
         rest = self._rest(sense)[order]
-        gaps = np.diff(np.append(places, places[0] + self.cell_angle))
+        gaps = np.diff(np.append(angles, angles[0] + self.cell_angle))
         # readings at the same angle scatter too, so the mean gap is added to each
-        weights = 1.0 / (gaps + self.cell_angle / places.size)
+        weights = 1.0 / (gaps + self.cell_angle / angles.size)
         return float(weights @ np.diff(np.append(rest, rest[0])) ** 2)
 
     @cached_property
     def spline(self) -> table.PeriodicSpline:
         """The position function minus its mean rise, over the cell."""
-        rest, (places, order) = self._rest(self.sense), self._folded
+        rest, (angles, order) = self._rest(self.sense), self._folded
         if self.measured:
-            return table.smoothing(places, rest[order], self.cell_angle)[0]
+            return table.smoothing(angles, rest[order], self.cell_angle)[0]
         if self._is_one_cell:  # its last row is the first again
             first = order != np.argmax(self._angles[0])
-            places, order = places[first], order[first]
-        x = np.append(places, places[0] + self.cell_angle)
+            angles, order = angles[first], order[first]
+        x = np.append(angles, angles[0] + self.cell_angle)
         gap = float(np.diff(x).min())
         if gap <= self._near:
             raise InvalidValue(

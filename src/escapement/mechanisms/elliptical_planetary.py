@@ -340,17 +340,17 @@ class EllipticalPlanetary(Kind):
         # every cell turns the output by a step, and its second half mirrors the first
         rest = math.remainder(limit, self.follower_step)
         cells = round((limit - rest) / self.follower_step)
-        return 2.0 * (cells * self.cell_angle + math.copysign(self._way(abs(rest)), rest))
+        return 2.0 * (cells * self.cell_angle + math.copysign(self._angle_turning(abs(rest)), rest))
 
-    def _way(self, limit: float) -> float:
+    def _angle_turning(self, limit: float) -> float:
         """Driver angle from a stop in which the output turns by up to half a step [rad]."""
         from scipy.integrate import quad
         from scipy.optimize import brentq
 
         def left(angle: float) -> float:
             # the integral keeps its digits where the position function is small
-            turned = quad(self._from_stop, 0.0, angle, epsabs=0.0, epsrel=1e-13)[0]
-            return float(turned - limit)
+            output = quad(self._from_stop, 0.0, angle, epsabs=0.0, epsrel=1e-13)[0]
+            return float(output - limit)
 
         # near a stop the output turns by the cube of the planet's rotation, further on by at
         # least 0.6 of that: the root lies below 1.2 times that of the cube

@@ -350,15 +350,15 @@ class GearDriven(ImperfectWheel):
         if self.fixed_radius is not None:
             record["planet_radius"] = self.fixed_radius / abs(float(self.gear_ratio))
             record |= {name: record[f"{name}_over_fixed"] * self.fixed_radius for name in _LENGTHS}
-        places = range(1, len(self._ratios) + 1)
-        return record | {"solutions": [self._with_solution(i)._geometry() for i in places]}
+        numbers = range(1, len(self._ratios) + 1)
+        return record | {"solutions": [self._with_solution(i)._geometry() for i in numbers]}
 
-    def _with_solution(self, place: int) -> GearDriven:
+    def _with_solution(self, number: int) -> GearDriven:
         """Another solution with the same pins and lobes, or with one pin where these do not fit."""
         try:
-            return replace(self, solution=place, **_SIZELESS)
+            return replace(self, solution=number, **_SIZELESS)
         except InvalidValue:
-            return replace(self, solution=place, pins=1, unused_lobes=0, **_SIZELESS)
+            return replace(self, solution=number, pins=1, unused_lobes=0, **_SIZELESS)
 
     def _geometry(self) -> dict[str, Any]:
         """As `report`; the length of the carrier with its error."""

@@ -72,5 +72,5 @@ def arm_length(k: float, alpha: float, gamma: float) -> float:
     M0C - M0M on the arm does not.
     """
     entry = math.cos(0.5 * (alpha + gamma))
-    half, turned = 0.5 * (alpha + gamma), 0.5 * k * alpha
-    return entry * math.cos(half - turned) - (1.0 - 1.0 / k) * math.cos(turned)
+    half, half_turn = 0.5 * (alpha + gamma), 0.5 * k * alpha
+    return entry * math.cos(half - half_turn) - (1.0 - 1.0 / k) * math.cos(half_turn)

@@ -12,10 +12,10 @@ from escapement.base import validate
 from escapement.base.errors import InvalidValue
 from escapement.base.lazy import Lazy
 from escapement.base.quantity import Numbers, declared, quantity, setting
-from escapement.mechanisms.checks import IMPERFECT, LENGTHS, check_lengths
 from escapement.mechanisms.kind import ArrayLike, Wheel, np, slotted
-from escapement.mechanisms.path import Meeting
+from escapement.mechanisms.path import Pair
 from escapement.mechanisms.protocol import FloatArray, checked
+from escapement.mechanisms.wheel_checks import IMPERFECT, LENGTHS, check_lengths
 
 pattern: Any = Lazy("escapement.mechanisms.pattern")
 
@@ -64,8 +64,8 @@ class ImperfectWheel(Wheel):
     @classmethod
     def counts(cls, given: Mapping[str, Any]) -> dict[str, int]:
         """How many errors of each kind a wheel has, by name; empty for numbers of no wheel."""
-        own = declared(cls)
-        numbers = {name: value for name, value in given.items() if name in own}
+        entries = declared(cls)
+        numbers = {name: value for name, value in given.items() if name in entries}
         for name in (*IMPERFECT, *LENGTHS):
             numbers.pop(name, None)
         try:
@@ -128,29 +128,29 @@ class ImperfectWheel(Wheel):
         return self._laid_out[0]
 
     @property
-    def meetings(self) -> tuple[Meeting, ...]:
+    def pairs(self) -> tuple[Pair, ...]:
         """The engagements of its pattern, one if its parts are perfect.
 
         InvalidValue if a pin cannot drive its slot.
         """
         if self.misfit:
             raise InvalidValue(self.misfit)
-        return super().meetings if self.perfect else self._meetings
+        return super().pairs if self.perfect else self._pairs
 
     @cached_property
-    def _meetings(self) -> tuple[Meeting, ...]:
-        return pattern.meetings_of(self.pattern)  # type: ignore[no-any-return]
+    def _pairs(self) -> tuple[Pair, ...]:
+        return pattern.pairs_of(self.pattern)  # type: ignore[no-any-return]
 
     def follower_angle(self, theta: ArrayLike) -> FloatArray:
         """As in `Wheel`, with the errors of pins and slots."""
         if self.perfect:
             return super().follower_angle(theta)
         angles = np.asarray(theta, dtype=float)
-        turned = np.empty_like(angles)
-        for meeting, here, number, local in self._meetings_at(angles):
-            engaged = meeting.turned(np.minimum(local, meeting.edges[-1]))
-            turned[here] = number * self.follower_step + engaged
-        return turned
+        driver_angle = np.empty_like(angles)
+        for pair, here, number, local in self._pairs_at(angles):
+            engaged = pair.follower_angle(np.minimum(local, pair.edges[-1]))
+            driver_angle[here] = number * self.follower_step + engaged
+        return driver_angle
 
     def transmission(self, theta: ArrayLike) -> slotted.Transmission:
         """As in `Wheel`, with the errors of pins and slots."""
@@ -158,9 +158,9 @@ class ImperfectWheel(Wheel):
             return super().transmission(theta)
         angles = np.asarray(theta, dtype=float)
         found = np.zeros((3, *angles.shape))
-        for meeting, here, _number, local in self._meetings_at(angles):
-            at = slotted.transmission(meeting.path, local)
-            moves = local <= meeting.edges[-1]
+        for pair, here, _number, local in self._pairs_at(angles):
+            at = slotted.transmission(pair.path, local)
+            moves = local <= pair.edges[-1]
             found[:, here] = np.where(moves, (at.g, at.u, at.dg), 0.0)
         return slotted.Transmission(*found)
 
@@ -169,16 +169,14 @@ class ImperfectWheel(Wheel):
         checked(self)
         return super().jerk(theta)
 
-    def _meetings_at(
-        self, theta: FloatArray
-    ) -> Iterator[tuple[Meeting, Any, FloatArray, FloatArray]]:
-        """Each meeting of a pin and a slot that holds some of the driver angles.
+    def _pairs_at(self, theta: FloatArray) -> Iterator[tuple[Pair, Any, FloatArray, FloatArray]]:
+        """Each pair of a pin and a slot that holds some of the driver angles.
 
         With it come which angles these are, their numbers of engagements, and the angles from
         where its pin crosses the line of centres; those behind the exit are in the dwell.
         """
-        rows, size, cell = self.meetings, len(self.meetings), self.cell_angle
-        starts = np.array([row.late + row.edges[0] for row in rows])
+        rows, size, cell = self.pairs, len(self.pairs), self.cell_angle
+        starts = np.array([row.delay + row.edges[0] for row in rows])
         # the last engagement that has begun is near the one of perfect parts
         near = np.floor((theta - self.breaks[0]) / cell)
         number = near - 1.0
@@ -188,8 +186,8 @@ class ImperfectWheel(Wheel):
         for k, row in enumerate(rows):
             here = number % size == k
             if here.any():
-                own = number[here]
-                yield row, here, own, theta[here] - own * cell - row.late
+                numbers_here = number[here]
+                yield row, here, numbers_here, theta[here] - numbers_here * cell - row.delay
 
     @cached_property
     def misfit(self) -> str:

@@ -10,11 +10,11 @@ from escapement.base import validate
 from escapement.base.errors import UnknownArgument
 from escapement.base.lazy import Lazy
 from escapement.base.quantity import Declared, Setting, declared, quantity
-from escapement.base.spoken import told
-from escapement.mechanisms.checks import check_lengths
-from escapement.mechanisms.other_sizes import OtherSize, diameters, own_numbers
+from escapement.base.spoken import as_spoken
+from escapement.mechanisms.other_sizes import OtherSize, diameters, numbers_of_sizes
 from escapement.mechanisms.path import Path
 from escapement.mechanisms.protocol import CELL, FloatArray, Mechanism
+from escapement.mechanisms.wheel_checks import check_lengths
 
 if TYPE_CHECKING:
     import numpy as np
@@ -69,9 +69,9 @@ class Kind(Declared, Mechanism):
             return super().__new__(cls, *args, **keywords)
         except UnknownArgument:
             for name in keywords.keys() & cls.other_sizes():
-                other, own = cls.other_sizes()[name].of, cls.__name__
-                remedy = f"give {other}, or {own}.from_options({name}=...)"
-                raise UnknownArgument(f"{own} has no argument {name!r}; {remedy}") from None
+                other, named = cls.other_sizes()[name].of, cls.__name__
+                remedy = f"give {other}, or {named}.from_options({name}=...)"
+                raise UnknownArgument(f"{named} has no argument {name!r}; {remedy}") from None
             raise
 
     @classmethod
@@ -88,7 +88,7 @@ class Kind(Declared, Mechanism):
     @classmethod
     def from_options(cls, **given: Any) -> Self:
         """The mechanism of its numbers in SI, and of sizes in place of them, by name."""
-        return cls(**own_numbers(cls.other_sizes(), given))
+        return cls(**numbers_of_sizes(cls.other_sizes(), given))
 
 
 def pin_radius() -> dict[str, Any]:
@@ -161,32 +161,38 @@ class Wheel(Kind):
         """Raise InvalidValue for a pin or a roller that is too thick for the wheel."""
         pin, roller = self.pin_radius, self.roller_radius
         if roller and not 0.0 < pin < roller:
-            rule = f"greater than pin_radius, {told(pin, 'length')}, and that greater than 0"
-            raise validate.fail("roller_radius", rule, told(roller, "length"), "give both radii")
+            rule = f"greater than pin_radius, {as_spoken(pin, 'length')}, and that greater than 0"
+            raise validate.fail(
+                "roller_radius", rule, as_spoken(roller, "length"), "give both radii"
+            )
         name = "roller_radius" if roller else "pin_radius"
         outer = roller or pin
-        play = self.clearance
-        if not (outer or play):
+        gap = self.clearance
+        if not (outer or gap):
             return
-        check_lengths({name: outer, "clearance": play}, self.crank_radius, self.plain_crank)
+        check_lengths({name: outer, "clearance": gap}, self.crank_radius, self.plain_crank)
         widest = self.crank_radius * self.widest_pin
-        if outer < widest <= outer + 0.5 * play:
+        if outer < widest <= outer + 0.5 * gap:
             rule = (
-                f"less than {told(2.0 * (widest - outer), 'length')}, where neighbouring slots meet"
+                f"less than {as_spoken(2.0 * (widest - outer), 'length')}, where neighbouring "
+                "slots meet"
             )
             raise validate.fail(
-                "clearance", rule, told(play, "length"), "choose less play or a larger wheel"
+                "clearance",
+                rule,
+                as_spoken(gap, "length"),
+                "choose a smaller clearance or a larger wheel",
             )
-        most = widest - 0.5 * play
+        most = widest - 0.5 * gap
         if not outer < most:
-            rule = f"less than {told(most, 'length')}, where neighbouring slots meet"
+            rule = f"less than {as_spoken(most, 'length')}, where neighbouring slots meet"
             raise validate.fail(
-                name, rule, told(outer, "length"), "choose a thinner pin or a larger wheel"
+                name, rule, as_spoken(outer, "length"), "choose a thinner pin or a larger wheel"
             )
 
     @cached_property
     def breaks(self) -> tuple[float, ...]:
-        """Pin entry, the places where sliding reverses on either wall, and exit [rad].
+        """Pin entry, the angles where sliding reverses on either wall, and exit [rad].
 
         For a pin without a radius sliding reverses at dead centre on both walls.
         """
@@ -273,8 +279,8 @@ class Wheel(Kind):
             first, rate_1, second, rate_2 = second, rate_2, first, rate_1
         if first < 0.0:
             first, second = -first, -second
-        turned = (rate_2 - rate_1) * angles
-        aside = np.arctan2(second * np.sin(turned), first + second * np.cos(turned))
+        driver_angle = (rate_2 - rate_1) * angles
+        aside = np.arctan2(second * np.sin(driver_angle), first + second * np.cos(driver_angle))
         return np.asarray(self._forward * (rate_1 * angles + aside))
 
     def follower_angle(self, theta: ArrayLike) -> FloatArray:

@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 from escapement.base import validate
 from escapement.base.errors import InvalidValue
 from escapement.base.quantity import Quantity, Setting
-from escapement.base.spoken import told
+from escapement.base.spoken import as_spoken
 
 Numbers = Mapping[str, Any]
 
@@ -65,7 +65,7 @@ def diameters(settings: Mapping[str, Setting]) -> dict[str, OtherSize]:
     return found
 
 
-def own_numbers(sizes: Mapping[str, OtherSize], given: Numbers) -> dict[str, Any]:
+def numbers_of_sizes(sizes: Mapping[str, OtherSize], given: Numbers) -> dict[str, Any]:
     """The given numbers in SI, with other sizes replaced by the numbers that they stand for.
 
     Raises
@@ -105,8 +105,10 @@ def crank_from_wheel_radius(radius: float, given: Numbers) -> float:
     outer = given.get("roller_radius") or given.get("pin_radius") or 0.0
     half = outer + 0.5 * (given.get("clearance") or 0.0)
     if not radius > half:
-        rule = f"greater than half the width of a slot, {told(half, 'length')}"
-        raise validate.fail("wheel_radius", rule, told(radius, "length"), "give a larger wheel")
+        rule = f"greater than half the width of a slot, {as_spoken(half, 'length')}"
+        raise validate.fail(
+            "wheel_radius", rule, as_spoken(radius, "length"), "give a larger wheel"
+        )
     return math.sqrt(radius**2 - half**2) * math.tan(math.pi / given["slots"])
 
 

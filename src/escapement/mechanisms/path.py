@@ -73,13 +73,13 @@ class Path(NamedTuple):
         return self.numbers[EDGES + pieces + 1 + pieces * terms :]
 
 
-class Meeting(NamedTuple):
+class Pair(NamedTuple):
     """A pin in a slot: the data in which the engagements of a mechanism differ.
 
     path, edges, dwell : as in `Scene`.
-    late : driver angle by which its angle 0 lies behind the nominal dead centre [rad].
-    turned : function from driver angles to the follower angle [rad], minus its steps from pin to
-        pin.
+    delay : driver angle by which its angle 0 lies behind the nominal dead centre [rad].
+    follower_angle : function from driver angles to the follower angle [rad], minus its steps from
+        pin to pin.
     kind : how it begins: "overlap", "pick-up" or "strike", see `mechanisms.pattern`.
     jump : by how much the follower jumps ahead there [rad].
     radius : distance of the pin from the follower's axis there, in the path's unit of length.
@@ -88,8 +88,8 @@ class Meeting(NamedTuple):
     path: Path
     edges: NDArray[np.float64]
     dwell: float
-    late: float
-    turned: Callable[[NDArray[np.float64]], NDArray[np.float64]]
+    delay: float
+    follower_angle: Callable[[NDArray[np.float64]], NDArray[np.float64]]
     kind: str
     jump: float
     radius: float

@@ -16,11 +16,12 @@ to the other the parts hand over as follows.
     overlap   theta_B <= theta_A: where g_A = g_B, if Gamma >= 0 there. The follower jumps ahead by
               Gamma, for which the slot must be wider than the pin by R Gamma.
     pick-up   theta_B > theta_A: at theta_B, if Gamma >= 0 between B there and A at its exit. The
-              follower rests while the driver turns free, and B takes it up without a blow.
+              follower rests while the driver turns free, and B takes it up without an impact.
     strike    otherwise: where Phi_B has reached the follower, which rests where A left it.
 
 None of this depends on the speed: a pattern is a list of engagements, each with its own ends. A
-pin that would slide back along the wall during a blow is refused, because friction then reverses.
+pin that would slide back along the wall during an impact is refused, because friction then
+reverses.
 """
 
 import math
@@ -29,7 +30,7 @@ from functools import partial
 
 import numpy as np
 
-from escapement.mechanisms.path import OFFSET, PIN_RATE, Meeting, Path, PinNumbers
+from escapement.mechanisms.path import OFFSET, PIN_RATE, Pair, Path, PinNumbers
 from escapement.mechanisms.protocol import FloatArray
 from escapement.mechanisms.slotted import path_numbers, pose_at, slide_edges
 from escapement.numerics.jit import as_python, inner_jit, jit
@@ -50,13 +51,13 @@ class Handoff(IntEnum):
         return self.name.lower().replace("_", "-")
 
 
-MEETING = record_dtype({
+PAIR = record_dtype({
     "pin_numbers": (float, (len(PinNumbers._fields),)),  # of the path
     "edges": (float, (4,)),  # of the scene, of which the first `used` are filled
     "used": np.int64,
     "dwell": float,  # driver angle from the exit to the start of the next engagement
-    "late": float,  # psi
-    "ahead": float,  # chi
+    "delay": float,  # psi
+    "lead": float,  # chi
     # C = exp(i drift x) [long + short exp(i turn x)], counted in the sense `forward`
     **dict.fromkeys(("long", "short", "drift", "turn", "forward"), float),
     "entry": float,  # driver angles x at which g = 0
@@ -71,7 +72,7 @@ lengths in crank radii."""
 
 CLOSE = 1e-13
 """Angles that differ by less are the same [rad]: the parts may be perfect except for rounding."""
-FITS = -1
+POSSIBLE = -1
 
 
 @jit(allocates=True)
@@ -86,13 +87,13 @@ def lay_pattern(arms, turns, longer, pin, pins, slots, pattern):
     pin : radius of pins or rollers.
     pins, slots : psi and the error of |Q| of each pin, chi and delta of each slot; shapes (m, 2)
         and (n, 2).
-    pattern : array of `MEETING`, as long as the least common multiple of m and n.
+    pattern : array of `PAIR`, as long as the least common multiple of m and n.
     """
     first, a, second, b, forward = arms
     size, m, n = pattern.size, len(pins), len(slots)
     for k in range(size):
-        meeting, offset = pattern[k], slots[k % n, 1]
-        meeting.late, meeting.ahead = pins[k % m, 0], slots[k % n, 0]
+        pair, offset = pattern[k], slots[k % n, 1]
+        pair.delay, pair.lead = pins[k % m, 0], slots[k % n, 0]
         p, q = _lengthened(first, longer), _lengthened(second, pins[k % m, 1])
         # a pin must not pass the axis on the other side, nor as close to it as the slot's line
         nearest = (abs(p) - abs(q)) * np.sign(abs(first) - abs(second))
@@ -102,27 +103,27 @@ def lay_pattern(arms, turns, longer, pin, pins, slots, pattern):
         half, widest = np.arccos(top) / abs(a - b), np.pi / abs(a - b)
         row = path_numbers(p, a, q, b, forward, half, offset)
         for i in range(len(row)):
-            meeting.pin_numbers[i] = row[i]
-        _write_angle(meeting, p, a, q, b, forward)
-        meeting.entry, meeting.exit = -half, half
+            pair.pin_numbers[i] = row[i]
+        _write_angle(pair, p, a, q, b, forward)
+        pair.entry, pair.exit = -half, half
         if offset != 0.0:
-            path = path_in(meeting)
-            meeting.entry = _stop(path, -half, -widest, 0.0)
-            meeting.exit = _stop(path, half, 0.0, widest)
+            path = path_in(pair)
+            pair.entry = _stop(path, -half, -widest, 0.0)
+            pair.exit = _stop(path, half, 0.0, widest)
     for k in range(size):
         following = (k + 1) % size
         if not _hand_over(pattern[k], pattern[following], *turns):
             return following
     for k in range(size):
-        meeting = pattern[k]
-        if not meeting.edges[0] < 0.0 < meeting.edges[1] or _slides_back(meeting, pin):
+        pair = pattern[k]
+        if not pair.edges[0] < 0.0 < pair.edges[1] or _slides_back(pair, pin):
             return k
-        ends, path = meeting.edges[:2].copy(), path_in(meeting)
+        ends, path = pair.edges[:2].copy(), path_in(pair)
         edges = slide_edges(path, pin, ends)
-        meeting.used = len(edges)
+        pair.used = len(edges)
         for i in range(len(edges)):
-            meeting.edges[i] = edges[i]
-    return FITS
+            pair.edges[i] = edges[i]
+    return POSSIBLE
 
 
 @inner_jit
@@ -132,19 +133,19 @@ def _lengthened(arm, error):
 
 
 @inner_jit
-def _write_angle(meeting, p, a, q, b, forward):
+def _write_angle(pair, p, a, q, b, forward):
     """Write what `turned_by` reads of the two vectors."""
     if abs(p) < abs(q):  # the sum does not wind about the longer vector
         p, a, q, b = q, b, p, a
-    meeting.long, meeting.short = abs(p), np.copysign(q, p * q)
-    meeting.drift, meeting.turn, meeting.forward = a, b - a, forward
+    pair.long, pair.short = abs(p), np.copysign(q, p * q)
+    pair.drift, pair.turn, pair.forward = a, b - a, forward
 
 
 @inner_jit(allocates=True, inlined=True)
-def path_in(meeting):
+def path_in(pair):
     """The path of an engagement."""
     # a slice is an array like any other, which a row of a record is not
-    return Path(False, meeting.pin_numbers[:])
+    return Path(False, pair.pin_numbers[:])
 
 
 @inner_jit
@@ -161,12 +162,12 @@ def _stop(path, x, low, high):
 
 
 @inner_jit
-def turned_by(meeting, x):
+def follower_angle_at(pair, x):
     """Phi at the driver angle x, 0 at dead centre of perfect parts."""
-    along = meeting.long + meeting.short * np.cos(meeting.turn * x)
-    across = meeting.short * np.sin(meeting.turn * x)
-    offset = meeting.pin_numbers[OFFSET]
-    angle = meeting.forward * (meeting.drift * x + np.arctan2(across, along)) - meeting.ahead
+    along = pair.long + pair.short * np.cos(pair.turn * x)
+    across = pair.short * np.sin(pair.turn * x)
+    offset = pair.pin_numbers[OFFSET]
+    angle = pair.forward * (pair.drift * x + np.arctan2(across, along)) - pair.lead
     return angle - np.arcsin(offset / np.hypot(along, across)) if offset != 0.0 else angle
 
 
@@ -179,7 +180,7 @@ def _hand_over(a, b, cell, step):
     the wheel nearer to the middle between two slots than to its own misses it.
     """
     # angles are those of A; B has the angle x - shift
-    shift = cell + b.late - a.late
+    shift = cell + b.delay - a.delay
     leaves, enters, last = a.exit, b.entry + shift, b.exit + shift
     path_a, path_b = path_in(a), path_in(b)
     start, kind, found = leaves, Handoff.OVERLAP, False
@@ -189,18 +190,18 @@ def _hand_over(a, b, cell, step):
             g_a, _u, dg_a, _radius = pose_at(path_a, start)
             g_b, _u, dg_b, _radius = pose_at(path_b, start - shift)
             guess, low, high = newton_in_bracket(start, g_a - g_b, dg_a - dg_b, low, high, False)
-            way = abs(guess - start)
+            distance = abs(guess - start)
             start = guess
-            if way <= 1e-15:
+            if distance <= 1e-15:
                 break
-        jump = turned_by(b, start - shift) + step - turned_by(a, start)
+        jump = follower_angle_at(b, start - shift) + step - follower_angle_at(a, start)
         found = jump >= -CLOSE
     if not found:
-        rest = turned_by(a, leaves) - step
+        rest = follower_angle_at(a, leaves) - step
         start, kind = max(enters, leaves), Handoff.PICK_UP if enters > leaves else Handoff.STRIKE
-        jump = turned_by(b, start - shift) - rest
+        jump = follower_angle_at(b, start - shift) - rest
         if jump < -CLOSE:
-            if jump < -0.25 * step or not turned_by(b, b.exit) > rest:
+            if jump < -0.25 * step or not follower_angle_at(b, b.exit) > rest:
                 return False
             start, kind, jump = _strike(b, path_b, rest, start - shift) + shift, Handoff.STRIKE, 0.0
     b.edges[0], b.kind, b.jump = start - shift, kind, max(jump, 0.0)
@@ -211,27 +212,29 @@ def _hand_over(a, b, cell, step):
 
 
 @inner_jit
-def _slides_back(meeting, pin):
-    """Whether the contact point changes its way along the wall in the course of a blow."""
-    if meeting.kind != Handoff.STRIKE:
+def _slides_back(pair, pin):
+    """Whether the contact point changes its sense along the wall in the course of an impact."""
+    if pair.kind != Handoff.STRIKE:
         return False
-    g, u, _dg, radius = pose_at(path_in(meeting), meeting.edges[0])
+    g, u, _dg, radius = pose_at(path_in(pair), pair.edges[0])
     # the follower rests at first, and has the speed g per driver radian at the end
-    at_rest = radius * u - g * meeting.pin_numbers[OFFSET] - pin * meeting.pin_numbers[PIN_RATE]
-    return at_rest * (radius * u + pin * (g - meeting.pin_numbers[PIN_RATE])) < 0.0
+    at_rest = radius * u - g * pair.pin_numbers[OFFSET] - pin * pair.pin_numbers[PIN_RATE]
+    return at_rest * (radius * u + pin * (g - pair.pin_numbers[PIN_RATE])) < 0.0
 
 
 @inner_jit
-def _strike(meeting, path, rest, low):
+def _strike(pair, path, rest, low):
     """Driver angle x after `low` at which the pin reaches the follower angle `rest`."""
-    high = meeting.exit
+    high = pair.exit
     _g, _u, dg, _radius = pose_at(path, low)
-    # after the place where g = 0 the follower angle grows by g' x^2/2
-    missing = rest - turned_by(meeting, low)
+    # after the angle where g = 0 the follower angle grows by g' x^2/2
+    missing = rest - follower_angle_at(pair, low)
     x = min(low + np.sqrt(2.0 * missing / abs(dg)), 0.5 * (low + high))
     for _ in range(100):
         g = pose_at(path, x)[0]
-        guess, low, high = newton_in_bracket(x, turned_by(meeting, x) - rest, g, low, high, True)
+        guess, low, high = newton_in_bracket(
+            x, follower_angle_at(pair, x) - rest, g, low, high, True
+        )
         step = abs(guess - x)
         x = guess
         if step <= 1e-15:
@@ -251,20 +254,20 @@ def pattern_of(
 
     Arguments as in `lay_pattern`.
     """
-    pattern = np.zeros(math.lcm(len(pins), len(slots)), MEETING)
+    pattern = np.zeros(math.lcm(len(pins), len(slots)), PAIR)
     return pattern, int(lay_pattern(arms, turns, longer, pin, pins, slots, pattern))
 
 
-def meetings_of(pattern: np.ndarray) -> tuple[Meeting, ...]:
+def pairs_of(pattern: np.ndarray) -> tuple[Pair, ...]:
     """The engagements of a pattern that is possible."""
     # whole columns: a field of a single record takes ten times as long to read
-    names = ("used", "dwell", "late", "kind", "jump", "radius")
+    names = ("used", "dwell", "delay", "kind", "jump", "radius")
     columns = zip(*(pattern[name].tolist() for name in names), strict=True)
     return tuple(
-        Meeting(
+        Pair(
             path=Path(False, row["pin_numbers"].copy()), edges=row["edges"][:used].copy(),
-            dwell=dwell, late=late, turned=partial(as_python(turned_by), row),
+            dwell=dwell, delay=delay, follower_angle=partial(as_python(follower_angle_at), row),
             kind=Handoff(kind).label, jump=jump, radius=radius,
         )
-        for row, (used, dwell, late, kind, jump, radius) in zip(pattern, columns, strict=True)
+        for row, (used, dwell, delay, kind, jump, radius) in zip(pattern, columns, strict=True)
     )  # fmt: skip

@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Any, ClassVar
 from escapement.base import validate
 from escapement.base.lazy import Lazy
 from escapement.base.units import degrees
-from escapement.mechanisms.checks import LENGTHS
-from escapement.mechanisms.path import Meeting, smooth_intervals, writeable
+from escapement.mechanisms.path import Pair, smooth_intervals, writeable
+from escapement.mechanisms.wheel_checks import LENGTHS
 
 if TYPE_CHECKING:
     import numpy as np
@@ -87,8 +87,8 @@ class Mechanism:
     @property
     def lengths(self) -> dict[str, float]:
         """Its lengths by the names in `checks.LENGTHS` [m], 0 where it has none."""
-        own = self.crank_radius, self.pin_radius, self.roller_radius, self.clearance
-        return dict(zip(LENGTHS, (length or 0.0 for length in own), strict=True))
+        found = self.crank_radius, self.pin_radius, self.roller_radius, self.clearance
+        return dict(zip(LENGTHS, (length or 0.0 for length in found), strict=True))
 
     # its pins and slots, and the errors of its parts
     slots: Any = 0
@@ -116,14 +116,14 @@ class Mechanism:
         return {}
 
     @property
-    def meetings(self) -> tuple[Meeting, ...]:
+    def pairs(self) -> tuple[Pair, ...]:
         """The engagements after which it repeats itself: one if its parts are perfect."""
         path, dwell = writeable(self.path), dwell_angle(self)
         edges = smooth_intervals(path, self.breaks)
         kind = "pick-up" if dwell > 0.0 else "overlap"
         return (
-            Meeting(
-                path=path, edges=edges, dwell=dwell, late=0.0, turned=self.follower_angle,
+            Pair(
+                path=path, edges=edges, dwell=dwell, delay=0.0, follower_angle=self.follower_angle,
                 kind=kind, jump=0.0, radius=math.nan,
             ),
         )  # fmt: skip

@@ -203,7 +203,7 @@ def smoothing(
     Raises
     ------
     InvalidValue
-        When the points have fewer places than a spline needs.
+        When the points have fewer angles than a spline needs.
     """
     from scipy.interpolate import BSpline
     from scipy.linalg import eigh
@@ -242,13 +242,13 @@ def smoothing(
 
 
 def _knots(x: FloatArray, period: float) -> FloatArray:
-    """A selection of the places of points, far enough apart; the last is the first again."""
+    """A selection of the angles of points, far enough apart; the last is the first again."""
     count = min(MOST_KNOTS, x.size // _ROWS_A_KNOT)
-    places = x[np.linspace(0, x.size, count, endpoint=False).astype(int)]
-    end, gap, kept = places[0] + period, _LEAST_GAP * period / count, [places[0]]
-    for place in places[1:]:
-        if place - kept[-1] > gap and end - place > gap:
-            kept.append(place)
+    angles = x[np.linspace(0, x.size, count, endpoint=False).astype(int)]
+    end, gap, kept = angles[0] + period, _LEAST_GAP * period / count, [angles[0]]
+    for angle in angles[1:]:
+        if angle - kept[-1] > gap and end - angle > gap:
+            kept.append(angle)
     if len(kept) < DEGREE:
         raise InvalidValue(
             f"theta must be spread over the cell, got rows at {len(kept)} places of it; "

@@ -46,10 +46,10 @@ def check_trains(owner: Any, running_down: bool) -> None:
 
     running_down : whether the torque of the drive may come to an end.
     """
-    for place, train in owner.trains.items():
+    for role, train in owner.trains.items():
         if train.efficiency == 1.0:
             continue
-        name, value = f"{place}_efficiency", train.efficiency
+        name, value = f"{role}_efficiency", train.efficiency
         if not owner.mechanism.perfect:
             raise validate.fail(name, "1 with errors of the parts", value, "leave out one of them")
         if running_down and any(value for _, value in _viscous(owner)):
@@ -73,7 +73,7 @@ def check_losses(owner: Declared, meshed: bool) -> None:
     """Refuse a loss that the mechanism cannot have: slots have friction, gears an efficiency."""
     for entry in _numbers_of_contact(type(owner)):
         value = getattr(owner, entry.key)
-        if value != entry.default and not entry.fits(meshed):
+        if value != entry.default and not entry.applies_to(meshed):
             mechanism = "mechanism without a slot" if meshed else "slotted mechanism"
             rule = f"{entry.default:g} for a {mechanism}"
             raise validate.fail(entry.name, rule, value, f"give its {entry.instead}")
@@ -96,7 +96,7 @@ def idle_settings(owner: type, values: Mapping[str, Any]) -> str:
         value = values.get(entry.name)
         if value is None or (not hasattr(value, "any") and value == entry.default):
             continue
-        # compliant walls have blows without clearance, too
+        # compliant walls have impacts without clearance, too
         enough = (entry.needs, "stiffness") if entry.needs == "clearance" else (entry.needs,)
         if not any(_given(values.get(name)) for name in enough):
             notes.append(f"{entry.name} has no effect without {entry.needs}")

@@ -11,10 +11,10 @@ from typing import Any, cast
 from escapement.base import validate
 from escapement.base.lazy import Lazy
 from escapement.base.quantity import Choice, Declared, Setting, declared, quantity, setting
-from escapement.base.spoken import told
-from escapement.mechanisms.checks import check_lengths
-from escapement.mechanisms.path import Meeting, Path
+from escapement.base.spoken import as_spoken
+from escapement.mechanisms.path import Pair, Path
 from escapement.mechanisms.protocol import FloatArray, Mechanism, checked
+from escapement.mechanisms.wheel_checks import check_lengths
 from escapement.model.checks import (
     MOST_UNEQUAL,
     check_contact,
@@ -25,7 +25,14 @@ from escapement.model.checks import (
 from escapement.model.natural import natural, resistances
 from escapement.model.scene import Joint, Scene
 from escapement.model.torque_curve import MOST_KNOTS, Torque, TorqueCurve
-from escapement.model.train import PLACES, Train, numbers_of_trains, seen, train_numbers, trains_of
+from escapement.model.train import (
+    ROLES,
+    Train,
+    numbers_of_trains,
+    referred,
+    train_numbers,
+    trains_of,
+)
 
 CONTACT_LAWS = ("linear", "hunt-crossley")
 FRICTION, AIR, CONTACT = "Friction", "Air", "Clearance and contact"
@@ -133,7 +140,7 @@ class Escapement(Declared):
         Train after the follower. `load_torque` then acts on its last shaft.
 
     restitution : float
-        Ratio of the impulse of rebound to that of compression in a blow [-], in [0, 1).
+        Ratio of the impulse of rebound to that of compression in an impact [-], in [0, 1).
     stiffness : float
         Force of a wall of the slot divided by the penetration of the pin [N/m]; 0 for rigid
         bodies.
@@ -222,10 +229,10 @@ class Escapement(Declared):
             remedy = "give Inertia(driver=..., follower=...)"
             raise validate.fail("inertia", "an Inertia", self.inertia, remedy)
         self.check_fields()
-        for place in PLACES:
-            if not isinstance(train := getattr(self, place), Train | None):
+        for role in ROLES:
+            if not isinstance(train := getattr(self, role), Train | None):
                 remedy = "give for example Train(ratio=5), or leave it out"
-                raise validate.fail(place, "a Train", train, remedy)
+                raise validate.fail(role, "a Train", train, remedy)
         path: Any = self.mechanism.path
         if not isinstance(path, Path):
             remedy = "make it with two_vector_path or chebyshev_table"
@@ -255,7 +262,7 @@ class Escapement(Declared):
         """The torque over the driver angle turned, None where it is constant."""
         if isinstance(self.torque, TorqueCurve):
             return self.torque.behind(self.barrel.ratio) if self.barrel else self.torque
-        torque, rate = self.seen["torque"], self.seen["spring_rate"]
+        torque, rate = self.referred["torque"], self.referred["spring_rate"]
         # a rate that changes no motion counts as 0
         if rate > torque / MOST_UNEQUAL:
             spent = max(torque / rate, 1.0 / MOST_UNEQUAL)
@@ -263,29 +270,33 @@ class Escapement(Declared):
         return None
 
     @cached_property
-    def seen(self) -> dict[str, Any]:
+    def referred(self) -> dict[str, Any]:
         """Its numbers by the names that studies use [SI], as driver and follower see them.
 
         Without a train they are its own; of a torque curve the torque is the greatest.
         """
-        own = self.inertia
-        values = {"driver_inertia": own.driver, "follower_inertia": own.follower, **vars(self)}
+        inertia = self.inertia
+        values = {
+            "driver_inertia": inertia.driver,
+            "follower_inertia": inertia.follower,
+            **vars(self),
+        }
         if isinstance(self.torque, TorqueCurve):
             values["torque"] = self.torque.greatest
-        return seen(values | self.mechanism.lengths | numbers_of_trains(self.trains))
+        return referred(values | self.mechanism.lengths | numbers_of_trains(self.trains))
 
     @property
     def trains(self) -> dict[str, Train]:
-        """Its trains by their places, "barrel" and "load_train"."""
-        places = {"barrel": self.barrel, "load_train": self.load_train}
-        return {place: train for place, train in places.items() if train is not None}
+        """Its trains by their roles, "barrel" and "load_train"."""
+        roles = {"barrel": self.barrel, "load_train": self.load_train}
+        return {role: train for role, train in roles.items() if train is not None}
 
     @cached_property
     def without_trains(self) -> Escapement:
         """An escapement with the same motion and without trains; itself if it has none."""
         if self.barrel is self.load_train is None:
             return self
-        found, none = self.seen, cast(Any, dict.fromkeys(PLACES))
+        found, none = self.referred, cast(Any, dict.fromkeys(ROLES))
         inertia = Inertia(found["driver_inertia"], found["follower_inertia"])
         given = isinstance(self.torque, TorqueCurve)
         torque: Any = self.curve if given else found["torque"]
@@ -314,8 +325,8 @@ class Escapement(Declared):
         It is 2 sqrt(k m) with the reduced mass of driver and follower at the crank radius r,
         m = I_d I_f/((I_d + I_f) r^2).
         """
-        wheel, seen = cast(Any, self.mechanism), self.seen
-        driver, follower = seen["driver_inertia"], seen["follower_inertia"]
+        wheel, referred = cast(Any, self.mechanism), self.referred
+        driver, follower = referred["driver_inertia"], referred["follower_inertia"]
         reduced = driver / (driver + follower) * follower
         return 2.0 * math.sqrt(self.stiffness * reduced) / float(wheel.crank_radius)
 
@@ -324,7 +335,7 @@ class Escapement(Declared):
         """What is taken for a number of the contact that is not given; "" if all are given."""
         if self.contact != "compliant" or not self._damps_critically:
             return ""
-        damping = told(self.critical_damping, "damping")
+        damping = as_spoken(self.critical_damping, "damping")
         return f"no damping is given: critical damping, {damping}, is taken"
 
     @cached_property
@@ -362,22 +373,22 @@ class Escapement(Declared):
         return replace(self, torque=torque, spring_rate=0.0)
 
     @cached_property
-    def meetings(self) -> tuple[Meeting, ...]:
+    def pairs(self) -> tuple[Pair, ...]:
         """Its engagements: one that repeats itself, or with imperfect parts a pattern of them."""
-        return self.mechanism.meetings
+        return self.mechanism.pairs
 
     @cached_property
     def scenes(self) -> tuple[Scene, ...]:
-        """The escapement as an engine sees it in each of its `meetings`."""
-        meshed = self.meetings[0].path.table
+        """The escapement as an engine sees it in each of its `pairs`."""
+        meshed = self.pairs[0].path.table
         numbers: dict[str, Any]
-        numbers = {name: float(value) for name, value in natural(self.seen, meshed).items()}
+        numbers = {name: float(value) for name, value in natural(self.referred, meshed).items()}
         torque = np.array([0.0, 0.0, 1.0]) if self.curve is None else self.curve.knots()
-        return tuple(Scene(*m[:3], torque, 0.0, **numbers) for m in self.meetings)
+        return tuple(Scene(*m[:3], torque, 0.0, **numbers) for m in self.pairs)
 
     @cached_property
     def scene(self) -> Scene:
-        """The escapement as an engine sees it in the first of its `meetings`."""
+        """The escapement as an engine sees it in the first of its `pairs`."""
         return self.scenes[0]
 
     @cached_property
@@ -395,7 +406,7 @@ class Escapement(Declared):
 
     def __getstate__(self) -> dict[str, Any]:
         """Another process computes the scene and everything that depends on it again."""
-        derived = ("meetings", "scenes", "scene", "joint", "kept", "_begins", "seen")
+        derived = ("pairs", "scenes", "scene", "joint", "kept", "_begins", "referred")
         return {key: value for key, value in vars(self).items() if key not in derived}
 
     @cached_property
@@ -405,14 +416,14 @@ class Escapement(Declared):
         In this unit the motion depends only on the mechanism, friction and the ratios of
         inertias, lengths, torques and drag: the torque changes only the unit of time.
         """
-        return math.sqrt(self.seen["follower_inertia"] / self.torque_unit)
+        return math.sqrt(self.referred["follower_inertia"] / self.torque_unit)
 
     @property
     def torque_unit(self) -> float:
         """Natural unit of torque, the greatest torque on the driver [N m]."""
-        return float(self.seen["torque"])
+        return float(self.referred["torque"])
 
-    def turned_before(self, engagement: Any) -> Any:
+    def driver_angle_before(self, engagement: Any) -> Any:
         """Driver angle turned before an engagement [rad]; 0 where the torque is constant."""
         return 0.0 if self.curve is None else self.angle_before(engagement)
 
@@ -425,16 +436,18 @@ class Escapement(Declared):
     @cached_property
     def _begins(self) -> FloatArray:
         """Where its engagements begin, from the nominal dead centre of each [rad]."""
-        begins: FloatArray = np.array([m.late + m.edges[0] for m in self.meetings])
+        begins: FloatArray = np.array([m.delay + m.edges[0] for m in self.pairs])
         return begins
 
-    def drive_work(self, turned: Any) -> Any:
+    def drive_work(self, driver_angle: Any) -> Any:
         """Work of the drive from the start of the motion over a driver angle [J]."""
-        return self.torque_unit * turned if self.curve is None else self.curve.work(turned)
+        return (
+            self.torque_unit * driver_angle if self.curve is None else self.curve.work(driver_angle)
+        )
 
-    def load_work(self, turned: Any) -> Any:
+    def load_work(self, driver_angle: Any) -> Any:
         """Work done against the load while the follower turns by angles [rad] [J]."""
-        return self.seen["load_torque"] * turned
+        return self.referred["load_torque"] * driver_angle
 
 
 def model_settings() -> dict[str, Setting]:

@@ -42,7 +42,7 @@ def inputs_of_settings(owner: Any, meshed: bool) -> Iterator[Input]:
         if isinstance(entry, Numbers):
             # errors are listed if there are any; the angles of a table are too many
             value = [*value] if value and not entry.required else None
-        if value is None or entry.idle(value) or not entry.fits(meshed):
+        if value is None or entry.idle(value) or not entry.applies_to(meshed):
             continue
         if isinstance(value, TorqueCurve):
             yield from inputs_of_curve(name, value)

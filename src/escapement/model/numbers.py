@@ -24,7 +24,7 @@ def numbers_of(escapement: Escapement) -> dict[str, float]:
         bare = entry.unit != "length" or length
         # damping that is not given follows from other numbers
         given = settings[entry.name] is not None
-        if entry.fits(meshed) and bare and given and entry.name not in left_out:
+        if entry.applies_to(meshed) and bare and given and entry.name not in left_out:
             found[entry.name] = float(settings[entry.name])
     found = {"torque": full_torque(escapement), **found, **numbers_of_trains(escapement.trains)}
     if length and not meshed:
@@ -43,19 +43,19 @@ def full_torque(escapement: Escapement) -> float:
 def with_number(escapement: Escapement, name: str, value: float) -> Escapement:
     """The escapement with another value of one number, by its name in studies [SI]."""
     if name in ("driver_inertia", "follower_inertia"):
-        own = replace(escapement.inertia, **{name.removesuffix("_inertia"): value})
-        return replace(escapement, inertia=own)
-    for place, train in escapement.trains.items():
-        key = name.removeprefix(f"{place}_")
+        inertia = replace(escapement.inertia, **{name.removesuffix("_inertia"): value})
+        return replace(escapement, inertia=inertia)
+    for role, train in escapement.trains.items():
+        key = name.removeprefix(f"{role}_")
         if key != name:
-            changed: Any = {place: replace(train, **{key: value})}
+            changed: Any = {role: replace(train, **{key: value})}
             return replace(escapement, **changed)
     mechanism: Any = escapement.mechanism
     given: Any = value
     if name[-1].isdigit():
-        name, place = name.rsplit("_", 1)
+        name, role = name.rsplit("_", 1)
         values = list(mechanism.settings[name])
-        values[int(place)] = value
+        values[int(role)] = value
         given = tuple(values)
     if name in mechanism.settings:
         return replace(escapement, mechanism=replace(mechanism, **{name: given}))

@@ -24,7 +24,7 @@ class Scene(NamedTuple):
         is smooth between neighbours except for pin reversals.
     dwell : driver angle after the exit in which the follower is locked [rad].
     torque : the torque of the drive, linear between knots, as `dynamics.torque` lays it out.
-    turned : driver angle turned before the current cell [rad].
+    driver_angle : driver angle turned before the current cell [rad].
     rho : inertia ratio I_d/I_f.
     mu_plus, mu_minus : loss on the side of the slot that drives the follower, and on the
         other: a pin's coefficient of friction, or 1/eta - 1 and 1 - eta of a mesh.
@@ -46,7 +46,7 @@ class Scene(NamedTuple):
     edges: NDArray[np.float64]
     dwell: float
     torque: NDArray[np.float64]
-    turned: float
+    driver_angle: float
     rho: float
     mu_plus: float
     mu_minus: float

@@ -55,21 +55,21 @@ def contact_stiffness(
     Source: Johnson (1985), Contact Mechanics, section 5.6, eqs. 5.57 and 5.58. Plane strain,
     elastic and without friction.
     """
-    own = {"force": force, "radius": radius, "width": width, "modulus": modulus}
-    own["wall_modulus"] = modulus if wall_modulus is None else wall_modulus
-    own["depth"] = 2.0 * radius if depth is None else depth
-    own = {name: validate.positive(name, value, "give it in SI") for name, value in own.items()}
+    given = {"force": force, "radius": radius, "width": width, "modulus": modulus}
+    given["wall_modulus"] = modulus if wall_modulus is None else wall_modulus
+    given["depth"] = 2.0 * radius if depth is None else depth
+    given = {name: validate.positive(name, value, "give it in SI") for name, value in given.items()}
     ratios = {"poisson": poisson, "wall_poisson": poisson if wall_poisson is None else wall_poisson}
     for name, value in ratios.items():
         if not 0.0 <= validate.number(name, value) <= 0.5:
             raise validate.fail(name, "between 0 and 0.5", value, "0.3 fits metals")
     load = force / width
     wall_nu = ratios["wall_poisson"]
-    pin, wall = (1.0 - poisson**2) / modulus, (1.0 - wall_nu**2) / own["wall_modulus"]
+    pin, wall = (1.0 - poisson**2) / modulus, (1.0 - wall_nu**2) / given["wall_modulus"]
     half = math.sqrt(4.0 * load * radius * (pin + wall) / math.pi)
-    if not half < 0.1 * min(radius, own["depth"]):
+    if not half < 0.1 * min(radius, given["depth"]):
         rule = "so small that the contact is narrow compared with radius and depth"
         raise validate.fail("force", rule, force, "give a smaller force or a wider contact")
     approach = pin * (2.0 * math.log(4.0 * radius / half) - 1.0)
-    approach += wall * (2.0 * math.log(2.0 * own["depth"] / half) - wall_nu / (1.0 - wall_nu))
+    approach += wall * (2.0 * math.log(2.0 * given["depth"] / half) - wall_nu / (1.0 - wall_nu))
     return math.pi * width / approach

@@ -108,8 +108,8 @@ class TorqueCurve(Shown):
     @classmethod
     def from_table(cls, table: Mapping[str, Any]) -> TorqueCurve:
         """The curve that a table of a study file gives, by its points or by a file."""
-        own = ("file",) if "file" in table else ("angle", "torque")
-        validate.known_keys(table, (*own, "periodic"), "in the table torque")
+        keys = ("file",) if "file" in table else ("angle", "torque")
+        validate.known_keys(table, (*keys, "periodic"), "in the table torque")
         periodic = table.get("periodic", False)
         if "file" in table:
             if not isinstance(table["file"], str | Path):
@@ -146,9 +146,9 @@ class TorqueCurve(Shown):
         """Angle after which it repeats [rad], 0 where it does not."""
         return self.angle[-1] if self.periodic else 0.0
 
-    def __call__(self, turned: Any) -> Any:
+    def __call__(self, driver_angle: Any) -> Any:
         """Torque after driver angles turned [N m]."""
-        return np.interp(turned, self.angle, self.torque, period=self.period or None)
+        return np.interp(driver_angle, self.angle, self.torque, period=self.period or None)
 
     @cached_property
     def _work(self) -> FloatArray:
@@ -157,9 +157,9 @@ class TorqueCurve(Shown):
         steps = 0.5 * np.diff(angle) * (torque[1:] + torque[:-1])
         return np.concatenate([[0.0], np.cumsum(steps)])
 
-    def work(self, turned: Any) -> Any:
+    def work(self, driver_angle: Any) -> Any:
         """Work of the drive over the angles turned [J]."""
-        laps, rest = np.divmod(turned, self.period) if self.periodic else (0.0, turned)
+        laps, rest = np.divmod(driver_angle, self.period) if self.periodic else (0.0, driver_angle)
         last = np.searchsorted(self.angle, rest, side="right") - 1
         since = rest - np.array(self.angle)[last]
         mean = 0.5 * (np.array(self.torque)[last] + self(rest))
@@ -171,11 +171,11 @@ class TorqueCurve(Shown):
 
     def most_within(self, angle: float) -> int:
         """The most points that lie within a stretch of an angle [rad]."""
-        places = np.array(self.angle)
+        angles = np.array(self.angle)
         if self.periodic:
             laps = np.arange(np.ceil(angle / self.period) + 1.0)[:, None]
-            places = (laps * self.period + places).reshape(-1)
-        within = np.searchsorted(places, places + angle, side="right") - np.arange(places.size)
+            angles = (laps * self.period + angles).reshape(-1)
+        within = np.searchsorted(angles, angles + angle, side="right") - np.arange(angles.size)
         return int(within.max())
 
 

@@ -2,7 +2,7 @@
 
 A train with ratio i turns its far shaft slower by i where it is a barrel's, which drives the
 driver, and faster by i where it is behind the follower. One that loses nothing is the same as an
-escapement with other numbers, those that its driver and its follower see: see `seen`. What one
+escapement with other numbers, those that its driver and its follower see: see `referred`. What one
 loses that does lose some depends on the direction of its power: see `dynamics.train_losses`.
 """
 
@@ -16,7 +16,7 @@ from typing import Any
 from escapement.base import validate
 from escapement.base.quantity import Declared, Quantity, quantities, quantity
 
-PLACES = ("barrel", "load_train")
+ROLES = ("barrel", "load_train")
 """Where a train may be: before the driver, and behind the follower."""
 
 
@@ -61,18 +61,18 @@ def train_numbers() -> dict[str, Quantity]:
     None has a default: what is not given is left to `Train`.
     """
     found = {}
-    for place in PLACES:
+    for role in ROLES:
         for key, entry in quantities(Train).items():
-            name, words = f"{place}_{key}", entry.long_name.format(place.replace("_", " "))
+            name, words = f"{role}_{key}", entry.long_name.format(role.replace("_", " "))
             without = "" if key == "ratio" else f", {entry.default:g} where none is given"
             named: dict[str, Any]
-            named = {"name": name, "key": key, "section": place, "long_name": words}
+            named = {"name": name, "key": key, "section": role, "long_name": words}
             found[name] = replace(entry, **named, default=None, required=False, note=without)
     return found
 
 
 def trains_of(values: Mapping[str, Any]) -> dict[str, Train]:
-    """The trains that numbers by the names of `train_numbers` describe, by their places.
+    """The trains that numbers by the names of `train_numbers` describe, by their roles.
 
     Raises
     ------
@@ -81,32 +81,32 @@ def trains_of(values: Mapping[str, Any]) -> dict[str, Train]:
     """
     check_ratios(name for name, value in values.items() if value is not None)
     found = {}
-    for place in PLACES:
-        given: dict[str, Any] = {key: values.get(f"{place}_{key}") for key in quantities(Train)}
+    for role in ROLES:
+        given: dict[str, Any] = {key: values.get(f"{role}_{key}") for key in quantities(Train)}
         if given["ratio"] is not None:
-            found[place] = Train(**{k: value for k, value in given.items() if value is not None})
+            found[role] = Train(**{k: value for k, value in given.items() if value is not None})
     return found
 
 
 def check_ratios(names: Iterable[str]) -> None:
     """Refuse a train, of which some numbers are given, without its ratio."""
     given = {*names}
-    for place in PLACES:
-        name, others = f"{place}_ratio", {f"{place}_{key}" for key in quantities(Train)}
+    for role in ROLES:
+        name, others = f"{role}_ratio", {f"{role}_{key}" for key in quantities(Train)}
         if name not in given and (lone := sorted(others & given)):
             raise validate.fail(name, f"given with {lone[0]}", None, "give the ratio of its turns")
 
 
 def numbers_of_trains(trains: Mapping[str, Train]) -> dict[str, float]:
-    """The numbers of trains, which stand by their places, by the names of `train_numbers`."""
+    """The numbers of trains, which stand by their roles, by the names of `train_numbers`."""
     return {
-        f"{place}_{name}": value
-        for place, train in trains.items()
+        f"{role}_{name}": value
+        for role, train in trains.items()
         for name, value in train.settings.items()
     }
 
 
-def seen(values: Mapping[str, Any]) -> dict[str, Any]:
+def referred(values: Mapping[str, Any]) -> dict[str, Any]:
     """The numbers that driver and follower see: of a barrel, of what is behind the follower.
 
     With i turns of the driver for each of the barrel, torque and inertia of the barrel act on the

@@ -272,8 +272,12 @@ def _read(hdf5: Any) -> Motion:
 
 def _in_si(dataset: Any, kind: str) -> Any:
     """The values of a dataset, which says in which unit it has them."""
-    own, wanted = dataset.attrs.get("units"), unit_name(kind, SYSTEMS[0])
-    return dataset[()] if own in (None, wanted) else ratio_of(str(own), wanted) * dataset[()]
+    stored_unit, wanted = dataset.attrs.get("units"), unit_name(kind, SYSTEMS[0])
+    return (
+        dataset[()]
+        if stored_unit in (None, wanted)
+        else ratio_of(str(stored_unit), wanted) * dataset[()]
+    )
 
 
 def _at_starts(hdf5: Any, start: FloatArray, end: float) -> FloatArray:

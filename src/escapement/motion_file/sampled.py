@@ -38,24 +38,24 @@ class SampledTrajectory(Trajectory):
         """
         clock, scenes = self.escapement.time_unit, self.escapement.scenes
         since = np.maximum(t - self.start[pieces], 0.0) / clock
-        place = self.engagement % len(scenes)
-        theta, squares = follow(scenes, place, self._rows, pieces, since, _RTOL)
+        index = self.engagement % len(scenes)
+        theta, squares = follow(scenes, index, self._rows, pieces, since, _RTOL)
         return theta, np.sqrt(squares) / clock
 
     @cached_property
     def _rows(self) -> FloatArray:
         """The pieces as `pieces.states_of` takes them."""
-        meetings, cell = self.escapement.meetings, self.escapement.mechanism.cell_angle
-        ends = [(m.edges[0], m.edges[-1], m.edges[-1] + m.dwell, m.late) for m in meetings]
-        entry, exit_, cell_end, late = np.array(ends).T[:, self.engagement % len(meetings)]
+        pairs, cell = self.escapement.pairs, self.escapement.mechanism.cell_angle
+        ends = [(m.edges[0], m.edges[-1], m.edges[-1] + m.dwell, m.delay) for m in pairs]
+        entry, exit_, cell_end, delay = np.array(ends).T[:, self.engagement % len(pairs)]
         first = np.diff(self.engagement, prepend=-1) != 0
-        angle = self.theta - self.engagement * cell - late
+        angle = self.theta - self.engagement * cell - delay
         locked = self.sign == 0.0
         angle = np.where(locked & ~np.append(False, locked[:-1]), exit_, angle)
         angle = np.where(first, entry, angle)
         # a piece ends where the next one of its engagement begins, or at the end of the cell
         end = np.where(np.roll(first, -1), cell_end, np.roll(angle, -1))
         end[-1] = cell_end[-1]
-        turned = self.escapement.turned_before(self.engagement) + np.zeros(angle.size)
+        driver_angle = self.escapement.driver_angle_before(self.engagement) + np.zeros(angle.size)
         w = (self.theta_dot * self.escapement.time_unit) ** 2
-        return np.column_stack([self.sign, angle, end, w, turned])
+        return np.column_stack([self.sign, angle, end, w, driver_angle])

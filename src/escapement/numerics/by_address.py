@@ -65,8 +65,8 @@ def by_address(
         result, arguments = full.return_type, tuple(full.args[1])
         pointer = context.call_conv.get_function_type(result, arguments).as_pointer()
         held = context.make_array(full.args[0])(context, builder, addresses)
-        place = builder.gep(held.data, [context.get_constant(types.intp, index)])
-        function = builder.inttoptr(builder.load(place), pointer)
+        location = builder.gep(held.data, [context.get_constant(types.intp, index)])
+        function = builder.inttoptr(builder.load(location), pointer)
         row = [builder.extract_value(given, k) for k in range(len(arguments))]
         return context.call_conv.call_function(builder, function, result, arguments, row)[1]
 

@@ -52,9 +52,9 @@ class Series(NamedTuple):
 
     def __call__(self, x: ArrayLike) -> Array:
         """Values at x; beyond the ends the outermost series go on."""
-        places = np.asarray(x, dtype=float)
-        piece = np.searchsorted(self.edges[1:-1], places, side="right")
-        inside = 2.0 * (places - self.edges[piece]) / np.diff(self.edges)[piece] - 1.0
+        points = np.asarray(x, dtype=float)
+        piece = np.searchsorted(self.edges[1:-1], points, side="right")
+        inside = 2.0 * (points - self.edges[piece]) / np.diff(self.edges)[piece] - 1.0
         columns = np.moveaxis(self.rows[piece], -1, 0)
         return np.asarray(chebyshev.chebval(inside, columns, tensor=False))
 
@@ -224,7 +224,7 @@ def _polish(function: Function, series: Series, roots: Array, piece: NDArray[np.
 
 
 def extremes(function: Function | Series, series: Series) -> tuple[Extremum, Extremum]:
-    """Greatest and least value of a function, each with the first place that has it.
+    """Greatest and least value of a function, each with the first point that has it.
 
     At a jump the limits from both sides count.
     """
@@ -242,10 +242,10 @@ def extremes(function: Function | Series, series: Series) -> tuple[Extremum, Ext
     margin = _CLOSE * np.diff(edges)[piece]
     inside = inside[(inside > edges[piece] + margin) & (inside < edges[piece + 1] - margin)]
     values = np.concatenate([at_edges, limits[jump], function(inside)])
-    places = np.concatenate([edges, both[jump], inside])
-    order = np.argsort(places, kind="stable")
-    places, values = places[order], values[order]
+    points = np.concatenate([edges, both[jump], inside])
+    order = np.argsort(points, kind="stable")
+    points, values = points[order], values[order]
     equal = _NOISE * np.abs(values).max()
     firsts = np.argmax([values >= values.max() - equal, values <= values.min() + equal], axis=1)
-    top, bottom = (Extremum(float(values[k]), float(places[k])) for k in firsts)
+    top, bottom = (Extremum(float(values[k]), float(points[k])) for k in firsts)
     return top, bottom

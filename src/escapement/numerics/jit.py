@@ -49,15 +49,17 @@ def kernel_digest(package: Path) -> str:
         16 hexadecimal digits, which differ whenever anything differs that a kernel can see.
     """
     texts = {x.relative_to(package).as_posix(): x.read_bytes() for x in package.rglob("*.py")}
-    seen = {name for name, text in texts.items() if b".jit import" in text or b"by_address" in text}
-    todo = list(seen)
+    kernels = {
+        name for name, text in texts.items() if b".jit import" in text or b"by_address" in text
+    }
+    todo = list(kernels)
     while todo:
         for name in _imported(texts[todo.pop()], package.name):
-            if name in texts and name not in seen:
-                seen.add(name)
+            if name in texts and name not in kernels:
+                kernels.add(name)
                 todo.append(name)
     digest = hashlib.sha256()
-    for name in sorted(seen):
+    for name in sorted(kernels):
         digest.update(name.encode() + b"\0" + texts[name])
     return digest.hexdigest()[:16]
 

@@ -67,11 +67,11 @@ def where_known(field: str, short: Callable[..., Any]) -> Callable[..., Any]:
     """
 
     def decorate(function: Callable[..., Any]) -> Callable[..., Any]:
-        place = list(signature(function).parameters).index("scene")
+        position = list(signature(function).parameters).index("scene")
 
         @overload(function, strict=False, jit_options=_OPTIONS)
         def _choose(*given: Any) -> Callable[..., Any]:
-            return short if knows(given[place], field) else function
+            return short if knows(given[position], field) else function
 
         # as of any kernel; see `jit.as_python`
         vars(function)["py_func"] = function

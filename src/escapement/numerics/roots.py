@@ -10,7 +10,7 @@ def newton_in_bracket(x, value, slope, low, high, rising):
     Parameters
     ----------
     x, value, slope : float
-        A place in the bracket, and the function and its derivative there.
+        A point in the bracket, and the function and its derivative there.
     low, high : float
         The bracket. A slope that is zero or NaN does no harm.
     rising : bool
@@ -18,7 +18,7 @@ def newton_in_bracket(x, value, slope, low, high, rising):
 
     Returns
     -------
-    x, low, high : the next place, and the remaining bracket.
+    x, low, high : the next point, and the remaining bracket.
     """
     if (value < 0.0) == rising:
         low = x

@@ -3,9 +3,9 @@
 Points are complex numbers x + iy, in the unit of length that each outline names.
 
 - `curves`, `bodies`: closed curves of lines and arcs, and the bodies that they bound
-- `geneva`, `imperfect`, `gears`, `meshed`, `teeth`: bodies of the kinds of mechanism, and their
-  teeth
+- `geneva`, `imperfect_edges`, `gears`, `meshed`, `teeth`: bodies of the kinds of mechanism, and
+  their teeth
 - `gaps`, `interference`: the gap between two bodies, and the check of a whole turn
-- `part`, `parts`, `walls`, `fits`: flat parts with inertia and thinnest wall, and allowances
-- `sheet`, `export`: the sheet that a file shows, and the files
+- `part`, `parts`, `thin_walls`, `fits`: flat parts with inertia and thinnest wall, and allowances
+- `sheet`, `part_files`: the sheet that a file shows, and the files
 """

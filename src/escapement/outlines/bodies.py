@@ -35,7 +35,7 @@ class Body(NamedTuple):
     name: str
     edges: tuple[Curve, ...]
 
-    def turned(self, angle: float, about: complex = 0.0) -> "Body":
+    def rotated(self, angle: float, about: complex = 0.0) -> "Body":
         """The body with its own origin moved to `about`, and turned by `angle` [rad]."""
         turn = cmath.exp(1j * angle)
         return Body(self.name, tuple(edge.moved(turn, about) for edge in self.edges))

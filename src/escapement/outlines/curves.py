@@ -1,8 +1,8 @@
 """Closed curves of lines and circular arcs, of which bodies, drawings and cutter paths consist.
 
-A curve is kept as DXF keeps one: its corners, and for the way from each corner to the next its
-bulge, the tangent of a quarter of the angle by which the way turns: 0 for a line, positive for an
-arc to the left, 1 for half a circle. Points are complex numbers x + iy. A curve runs so that the
+A curve is kept as DXF keeps one: its corners, and for the segment from each corner to the next its
+bulge, the tangent of a quarter of the angle by which the segment turns: 0 for a line, positive for
+an arc to the left, 1 for half a circle. Points are complex numbers x + iy. A curve runs so that the
 body is on its left: counter-clockwise around it, clockwise around a hole.
 """
 
@@ -19,11 +19,11 @@ ComplexArray = NDArray[np.complex128]
 FloatArray = NDArray[np.float64]
 
 _STRAIGHT = 1e-12  # an arc that turns by less is a line except for rounding [rad]
-_CORNER = 1e-7  # ways that meet at a smaller angle go on without a corner [rad]
+_CORNER = 1e-7  # segments that meet at a smaller angle go on without a corner [rad]
 _CHORD = math.radians(4.0)
 # the integrands turn by four times an arc's angle at most, for which 24 points are exact
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(24)
-_PLACES, _SHARES = 0.5 * (1.0 + _NODES), 0.5 * _WEIGHTS
+_NODES_ON, _SHARES = 0.5 * (1.0 + _NODES), 0.5 * _WEIGHTS
 
 
 class Moments(NamedTuple):
@@ -58,12 +58,12 @@ class Curve(NamedTuple):
 
     @property
     def ends(self) -> ComplexArray:
-        """The corner to which each way leads."""
+        """The corner to which each segment leads."""
         return np.roll(self.corners, -1)
 
     @property
     def turns(self) -> FloatArray:
-        """Angle by which each way turns [rad]."""
+        """Angle by which each segment turns [rad]."""
         return 4.0 * np.arctan(self.bulges)
 
     def moved(self, turn: complex = 1.0, by: complex = 0.0) -> "Curve":
@@ -78,33 +78,33 @@ class Curve(NamedTuple):
         """The curve on the other side of the real axis, with the body still on its left."""
         return Curve(self.corners.conj(), -self.bulges).reversed()
 
-    def at(self, places: ArrayLike) -> ComplexArray:
-        """Points at shares from 0 to 1 of every way, or of each its own; shape (n, places)."""
-        share, turn = np.asarray(places, dtype=float), self.turns[:, None]
+    def at(self, shares: ArrayLike) -> ComplexArray:
+        """Points at shares from 0 to 1 of every segment, or of each its own; shape (n, shares)."""
+        share, turn = np.asarray(shares, dtype=float), self.turns[:, None]
         # a ratio of sines, which is the share itself for a line
         straight = np.abs(turn) < _STRAIGHT
         half = np.where(straight, 1.0, 0.5 * turn)
-        way = np.exp(1j * half * (share - 1.0)) * np.sin(half * share) / np.sin(half)
+        ratio = np.exp(1j * half * (share - 1.0)) * np.sin(half * share) / np.sin(half)
         start = self.corners[:, None]
-        return np.asarray(start + (self.ends[:, None] - start) * np.where(straight, share, way))
+        return np.asarray(start + (self.ends[:, None] - start) * np.where(straight, share, ratio))
 
     def drawn(self, chord: ArrayLike = _CHORD) -> ComplexArray:
         """Points of a polygon that ends where it starts, its chords as long as `chord` [rad]."""
         counts = np.maximum(1, np.ceil(np.abs(self.turns) / np.asarray(chord) - 1e-9)).astype(int)
         found = []
         for count in np.unique(counts):
-            ways = np.flatnonzero(counts == count)
-            points = self.at(np.arange(count) / count)[ways]
-            places = ways[:, None] + np.arange(count) / count
-            found.append((places.ravel(), points.ravel()))
-        order = np.argsort(np.concatenate([places for places, _ in found]))
+            rows = np.flatnonzero(counts == count)
+            points = self.at(np.arange(count) / count)[rows]
+            positions = rows[:, None] + np.arange(count) / count
+            found.append((positions.ravel(), points.ravel()))
+        order = np.argsort(np.concatenate([positions for positions, _ in found]))
         points = np.concatenate([points for _, points in found])[order]
         return np.append(points, points[0])
 
     @property
     def box(self) -> tuple[complex, complex]:
         """Corners of the box that holds it: lower left, upper right."""
-        # a way is extreme at its ends, or where it runs along an axis
+        # a segment is extreme at its ends, or where it runs along an axis
         turn = np.where(np.abs(self.turns) < _STRAIGHT, 1.0, self.turns)[:, None]
         chord = np.angle(self.ends - self.corners)[:, None]
         shares = (0.5 * np.pi * np.arange(-6, 7) - chord) / turn + 0.5
@@ -122,11 +122,11 @@ class Curve(NamedTuple):
     @property
     def moments(self) -> Moments:
         """Area and its moments, negative for a hole: Green's theorem, exact to rounding."""
-        z = self.at(_PLACES)
+        z = self.at(_NODES_ON)
         turn = self.turns[:, None]
         chord = (self.ends - self.corners)[:, None]
-        # dz along the way: the chord, turned, longer by the ratio of arc and chord
-        step = chord * np.exp(1j * turn * (_PLACES - 0.5)) / np.sinc(0.5 * turn / np.pi)
+        # dz along the segment: the chord, turned, longer by the ratio of arc and chord
+        step = chord * np.exp(1j * turn * (_NODES_ON - 0.5)) / np.sinc(0.5 * turn / np.pi)
         swept = np.imag(z.conj() * step) * _SHARES
         second = 0.25 * float(np.sum(np.abs(z) ** 2 * swept))
         return Moments(0.5 * float(np.sum(swept)), complex(np.sum(z * swept)) / 3.0, second)
@@ -156,9 +156,9 @@ class Curve(NamedTuple):
             )
         corner = np.angle(np.roll(before, -1) / after)
         if np.any(corner * math.copysign(1.0, width) < -_CORNER):
-            place = complex(b[np.argmin(corner * math.copysign(1.0, width))])
+            point = complex(b[np.argmin(corner * math.copysign(1.0, width))])
             raise InvalidValue(
-                f"a cutter with a width must reach every corner, got one at {place:.6g} that "
+                f"a cutter with a width must reach every corner, got one at {point:.6g} that "
                 "points into the body; cut it with a kerf of 0"
             )
         corners, bulges = [], []
@@ -172,9 +172,9 @@ class Curve(NamedTuple):
 
 
 def chain(corners: Iterable[complex], turns: Iterable[float]) -> Curve:
-    """A curve from its corners and the angles by which the ways between them turn [rad]."""
-    turned = np.fromiter(turns, float)
-    return Curve(np.fromiter(corners, complex), np.tan(0.25 * turned))
+    """A curve from its corners and the angles by which the segments between them turn [rad]."""
+    turning = np.fromiter(turns, float)
+    return Curve(np.fromiter(corners, complex), np.tan(0.25 * turning))
 
 
 def stadium(radius: float, length: float) -> Curve:
@@ -193,22 +193,22 @@ def biarcs(
     points : ndarray of complex, shape (n,)
         Points of a closed curve, without the first at the end.
     tangents : ndarray of complex, shape (n,)
-        Unit vectors along it there, of the way that begins.
+        Unit vectors along it there, of the segment that begins.
     arriving : ndarray of complex, shape (n,), optional
-        Those of the way that ends there, where the curve has corners. Default: it is smooth.
+        Those of the segment that ends there, where the curve has corners. Default: it is smooth.
 
     The arcs meet in between with a tangent in common, at equal control lengths.
     """
     ends = tangents if arriving is None else arriving
-    way, ahead = np.roll(points, -1) - points, np.roll(ends, -1)
-    along = np.real(way.conj() * (tangents + ahead))
-    apart = 1.0 - np.real(tangents.conj() * ahead)
-    # the positive root of 2 apart d^2 + 2 along d = |way|^2, in a form without cancellation
-    square = np.abs(way) ** 2
+    chord, next_ends = np.roll(points, -1) - points, np.roll(ends, -1)
+    along = np.real(chord.conj() * (tangents + next_ends))
+    apart = 1.0 - np.real(tangents.conj() * next_ends)
+    # the positive root of 2 apart d^2 + 2 along d = |chord|^2, in a form without cancellation
+    square = np.abs(chord) ** 2
     reach = square / (along + np.sqrt(along**2 + 2.0 * apart * square))
-    middle = 0.5 * (points + np.roll(points, -1) + reach * (tangents - ahead))
+    middle = 0.5 * (points + np.roll(points, -1) + reach * (tangents - next_ends))
     first = 2.0 * np.angle((middle - points) / tangents)
-    second = 2.0 * np.angle(ahead / (np.roll(points, -1) - middle))
+    second = 2.0 * np.angle(next_ends / (np.roll(points, -1) - middle))
     return chain(
         np.column_stack([points, middle]).ravel(), np.column_stack([first, second]).ravel()
     )

@@ -12,7 +12,7 @@ _STRAIGHT = 1e-9  # an arc that turns by less counts as a line [rad]
 _TIE = 1e-9
 
 
-class Ways(NamedTuple):
+class Segments(NamedTuple):
     """Lines and arcs of the edges of a body, one after the other; arrays of shape (n,)."""
 
     start: ComplexArray
@@ -21,17 +21,17 @@ class Ways(NamedTuple):
     centre: ComplexArray
     radius: FloatArray
 
-    def moved(self, turn: complex, by: complex) -> "Ways":
+    def moved(self, turn: complex, by: complex) -> "Segments":
         """The same, turned by a unit vector about the origin, then shifted."""
         ends = self.start * turn + by, self.end * turn + by
-        return Ways(*ends, self.turn, self.centre * turn + by, self.radius)
+        return Segments(*ends, self.turn, self.centre * turn + by, self.radius)
 
-    def only(self, chosen: NDArray[np.bool_]) -> "Ways":
+    def only(self, chosen: NDArray[np.bool_]) -> "Segments":
         """Those that are chosen."""
-        return Ways._make(column[chosen] for column in self)
+        return Segments._make(column[chosen] for column in self)
 
 
-def ways_of(edges: Sequence[Curve]) -> Ways:
+def segments_of(edges: Sequence[Curve]) -> Segments:
     """The lines and arcs of some edges; a line has the radius 0, and its middle as centre."""
     start = np.concatenate([edge.corners for edge in edges])
     end = np.concatenate([edge.ends for edge in edges])
@@ -42,39 +42,39 @@ def ways_of(edges: Sequence[Curve]) -> Ways:
     aside = 0.5j * (end - start) * np.cos(half) / np.sin(half)
     centre = 0.5 * (start + end) + np.where(arc, aside, 0.0)
     radius = np.where(arc, np.abs(end - start) / (2.0 * np.abs(np.sin(half))), 0.0)
-    return Ways(start, end, np.where(arc, turn, 0.0), centre, radius)
+    return Segments(start, end, np.where(arc, turn, 0.0), centre, radius)
 
 
-def nearest_on(ways: Ways, points: ComplexArray) -> tuple[ComplexArray, ComplexArray]:
+def nearest_on(segments: Segments, points: ComplexArray) -> tuple[ComplexArray, ComplexArray]:
     """The nearest point of each line or arc, and the direction in which it runs there.
 
-    points : shape (..., n) or (..., 1), those that are compared with each of the n ways.
+    points : shape (..., n) or (..., 1), those that are compared with each of the n segments.
     """
-    line, chord = ways.turn == 0.0, ways.end - ways.start
-    share = np.real((points - ways.start) * chord.conj()) / np.abs(chord) ** 2
-    on_line = ways.start + np.clip(share, 0.0, 1.0) * chord
-    away = points - ways.centre
+    line, chord = segments.turn == 0.0, segments.end - segments.start
+    share = np.real((points - segments.start) * chord.conj()) / np.abs(chord) ** 2
+    on_line = segments.start + np.clip(share, 0.0, 1.0) * chord
+    away = points - segments.centre
     off = np.abs(away)
     # an arc's point in this direction, or else the nearer one of its ends
-    sense = np.where(ways.turn < 0.0, -1.0, 1.0)
-    passed = np.angle(away * (ways.start - ways.centre).conj()) * sense % (2.0 * np.pi)
-    first = np.abs(points - ways.start) <= np.abs(points - ways.end)
-    nearer = np.where(first, ways.start, ways.end)
-    on_arc = ways.centre + ways.radius * away / np.where(off == 0.0, 1.0, off)
+    sense = np.where(segments.turn < 0.0, -1.0, 1.0)
+    passed = np.angle(away * (segments.start - segments.centre).conj()) * sense % (2.0 * np.pi)
+    first = np.abs(points - segments.start) <= np.abs(points - segments.end)
+    nearer = np.where(first, segments.start, segments.end)
+    on_arc = segments.centre + segments.radius * away / np.where(off == 0.0, 1.0, off)
     # at the centre of an arc, every point of the arc is as near as its ends
-    on_arc = np.where((passed <= np.abs(ways.turn)) & (off > 0.0), on_arc, nearer)
+    on_arc = np.where((passed <= np.abs(segments.turn)) & (off > 0.0), on_arc, nearer)
     nearest = np.where(line, on_line, on_arc)
-    return nearest, np.where(line, chord, 1j * sense * (nearest - ways.centre))
+    return nearest, np.where(line, chord, 1j * sense * (nearest - segments.centre))
 
 
-def outside(ways: Ways, points: ComplexArray) -> tuple[FloatArray, ComplexArray]:
+def outside(segments: Segments, points: ComplexArray) -> tuple[FloatArray, ComplexArray]:
     """How far points lie outside a body, and the nearest point of its edges; both of one shape.
 
     The distance is negative inside. The nearest line or arc tells the side; at a corner it is
-    that of the two ways from which the point is further to the side.
+    that of the two segments from which the point is further to the side.
     """
     p = points[:, None]
-    nearest, along = nearest_on(ways, p)
+    nearest, along = nearest_on(segments, p)
     distance = np.abs(p - nearest)
     aside = -np.imag(along.conj() * (p - nearest)) / np.abs(along)
     least = distance.min(axis=1)
@@ -84,7 +84,7 @@ def outside(ways: Ways, points: ComplexArray) -> tuple[FloatArray, ComplexArray]
     return np.copysign(least, aside[rows, chosen]), nearest[rows, chosen]
 
 
-def gap(one: Ways, other: Ways) -> tuple[float, complex]:
+def gap(one: Segments, other: Segments) -> tuple[float, complex]:
     """Least distance of two bodies [L] and the point of one of them that has it.
 
     Two lines or arcs are nearest at an end of one, or where the line through an arc's centre
@@ -94,15 +94,15 @@ def gap(one: Ways, other: Ways) -> tuple[float, complex]:
     """
     found = []
     one, other = _closest(one, other)
-    for body, ways in ((other, one), (one, other)):
-        points = np.concatenate([ways.start, _facing(ways, body)])
+    for body, segments in ((other, one), (one, other)):
+        points = np.concatenate([segments.start, _facing(segments, body)])
         distance, _ = outside(body, points)
         k = int(np.argmin(distance))
         found.append((float(distance[k]), complex(points[k])))
     return min(found, key=lambda pair: pair[0])
 
 
-def _closest(one: Ways, other: Ways) -> tuple[Ways, Ways]:
+def _closest(one: Segments, other: Segments) -> tuple[Segments, Segments]:
     """Those lines and arcs of two bodies that may be the nearest to each other."""
     apart = np.abs(middle_of(one)[:, None] - middle_of(other))
     sizes = reach_of(one)[:, None] + reach_of(other)
@@ -110,20 +110,20 @@ def _closest(one: Ways, other: Ways) -> tuple[Ways, Ways]:
     return one.only(np.any(kept, axis=1)), other.only(np.any(kept, axis=0))
 
 
-def middle_of(ways: Ways) -> ComplexArray:
-    return 0.5 * (ways.start + ways.end)
+def middle_of(segments: Segments) -> ComplexArray:
+    return 0.5 * (segments.start + segments.end)
 
 
-def reach_of(ways: Ways) -> FloatArray:
+def reach_of(segments: Segments) -> FloatArray:
     """No point of a line or arc is further from the middle of its chord."""
-    chord = np.abs(ways.end - ways.start)
-    return np.where(np.abs(ways.turn) > np.pi, 2.0 * ways.radius, 0.5 * chord)
+    chord = np.abs(segments.end - segments.start)
+    return np.where(np.abs(segments.turn) > np.pi, 2.0 * segments.radius, 0.5 * chord)
 
 
-def square_points(one: Ways, other: Ways) -> tuple[ComplexArray, NDArray[np.bool_]]:
+def square_points(one: Segments, other: Segments) -> tuple[ComplexArray, NDArray[np.bool_]]:
     """Points of the circles of arcs that lie square to other lines and arcs, two for each pair.
 
-    Both results have the shape (ways of one, of the other, 2). The second tells which points
+    Both results have the shape (segments of one, of the other, 2). The second tells which points
     exist and lie on their arc.
     """
     to_centre = other.centre - one.centre[:, None]
@@ -137,7 +137,7 @@ def square_points(one: Ways, other: Ways) -> tuple[ComplexArray, NDArray[np.bool
     return points, (passed <= np.abs(turn)) & (turn != 0.0) & (size > 0.0)[:, :, None]
 
 
-def _facing(one: Ways, other: Ways) -> ComplexArray:
+def _facing(one: Segments, other: Segments) -> ComplexArray:
     """Points of arcs of one body that lie square to lines and arcs of the other."""
     points, on_arc = square_points(one.only(one.turn != 0.0), other)
     return points[on_arc]

@@ -58,9 +58,9 @@ class GearDrivenOutline:
         narrow = min(self.mouth or self.slot_end, self.slot_end)
         chosen = min(0.05, 0.35 * narrow * math.pi / max(mechanism.slots, 3))
         self.pin_radius = mechanism.contact_radius or chosen
-        play = clearance / mechanism.crank_radius if mechanism.crank_radius else 0.0
+        gap = clearance / mechanism.crank_radius if mechanism.crank_radius else 0.0
         given = mechanism.contact_radius
-        self.half_slot = given + 0.5 * play if given else 1.1 * chosen
+        self.half_slot = given + 0.5 * gap if given else 1.1 * chosen
         ring = self.slot_end + 4.0 * self.half_slot
         self.rim_radius = math.hypot(self.mouth, self.half_slot) if self.inward else ring
         self.reach = max(self.rim_radius, mechanism.reach_over_fixed + self.pin_radius)
@@ -72,12 +72,12 @@ class GearDrivenOutline:
         pins have rollers.
         """
         carrier = complex(self.mechanism.arms.first * np.exp(1j * theta))
-        places = [complex(self.pin_at(theta, k)) for k in range(self.mechanism.pins)]
+        centres = [complex(self.pin_at(theta, k)) for k in range(self.mechanism.pins)]
         return (
-            Body("follower", tuple(self.wheel_edges())).turned(self.wheel_at(theta)),
+            Body("follower", tuple(self.wheel_edges())).rotated(self.wheel_at(theta)),
             Disc("fixed-gear", 0.0, 1.0),
             Disc("planet", carrier, self.planet_radius),
-            *pins_and_rollers(self.mechanism, places, self.pin_radius),
+            *pins_and_rollers(self.mechanism, centres, self.pin_radius),
         )
 
     def reliefs(self, theta: float) -> list[Body]:
@@ -96,8 +96,8 @@ class GearDrivenOutline:
         lobe_turn = _TURN / (mechanism.pins * abs(float(mechanism.gear_ratio)))
         passing = lobe_turn * np.arange(1, mechanism.unused_lobes + 1) - locked
         slots = _TURN * np.arange(mechanism.slots) / mechanism.slots
-        places = np.add.outer(passing, slots).ravel()
-        return [Body("relief", (band,)).turned(turn + place) for place in places]
+        angles = np.add.outer(passing, slots).ravel()
+        return [Body("relief", (band,)).rotated(turn + angle) for angle in angles]
 
     def wheel_edges(self) -> list[Curve]:
         """Edges of the wheel at zero: its body with the slots cut out."""
@@ -130,8 +130,8 @@ class GearDrivenOutline:
 
     def wheel_at(self, theta: float) -> float:
         """Angle of the wheel at a carrier angle [rad]: locked between engagements."""
-        turned = float(self.mechanism.follower_angle(theta))
-        return turned if self.mechanism.turns_with_driver else -turned
+        angle = float(self.mechanism.follower_angle(theta))
+        return angle if self.mechanism.turns_with_driver else -angle
 
 
 @dataclass(frozen=True)
@@ -162,16 +162,16 @@ class EllipticalOutline:
         shaft = complex(self.line_of_centres(theta)[1] * np.exp(1j * along))
         driving, driven = self.mechanism.pitch_ellipses
         # the ellipses about their own pivots while the carrier lies along the real axis
-        turned = theta + float(self.mechanism.follower_angle(theta))
+        angle = theta + float(self.mechanism.follower_angle(theta))
         inner = pitch_curve(1e3 * driven.semi_major_axis, driven.eccentricity)
         outer = pitch_curve(1e3 * driving.semi_major_axis, driving.eccentricity)
-        inner = inner.moved(np.exp(-1j * turned))
+        inner = inner.moved(np.exp(-1j * angle))
         outer = outer.moved(-np.exp(1j * self.mechanism.ratio * theta))
         return (
             Disc("sun", 0.0, 1e3 * self.mechanism.sun_radius),
             Disc("planet", shaft, 1e3 * self.mechanism.planet_radius),
-            Body("driven", (inner,)).turned(along),
-            Body("driving", (outer,)).turned(along, shaft),
+            Body("driven", (inner,)).rotated(along),
+            Body("driving", (outer,)).rotated(along, shaft),
         )
 
     def line_of_centres(self, theta: float) -> tuple[float, float, float]:
@@ -180,8 +180,8 @@ class EllipticalOutline:
         The spur gears touch at B, C is the planet's axis, and the ellipses touch at D.
         """
         sun, planet = 1e3 * self.mechanism.sun_radius, 1e3 * self.mechanism.planet_radius
-        turned = self.mechanism.ratio * theta
-        rho = 1e3 * float(self.mechanism.pitch_ellipses[0].radius(turned))
+        angle = self.mechanism.ratio * theta
+        rho = 1e3 * float(self.mechanism.pitch_ellipses[0].radius(angle))
         return sun, sun + planet, sun + planet - rho
 
 

@@ -15,7 +15,7 @@ import numpy as np
 from escapement.mechanisms import Geneva
 from escapement.outlines.bodies import Body, Disc, Land, pins_and_rollers, slotted_edge
 from escapement.outlines.curves import ComplexArray, Curve, FloatArray, chain
-from escapement.outlines.imperfect import each, imperfect_edge, scaled_errors
+from escapement.outlines.imperfect_edges import each, imperfect_edge, scaled_errors
 
 _POSITIONS = 721  # positions of the wheel that are tried against the locking disc
 _CHORD = math.radians(0.5)
@@ -51,7 +51,7 @@ class GenevaOutline:
         farthest.
     pin_radius, half_slot : float
         Radius of a pin, or of the roller on it, and half the slot width: larger by half the
-        clearance if a radius was given, otherwise by a little play.
+        clearance if a radius was given, otherwise by a little clearance.
     rim_radius : float
         Radius of the rim; a pin enters as its centre crosses the mouth.
     locks : bool
@@ -59,8 +59,8 @@ class GenevaOutline:
     lock_radius : float
         Radius of the locking arcs.
     gap : float
-        Play between the locking disc and the wheel: the clearance of the slots, if they have one;
-        at the hollows half of it.
+        Clearance between the locking disc and the wheel: the clearance of the slots, if they have
+        one; at the hollows half of it.
     follower_radius, crank_disc_radius : float
         Outer radii of the follower and of the disc that carries the pins.
     driver_shaft, follower_shaft : float
@@ -85,13 +85,13 @@ class GenevaOutline:
         self.slot_end = self.centre + self.side * self.cranks.max()
         chosen = 0.08 if internal else min(0.08, 0.4 * self.slot_end)
         self.pin_radius = mechanism.contact_radius or chosen
-        play, given = mechanism.clearance / unit, mechanism.contact_radius
-        self.half_slot = given + 0.5 * play if given else 1.08 * chosen
+        gap, given = mechanism.clearance / unit, mechanism.contact_radius
+        self.half_slot = given + 0.5 * gap if given else 1.08 * chosen
         self.rim_radius, suited = _radii(mechanism, self.half_slot)
         self.lock_radius = suited if lock_radius is None else lock_radius
         room = self.lock_radius - abs(centre - self.rim_radius)
         self.locks = not mechanism.continuous and room > 0.0
-        self.gap = min(play or 0.02, 0.2 * abs(centre - self.rim_radius))
+        self.gap = min(gap or 0.02, 0.2 * abs(centre - self.rim_radius))
         ring = self.slot_end + self.half_slot + 0.18
         self.follower_radius = ring if internal else self.rim_radius
         self.crank_disc_radius = 1.0 + self.pin_radius + 0.07
@@ -112,27 +112,27 @@ class GenevaOutline:
     def bodies(self, theta: float, phi: float | None = None) -> list[Body | Disc]:
         """Everything that is drawn, where it stands at a driver angle.
 
-        The follower stands at its angle `phi` [rad], or where slots without play would hold it.
-        "follower", "crank-disc", "driver-shaft" and "pin-k" with k counted from 0 are always
+        The follower stands at its angle `phi` [rad], or where slots without clearance would hold
+        it. "follower", "crank-disc", "driver-shaft" and "pin-k" with k counted from 0 are always
         there; "locking-disc" only with a dwell and space for it, "follower-shaft" only in an
         external wheel, "roller-k" only if pins have rollers.
         """
         centre, follower = self.centre, Body("follower", self.follower_edges)
         angle = float(self.mechanism.follower_angle(theta)) if phi is None else phi
-        found: list[Body | Disc] = [follower.turned(angle)]
+        found: list[Body | Disc] = [follower.rotated(angle)]
         if edge := self.locking_edge:
-            found.append(Body("locking-disc", (edge,)).turned(self.side * theta, centre))
+            found.append(Body("locking-disc", (edge,)).rotated(self.side * theta, centre))
         found.append(Disc("crank-disc", centre, self.crank_disc_radius))
         found.append(Disc("driver-shaft", centre, self.driver_shaft))
         if self.follower_shaft:
             found.append(Disc("follower-shaft", 0.0, self.follower_shaft))
-        return found + pins_and_rollers(self.mechanism, self.pin_places(theta), self.pin_radius)
+        return found + pins_and_rollers(self.mechanism, self.pin_centres(theta), self.pin_radius)
 
-    def pin_places(self, theta: float) -> ComplexArray:
+    def pin_centres(self, theta: float) -> ComplexArray:
         """Positions of the pins at a driver angle, shape (pins,)."""
-        late = each(self.mechanism.pin_angle_errors, self.mechanism.pins)
-        turned = theta - late - np.arange(late.size) * self.mechanism.cell_angle
-        return np.asarray(self.centre + self.side * self.cranks * np.exp(1j * self.side * turned))
+        delays = each(self.mechanism.pin_angle_errors, self.mechanism.pins)
+        angles = theta - delays - np.arange(delays.size) * self.mechanism.cell_angle
+        return np.asarray(self.centre + self.side * self.cranks * np.exp(1j * self.side * angles))
 
     @property
     def follower_edges(self) -> tuple[Curve, ...]:
@@ -150,8 +150,8 @@ class GenevaOutline:
 
         The follower turns with growing angles, so the next slot is behind.
         """
-        ahead = each(self.mechanism.slot_angle_errors, self.mechanism.slots)
-        return np.asarray(ahead - np.arange(ahead.size) * self.mechanism.follower_step)
+        leads = each(self.mechanism.slot_angle_errors, self.mechanism.slots)
+        return np.asarray(leads - np.arange(leads.size) * self.mechanism.follower_step)
 
     def slot_offsets(self) -> FloatArray:
         """How far each slot's centre line runs ahead of the axis."""
@@ -185,8 +185,8 @@ def sizes(mechanism: Geneva) -> dict[str, float]:
     "wheel_radius" of the rim, "slot_depth" from the rim to the round end's bottom, and, where it
     has them, "closest_radius" of a slot from the axis, and "locking_radius" of the locking arcs.
     """
-    play = mechanism.clearance / mechanism.crank_radius if mechanism.crank_radius else 0.0
-    half = mechanism.contact_radius + 0.5 * play
+    gap = mechanism.clearance / mechanism.crank_radius if mechanism.crank_radius else 0.0
+    half = mechanism.contact_radius + 0.5 * gap
     rim, lock = _radii(mechanism, half)
     deepest = mechanism.centre_distance + (1.0 + half if mechanism.internal else -1.0 - half)
     found = {"wheel_radius": rim, "slot_depth": abs(rim - deepest)}
@@ -225,8 +225,8 @@ def locking_disc(mechanism: Geneva, lock_radius: float | None = None) -> Curve |
         return None
     corner = edge * np.exp(1j * aside)
     hollow = -2.0 * float(np.angle((centre - corner).conjugate()))
-    places = outline.side * np.exp(2j * np.pi * np.arange(pins) / pins)
-    corners = places[:, None] * np.array([corner.conjugate(), corner])
+    pin_centres = outline.side * np.exp(2j * np.pi * np.arange(pins) / pins)
+    corners = pin_centres[:, None] * np.array([corner.conjugate(), corner])
     return chain(corners.ravel(), np.tile([hollow, left], pins))
 
 
@@ -247,5 +247,5 @@ def _swept(outline: GenevaOutline, radius: float) -> ComplexArray:
     inside = off <= 0.0
     row, column = np.nonzero(inside[1:] != inside[:-1])
     share = off[row, column] / (off[row, column] - off[row + 1, column])
-    way = points[row + 1, column] - points[row, column]
-    return np.concatenate([points[inside], points[row, column] + share * way])
+    step = points[row + 1, column] - points[row, column]
+    return np.concatenate([points[inside], points[row, column] + share * step])

@@ -1,4 +1,4 @@
-"""The motion check: the smallest distances of bodies in a turn, and their places."""
+"""The motion check: the smallest distances of bodies in a turn, and where they are."""
 
 import math
 from collections.abc import Sequence
@@ -7,7 +7,7 @@ from typing import Any, NamedTuple, Protocol
 import numpy as np
 
 from escapement.outlines.bodies import Body, Disc
-from escapement.outlines.gaps import Ways, gap, outside, ways_of
+from escapement.outlines.gaps import Segments, gap, outside, segments_of
 
 _FLAT = 1e-9  # differences of gaps that are rounding, in the outline's unit of length
 
@@ -42,14 +42,15 @@ class Nearest(NamedTuple):
         Least distance, in the outline's unit; negative if they overlap.
     theta : float
         Driver angle at which it occurs [rad].
-    place : complex
-        Its place, with the follower's axis as origin, and the driver's on the positive real axis.
+    point : complex
+        Its position, with the follower's axis as origin, and the driver's on the positive real
+        axis.
     """
 
     names: tuple[str, str]
     gap: float
     theta: float
-    place: complex
+    point: complex
 
 
 def least_gaps(outline: Outline, samples: int = 361) -> list[Nearest]:
@@ -59,7 +60,7 @@ def least_gaps(outline: Outline, samples: int = 361) -> list[Nearest]:
     ----------
     outline : Outline
         A mechanism whose parts are perfect and have their nominal positions: the pin in the
-        middle of its slot, the locked wheel in the middle of its play.
+        middle of its slot, the locked wheel in the middle of its clearance.
     samples : int
         Driver angles at which every gap is computed; around the least ones it is minimised,
         except between meshing teeth, of which a third of the angles over a cell are enough.
@@ -80,8 +81,8 @@ def least_gaps(outline: Outline, samples: int = 361) -> list[Nearest]:
     for name in rows[0]:
         values = np.array([row[name][0] for row in rows])
         theta = angles[np.argmin(values)] if even else _least(outline, name, angles, values)
-        size, place = _gaps(outline, float(theta), name)[name]
-        found.append(Nearest((name, outline.plane[0]), size, float(theta), place))
+        size, point = _gaps(outline, float(theta), name)[name]
+        found.append(Nearest((name, outline.plane[0]), size, float(theta), point))
     return sorted(found, key=lambda pair: pair.gap)
 
 
@@ -110,16 +111,16 @@ def _least(outline: Outline, name: str, angles: np.ndarray, values: np.ndarray) 
 
 
 def _gaps(outline: Outline, theta: float, only: str = "") -> dict[str, tuple[float, complex]]:
-    """Gap and place of each body, or only of one, at a driver angle."""
+    """Gap and point of each body, or only of one, at a driver angle."""
     against, moving = outline.plane
     bodies = {body.name: body for body in outline.bodies(theta)}
-    wheel = ways_of(bodies[against].edges)  # type: ignore[union-attr]
+    wheel = segments_of(bodies[against].edges)  # type: ignore[union-attr]
     chosen = [only] if only else [n for n in bodies if n.rstrip("-0123456789") in moving]
     return {name: _gap(bodies[name], wheel) for name in chosen}
 
 
-def _gap(body: Body | Disc, wheel: Ways) -> tuple[float, complex]:
+def _gap(body: Body | Disc, wheel: Segments) -> tuple[float, complex]:
     if isinstance(body, Disc):
-        distance, place = outside(wheel, np.array([body.centre]))
-        return float(distance[0]) - body.radius, complex(place[0])
-    return gap(ways_of(body.edges), wheel)
+        distance, point = outside(wheel, np.array([body.centre]))
+        return float(distance[0]) - body.radius, complex(point[0])
+    return gap(segments_of(body.edges), wheel)

@@ -110,13 +110,15 @@ class MeshedOutline:
         near = self._near(self.edges[0], driven, inner).moved(1e3 * np.exp(-1j * inner))
         other = self._near(self.edges[1], driving, -outer).moved(-1e3 * np.exp(1j * outer))
         shaft = 1e3 * self.mechanism.centre_distance * cmath.exp(1j * theta)
-        return Body("driven", (near,)).turned(theta), Body("driving", (other,)).turned(theta, shaft)
+        return Body("driven", (near,)).rotated(theta), Body("driving", (other,)).rotated(
+            theta, shaft
+        )
 
     def _near(self, edge: Curve, pitch: PitchEllipse, angle: float) -> Curve:
         """The part of a gear around the tooth at an angle from its vertex, closed by a line."""
         whole = edge.corners.size
         each = whole // self.teeth
         tooth = math.floor(float(pitch.arc(angle) / pitch.arc(2.0 * math.pi)) * self.teeth)
-        ways = np.arange((tooth - _NEAR) * each, (tooth + _NEAR + 1) * each) % whole
-        corners = np.append(edge.corners[ways], edge.ends[ways[-1]])
-        return Curve(corners, np.append(edge.bulges[ways], 0.0))
+        rows = np.arange((tooth - _NEAR) * each, (tooth + _NEAR + 1) * each) % whole
+        corners = np.append(edge.corners[rows], edge.ends[rows[-1]])
+        return Curve(corners, np.append(edge.bulges[rows], 0.0))

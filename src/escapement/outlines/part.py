@@ -6,11 +6,11 @@ import numpy as np
 
 from escapement.base import validate
 from escapement.base.errors import InvalidValue
-from escapement.base.spoken import told
+from escapement.base.spoken import as_spoken
 from escapement.outlines.curves import Curve, Moments, stadium
 from escapement.outlines.fits import Fits
-from escapement.outlines.gaps import outside, ways_of
-from escapement.outlines.walls import Wall, thinnest_wall
+from escapement.outlines.gaps import outside, segments_of
+from escapement.outlines.thin_walls import Wall, thinnest_wall
 
 
 class Part(NamedTuple):
@@ -67,15 +67,16 @@ class Part(NamedTuple):
     def check(self) -> None:
         """Raise InvalidValue if a hole leaves no wall to the edge or to another hole."""
         for k, hole in enumerate(self.holes):
-            others = ways_of([self.edge, *self.holes[:k], *self.holes[k + 1 :]])
+            others = segments_of([self.edge, *self.holes[:k], *self.holes[k + 1 :]])
             centre = complex(hole.corners.mean())
-            deep, place = outside(others, np.array([centre]))
+            deep, point = outside(others, np.array([centre]))
             room, radius = -float(deep[0]), abs(complex(hole.corners[0]) - centre)
             if len(hole.corners) == 2 and not radius < room:
-                x, y = (told(size, "length") for size in (place[0].real, place[0].imag))
+                x, y = (as_spoken(size, "length") for size in (point[0].real, point[0].imag))
                 raise InvalidValue(
                     f"a hole of the {self.name} must have a radius of less than "
-                    f"{told(room, 'length')}, got {told(radius, 'length')}: it reaches what is cut "
+                    f"{as_spoken(room, 'length')}, got {as_spoken(radius, 'length')}: it "
+                    "reaches what is cut "
                     f"at ({x}, {y}); choose a thinner shaft or pin, or a larger wheel"
                 )
 
@@ -86,8 +87,8 @@ def hole(radius: float, at: complex, fit: float, what: str) -> Curve:
     if not wide > 0.0:
         raise validate.fail(
             f"{what}_fit",
-            f"greater than {told(-2.0 * radius, 'length')}",
-            told(fit, "length"),
+            f"greater than {as_spoken(-2.0 * radius, 'length')}",
+            as_spoken(fit, "length"),
             "add to it",
         )
     return Curve.circle(wide, at).reversed()
@@ -96,6 +97,6 @@ def hole(radius: float, at: complex, fit: float, what: str) -> Curve:
 def link(name: str, apart: float, first: float, second: float, fits: Fits) -> Part:
     """A plate that keeps two shafts at their distance."""
     ends = (first, 0.0), (second, apart)
-    holes = tuple(hole(radius, place, fits.shaft_fit, "shaft") for radius, place in ends)
+    holes = tuple(hole(radius, centre, fits.shaft_fit, "shaft") for radius, centre in ends)
     wide = 2.0 * max(first, second) + max(0.5 * fits.shaft_fit, 0.0)
     return Part(name, stadium(wide, apart), holes, axes=(0.0, apart))

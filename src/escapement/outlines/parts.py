@@ -11,7 +11,7 @@ import numpy as np
 
 from escapement.base import validate
 from escapement.base.errors import InvalidValue
-from escapement.base.spoken import told
+from escapement.base.spoken import as_spoken
 from escapement.mechanisms import EllipticalPlanetary, GearDriven, Geneva
 from escapement.mechanisms.protocol import checked
 from escapement.model.escapement import Inertia
@@ -109,7 +109,7 @@ def _with_locking(outline: GenevaOutline, radius: float, size: float) -> GenevaO
     low = size * abs(outline.mechanism.centre_distance - outline.rim_radius)
     high = size * (1.0 - outline.half_slot)
     rule, remedy = (
-        f"between {told(low, 'length')} and {told(high, 'length')} here",
+        f"between {as_spoken(low, 'length')} and {as_spoken(high, 'length')} here",
         "choose another, or leave it out",
     )
     if outline.mechanism.continuous:
@@ -119,7 +119,7 @@ def _with_locking(outline: GenevaOutline, radius: float, size: float) -> GenevaO
         if chosen.locking_edge:
             return chosen
         rule = "such that the hollows for the wheel leave some of the locking disc"
-    raise validate.fail("locking_radius", rule, told(radius, "length"), remedy)
+    raise validate.fail("locking_radius", rule, as_spoken(radius, "length"), remedy)
 
 
 @_parts.register
@@ -128,23 +128,25 @@ def _(mechanism: Geneva, fits: Fits) -> list[Part]:
     outline: Any = outline_of(mechanism, fits)
     axis = size * outline.driver_shaft
     shaft = hole(axis, 0.0, fits.shaft_fit, "shaft")
-    places = outline.pin_places(0.0) - mechanism.centre_distance
-    pins = [hole(pin, size * complex(place), fits.pin_fit, "pin") for place in places]
+    pin_centres = outline.pin_centres(0.0) - mechanism.centre_distance
+    pins = [
+        hole(pin, size * complex(pin_centre), fits.pin_fit, "pin") for pin_centre in pin_centres
+    ]
     lock = outline.locking_edge
     marks: tuple[Curve, ...] = (lock.moved(size),) if lock else ()
     edge = Curve.circle(size * outline.crank_disc_radius)
-    centres = (0.0, *(size * places).tolist())
+    centres = (0.0, *(size * pin_centres).tolist())
     found = [Part("driver", edge, (shaft, *pins), marks, centres)]
     if lock:
         # the crescent of an internal wheel does not reach the axis: it is fastened to the driver
         found.append(Part("locking-disc", marks[0], () if mechanism.internal else (shaft,)))
     wheel = [curve.moved(size) for curve in outline.follower_edges]
-    own = size * outline.follower_shaft
-    bore = () if mechanism.internal else (hole(own, 0.0, fits.shaft_fit, "shaft"),)
+    follower_shaft = size * outline.follower_shaft
+    bore = () if mechanism.internal else (hole(follower_shaft, 0.0, fits.shaft_fit, "shaft"),)
     # an internal wheel is a ring; its edge that faces the driver is a hole
     found.append(Part("follower", wheel[-1], (*wheel[:-1], *bore)))
     apart = size * mechanism.centre_distance
-    return [*found, link("plate", apart, own or axis, axis, fits)]
+    return [*found, link("plate", apart, follower_shaft or axis, axis, fits)]
 
 
 @_parts.register
@@ -158,23 +160,25 @@ def _(mechanism: GearDriven, fits: Fits) -> list[Part]:
     outline = GearDrivenOutline(mechanism, fits.clearance)
     if not outline.half_slot < mechanism.widest_pin:
         most = 2.0 * size * (mechanism.widest_pin - mechanism.contact_radius)
-        rule = f"less than {told(most, 'length')}, where neighbouring slots meet"
+        rule = f"less than {as_spoken(most, 'length')}, where neighbouring slots meet"
         raise validate.fail(
-            "clearance", rule, told(fits.clearance, "length"), "choose less, or thinner pins"
+            "clearance", rule, as_spoken(fits.clearance, "length"), "choose less, or thinner pins"
         )
     arm, inner = mechanism.arm_over_fixed, outline.slot_end - outline.half_slot
     axis = fits.driver_shaft_radius or size * min(_SHAFT, 0.5 * outline.planet_radius, 0.5 * arm)
-    own = fits.follower_shaft_radius or size * min(_SHAFT, 0.5 * inner)
-    places = arm * np.exp(2j * np.pi * np.arange(mechanism.pins) / mechanism.pins)
-    pins = [hole(pin, size * complex(place), fits.pin_fit, "pin") for place in places]
+    follower_shaft = fits.follower_shaft_radius or size * min(_SHAFT, 0.5 * inner)
+    pin_centres = arm * np.exp(2j * np.pi * np.arange(mechanism.pins) / mechanism.pins)
+    pins = [
+        hole(pin, size * complex(pin_centre), fits.pin_fit, "pin") for pin_centre in pin_centres
+    ]
     shaft = hole(axis, 0.0, fits.shaft_fit, "shaft")
-    centre = hole(own, 0.0, fits.shaft_fit, "shaft")
+    centre = hole(follower_shaft, 0.0, fits.shaft_fit, "shaft")
     wheel = [curve.moved(size) for curve in outline.wheel_edges()]
     disc = Curve.circle(size * (arm + outline.pin_radius + _WALL))
     return [
         Part("follower", wheel[-1], (*wheel[:-1], *((centre,) if outline.inward else ()))),
-        Part("pin-disc", disc, (shaft, *pins), axes=(0.0, *(size * places).tolist())),
-        link("carrier", size * mechanism.carrier_over_fixed, own, axis, fits),
+        Part("pin-disc", disc, (shaft, *pins), axes=(0.0, *(size * pin_centres).tolist())),
+        link("carrier", size * mechanism.carrier_over_fixed, follower_shaft, axis, fits),
         Part("planet", Curve.circle(size * outline.planet_radius), (shaft,), toothed=True),
         Part("fixed-gear", Curve.circle(size), (centre,), toothed=True),
     ]

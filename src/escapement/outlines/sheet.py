@@ -35,19 +35,22 @@ def lay_out(parts: tuple[Part, ...], kerf: float, scale: float, segments: bool) 
     lines, names, corner, top = [], [], _ROOM * (1.0 + 1.0j), 0.0
     for part in parts:
         edge = "ENGRAVE" if part.toothed else "CUT_OUTER"
-        own = [(edge, part.edge if part.toothed else part.edge.grown(0.5 * kerf))]
-        own += [("CUT_INNER", hole.grown(0.5 * kerf)) for hole in part.holes]
-        own += [("ENGRAVE", mark) for mark in part.marks]
+        layers = [(edge, part.edge if part.toothed else part.edge.grown(0.5 * kerf))]
+        layers += [("CUT_INNER", hole.grown(0.5 * kerf)) for hole in part.holes]
+        layers += [("ENGRAVE", mark) for mark in part.marks]
         if segments:
-            own = [(layer, _polygon(curve)) for layer, curve in own]
+            layers = [(layer, _polygon(curve)) for layer, curve in layers]
         # all else lies within the edge
-        low, high = own[0][1].box
+        low, high = layers[0][1].box
         size = high - low
         shift = corner + 1j * (2.0 * _HEIGHT) - low
-        curves += [(layer, curve.moved(by=shift).moved(scale)) for layer, curve in own]
+        curves += [(layer, curve.moved(by=shift).moved(scale)) for layer, curve in layers]
         for axis in part.axes:
             at, arm = axis + shift, 0.3 * _ROOM
-            lines += [((at - way * arm) * scale, (at + way * arm) * scale) for way in (1.0, 1.0j)]
+            lines += [
+                ((at - direction * arm) * scale, (at + direction * arm) * scale)
+                for direction in (1.0, 1.0j)
+            ]
         names.append((corner * scale, part.name))
         top = max(top, size.imag)
         corner += max(size.real, 0.7 * _HEIGHT * len(part.name)) + _ROOM

@@ -21,7 +21,7 @@ import math
 import numpy as np
 
 from escapement.base.errors import InvalidValue
-from escapement.base.spoken import told
+from escapement.base.spoken import as_spoken
 from escapement.mechanisms.elliptical_teeth import ADDENDUM, PRESSURE_ANGLE, PitchEllipse
 from escapement.mechanisms.protocol import FloatArray
 from escapement.outlines.curves import ComplexArray, Curve, biarcs
@@ -49,7 +49,7 @@ def rack_cut(pitch: PitchEllipse, teeth: int, centred: bool, backlash: float = 0
     centred : bool
         Whether a tooth is centred at the vertex from which angles are counted, else a gap.
     backlash : float
-        Play of a pair of gears along the pitch curve [m]; half of it is taken from each.
+        Backlash of a pair of gears along the pitch curve [m]; half of it is taken from each.
 
     Returns
     -------
@@ -66,8 +66,8 @@ def rack_cut(pitch: PitchEllipse, teeth: int, centred: bool, backlash: float = 0
     step = rolled.length / teeth
     module, half = step / math.pi, 0.25 * (step - backlash)
     points = 1 + max(3, math.ceil(6.0 * math.cbrt(_SPREAD * module / _FINE)))
-    places = np.arange(teeth)[:, None] + (0.0 if centred else 0.5)
-    middle = np.asarray(step * places, dtype=float)
+    positions = np.arange(teeth)[:, None] + (0.0 if centred else 0.5)
+    middle = np.asarray(step * positions, dtype=float)
     (first, up), (last, down) = (
         _side(rolled, middle + side * half, side, module, points) for side in (-1.0, 1.0)
     )
@@ -76,11 +76,12 @@ def rack_cut(pitch: PitchEllipse, teeth: int, centred: bool, backlash: float = 0
     if backlash < 0.0 or not np.all(ends[:, 0] < ends[:, 1]):
         raise InvalidValue(
             "clearance of toothed gears must be at least 0 and leave tips, got "
-            f"{told(backlash, 'length')} at a module of {told(module, 'length')}; give less"
+            f"{as_spoken(backlash, 'length')} at a module of {as_spoken(module, 'length')}; "
+            "give less"
         )
     anomalies = np.column_stack([ends[:, 0], ends.mean(axis=1), ends[:, 1]])
-    place, along = rolled.at(anomalies)
-    top = (place - 1j * module * ADDENDUM * along)[:, 1:2]
+    point, along = rolled.at(anomalies)
+    top = (point - 1j * module * ADDENDUM * along)[:, 1:2]
     corners = np.hstack([first, top, last[:, ::-1]])
     # directions in which the edge comes to each point and goes on from it
     comes = np.hstack([up, along[:, 1:], -down[:, -2::-1]])
@@ -98,10 +99,10 @@ def _side(
     """
     psi = np.linspace(0.5 * math.pi, PRESSURE_ANGLE, points)
     out = module * _DEEP * np.cos(psi) / np.sin(psi)
-    place, along = rolled.at(rolled.anomaly(crossing + side * (module * _BESIDE + out)))
+    point, along = rolled.at(rolled.anomaly(crossing + side * (module * _BESIDE + out)))
     across = out + module * _ROUND * np.cos(psi)
     deep = module * (_DEEP + _ROUND * np.sin(psi))
-    fillet = place + along * (1j * deep - side * across)
+    fillet = point + along * (1j * deep - side * across)
     rounded = along * (-side * np.sin(psi) - 1j * np.cos(psi))
     low = np.full(crossing.shape, -module * ADDENDUM)
     # a flank bends most at its root
@@ -117,8 +118,8 @@ def _flank(
 ) -> tuple[ComplexArray, ComplexArray]:
     """Points of flanks at heights above the tangent where they are cut, and its direction."""
     arc = crossing - side * height / (_SINE * _COSINE)
-    place, along = rolled.at(rolled.anomaly(arc))
-    return place + along * height * (side * _COSINE / _SINE - 1j), along
+    point, along = rolled.at(rolled.anomaly(arc))
+    return point + along * height * (side * _COSINE / _SINE - 1j), along
 
 
 def _height(rolled: "_Rolled", crossing: FloatArray, side: float, module: float) -> FloatArray:
@@ -127,8 +128,8 @@ def _height(rolled: "_Rolled", crossing: FloatArray, side: float, module: float)
     for _ in range(_HALVINGS):
         middle = 0.5 * (low + high)
         point, _along = _flank(rolled, crossing, side, middle)
-        place, _along = rolled.at(rolled.foot(point, crossing))
-        beyond = np.abs(point - place) > module * ADDENDUM
+        reached, _along = rolled.at(rolled.foot(point, crossing))
+        beyond = np.abs(point - reached) > module * ADDENDUM
         low, high = np.where(beyond, low, middle), np.where(beyond, middle, high)
     return low
 
@@ -172,9 +173,9 @@ class _Rolled:
         for _ in range(20):
             cosine, sine = np.cos(found), np.sin(found)
             speed = -self.major * sine + 1j * self.minor * cosine
-            bend = -self.major * cosine - 1j * self.minor * sine
-            away = points - (self.eccentricity * self.major - bend)
-            slope = np.real(away * bend.conj()) - np.abs(speed) ** 2
+            second_derivative = -self.major * cosine - 1j * self.minor * sine
+            away = points - (self.eccentricity * self.major - second_derivative)
+            slope = np.real(away * second_derivative.conj()) - np.abs(speed) ** 2
             step = -np.real(away * speed.conj()) / slope
             found = found + step
             if np.abs(step).max() < 1e-13:

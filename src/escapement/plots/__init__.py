@@ -4,22 +4,22 @@ Functions for one panel draw into given axes, or into a new figure; nothing is s
 `save` writes a figure.
 
 - `style`, `saving`, `films`: the look of every figure, and its file
-- `motion`, `rundown`, `animation`, `play`: motions, and films of them
+- `motion_plots`, `rundown_curve`, `animation`, `clearance_drawing`: motions, and films of them
 - `drawing`, `geneva`, `gear_driven`, `planetary`: mechanisms to scale
-- `study`, `study_panels`, `study_table`, `sample`, `budget`, `designs`: studies, budgets and
+- `study`, `study_panels`, `study_table`, `sample`, `budget_bars`, `designs`: studies, budgets and
   designs
-- `measurement`, `beats`, `drive_torque`: readings, beats, and drives at constant speed
+- `measurement`, `beat_plots`, `drive_torque_curve`: readings, beats, and drives at constant speed
 """
 
 from escapement.explorer.widget import explore as explore
 from escapement.plots.animation import animate as animate
-from escapement.plots.beats import plot_beat_spectrum as plot_beat_spectrum
-from escapement.plots.beats import plot_beats as plot_beats
-from escapement.plots.budget import plot_budget as plot_budget
+from escapement.plots.beat_plots import plot_beat_spectrum as plot_beat_spectrum
+from escapement.plots.beat_plots import plot_beats as plot_beats
+from escapement.plots.budget_bars import plot_budget as plot_budget
 from escapement.plots.designs import plot_designs as plot_designs
 from escapement.plots.drawing import plot_mechanism as plot_mechanism
 from escapement.plots.drawing import plot_table as plot_table
-from escapement.plots.drive_torque import plot_drive_torque as plot_drive_torque
+from escapement.plots.drive_torque_curve import plot_drive_torque as plot_drive_torque
 from escapement.plots.gear_driven import plot_gear_driven as plot_gear_driven
 from escapement.plots.geneva import plot_configurations as plot_configurations
 from escapement.plots.measurement import plot_error_histogram as plot_error_histogram
@@ -29,11 +29,11 @@ from escapement.plots.measurement import plot_measurement as plot_measurement
 from escapement.plots.measurement import plot_periodogram as plot_periodogram
 from escapement.plots.measurement import plot_positions as plot_positions
 from escapement.plots.measurement import plot_speeds as plot_speeds
-from escapement.plots.motion import plot_contact_moment as plot_contact_moment
-from escapement.plots.motion import plot_phase_portrait as plot_phase_portrait
-from escapement.plots.motion import plot_velocities as plot_velocities
+from escapement.plots.motion_plots import plot_contact_moment as plot_contact_moment
+from escapement.plots.motion_plots import plot_phase_portrait as plot_phase_portrait
+from escapement.plots.motion_plots import plot_velocities as plot_velocities
 from escapement.plots.planetary import plot_planetary as plot_planetary
-from escapement.plots.rundown import plot_rundown as plot_rundown
+from escapement.plots.rundown_curve import plot_rundown as plot_rundown
 from escapement.plots.sample import plot_sample as plot_sample
 from escapement.plots.saving import save as save
 from escapement.plots.study import plot_lines as plot_lines

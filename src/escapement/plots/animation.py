@@ -12,10 +12,10 @@ from escapement.dynamics.motion import Motion, State
 from escapement.mechanisms import EllipticalPlanetary, Geneva
 from escapement.mechanisms.protocol import Mechanism
 from escapement.plots import drawing, style
+from escapement.plots.clearance_drawing import draw_close_up, exaggerated
 from escapement.plots.geneva import plot_geneva
-from escapement.plots.motion import plot_velocities
+from escapement.plots.motion_plots import plot_velocities
 from escapement.plots.planetary import draw_planetary, extent
-from escapement.plots.play import draw_close_up, exaggerated
 
 _MOST_FRAMES = 2_000
 
@@ -30,7 +30,7 @@ def animate(
 ) -> FuncAnimation:
     """Film of a motion, in slow motion: drive and follower to scale, and their velocities.
 
-    With clearance a further panel shows the pin in its slot, its play drawn wider.
+    With clearance a further panel shows the pin in its slot, its clearance drawn wider.
 
     Parameters
     ----------
@@ -94,12 +94,12 @@ def animate(
         if wide is not None:
             aside[0].clear()
             draw_close_up(aside[0], wide, float(state.theta[frame]), frame)
-        place = times[frame] * factor
+        shown_time = times[frame] * factor
         # a second picture leaves less room
         between = "\n" if loose else ", "
-        scene.set_title(f"{place:.{digits}f} {unit}{between}{pace}", fontsize=style.SMALL_SIZE)
-        instant.set_xdata([place, place])
-        marks.set_data([place, place], [state.theta_dot[frame], state.phi_dot[frame]])
+        scene.set_title(f"{shown_time:.{digits}f} {unit}{between}{pace}", fontsize=style.SMALL_SIZE)
+        instant.set_xdata([shown_time, shown_time])
+        marks.set_data([shown_time, shown_time], [state.theta_dot[frame], state.phi_dot[frame]])
 
     show(0)
     # if the layout were made again for every picture, the axes would tremble
@@ -109,15 +109,15 @@ def animate(
 
 
 def _loose(mechanism: Mechanism) -> Geneva | None:
-    """A wheel with play, None for others."""
+    """A wheel with clearance, None for others."""
     return mechanism if isinstance(mechanism, Geneva) and mechanism.clearance > 0.0 else None
 
 
 def _drawing(ax: Axes, mechanism: Mechanism, state: State) -> Callable[[int], object]:
     """What draws the mechanism at one of the times, with limits that do not change."""
-    angles, turned = state.theta.tolist(), state.phi.tolist()
+    angles, follower_angles = state.theta.tolist(), state.phi.tolist()
     if wheel := _loose(mechanism):
-        return lambda k: plot_geneva(wheel, angles[k], ax, follower_angle=turned[k])
+        return lambda k: plot_geneva(wheel, angles[k], ax, follower_angle=follower_angles[k])
     if not isinstance(mechanism, EllipticalPlanetary):
         return lambda k: drawing.plot_mechanism(mechanism, angles[k], ax)
     # the carrier turns, so the limits must have room for every picture

@@ -1,4 +1,4 @@
-"""Figure of the designs that meet a wish."""
+"""Figure of the designs that meet a requirement."""
 
 from typing import TYPE_CHECKING
 
@@ -10,7 +10,7 @@ from escapement.plots import style
 from escapement.plots.style import finished, readable
 
 if TYPE_CHECKING:
-    from escapement.inverse_design.search import Designs
+    from escapement.inverse_design.timer_search import Designs
 
 _MARKERS = "osD^vP*X<>hd"
 
@@ -28,9 +28,9 @@ def plot_designs(found: "Designs") -> Figure:
     Figure
         The first objective along x, and the second, or else the mass, along y.
     """
-    from escapement.inverse_design.wish import BOUNDS
+    from escapement.inverse_design.requirement import BOUNDS
 
-    names = [*found.wish.objectives, "mass", "size"][:2]
+    names = [*found.requirement.objectives, "mass", "size"][:2]
     drawn = style.new_figure(style.ONE_COLUMN, 3.0)
     axes = style.new_panels(drawn, 1, 1)[0]
     columns, labels = [], []
@@ -42,7 +42,7 @@ def plot_designs(found: "Designs") -> Figure:
     wheels = [one.timer.mechanism for one in found.designs]
     kinds = [(w.slots, w.internal) for w in wheels]  # type: ignore[attr-defined]
     for marker, kind in zip(_MARKERS, sorted(set(kinds)), strict=False):
-        here = np.array([own == kind for own in kinds])
+        here = np.array([used == kind for used in kinds])
         slots, internal = kind
         label = f"{slots} slots" + ", internal" * internal
         axes.plot(columns[0][here], columns[1][here], marker, color=style.BLUE, mfc="none",

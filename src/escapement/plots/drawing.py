@@ -73,9 +73,9 @@ def plot_table(mechanism: Tabulated, ax: Axes | None = None, *, legend: bool = T
         ax.fill_between(np.degrees(theta), g - doubt, g + doubt, **band)
     first = mechanism.breaks[0]
     rows = np.array(mechanism.theta)[:_MOST_MARKS]
-    places = np.degrees(first + np.mod(rows - first, mechanism.cell_angle))
+    angles = np.degrees(first + np.mod(rows - first, mechanism.cell_angle))
     low = float(min((g - doubt).min(), 0.0)) - 0.06 * float(np.ptp(g))
-    ax.plot(places, np.full(places.size, low), "|", color=style.GREY, ms=5, mew=0.5, label="rows")
+    ax.plot(angles, np.full(angles.size, low), "|", color=style.GREY, ms=5, mew=0.5, label="rows")
     if legend:
         style.legend_above(ax, 3)
     return ax
@@ -105,9 +105,9 @@ def bodies(
     """
     drawn: dict[str, Patch] = {}
     for body in shown:
-        if (own := looks.get(body.name.rstrip("-0123456789"))) is None:
+        if (chosen := looks.get(body.name.rstrip("-0123456789"))) is None:
             continue
-        given: dict[str, Any] = {"gid": body.name, **look, **own}
+        given: dict[str, Any] = {"gid": body.name, **look, **chosen}
         if isinstance(body, Disc):
             patch: Patch = Circle((body.centre.real, body.centre.imag), body.radius, **given)
         else:
@@ -139,9 +139,9 @@ def arrow(ax: Axes, arc: ComplexArray) -> None:
     arrow.set(color=style.BLACK, linewidth=0.8, zorder=5, fill=True)
 
 
-def length(ax: Axes, place: style.Point, size: float, text: str) -> None:
+def length(ax: Axes, point: style.Point, size: float, text: str) -> None:
     """A bar of a length, with its name to the right."""
-    x, y = place
+    x, y = point
     ax.plot([x, x + size], [y, y], "-|", color=style.BLACK, lw=0.9, ms=6, mew=0.9)
     style.annotate(ax, text, (x + size, y), (5.0, 0.0), "left")
 

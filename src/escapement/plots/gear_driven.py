@@ -142,8 +142,8 @@ def _draw(ax: Axes | None, outline: GearDrivenOutline, theta: float, *, wheel: b
     drawing.bodies(ax, pins, rollers, linewidth=0.9)
     # pins of no given radius are drawn large enough to be seen
     least = 0.0 if outline.mechanism.contact_radius else 0.018 * outline.reach
-    seen = [pin._replace(radius=max(pin.radius, least)) for pin in pins]
-    drawing.bodies(ax, [fixed, planet, *seen], _LOOKS, linewidth=0.9)
+    visible = [pin._replace(radius=max(pin.radius, least)) for pin in pins]
+    drawing.bodies(ax, [fixed, planet, *visible], _LOOKS, linewidth=0.9)
     arm = np.array([0.0, planet.centre])
     look: dict[str, Any] = {"lw": 1.4, "zorder": 2.5, "gid": "carrier", "label": "carrier"}
     drawing.curve(ax, arm, color=style.BLACK, **look)

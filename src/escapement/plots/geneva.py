@@ -53,7 +53,7 @@ def plot_geneva(
         the perfect wheel and its pins.
     follower_angle : float, optional
         Angle of the follower [rad], as `State.phi` of a motion with clearance gives it.
-        Default: the angle at which slots without play would hold it.
+        Default: the angle at which slots without clearance would hold it.
 
     Returns
     -------
@@ -76,8 +76,8 @@ def plot_geneva(
     angle = validate.number("theta", theta, "give the driver angle in rad")
     style.check_drawn("slots", mechanism.slots)
     outline = GenevaOutline(mechanism, exaggerate)
-    own = outline.mechanism.follower_angle
-    phi = float(own(angle)) if follower_angle is None else follower_angle
+    angle_of = outline.mechanism.follower_angle
+    phi = float(angle_of(angle)) if follower_angle is None else follower_angle
     phi = validate.number("follower_angle", phi, "give it in rad, or leave it out")
     ax = _draw(ax, outline, angle, phi)
     if exaggerate != 1.0:
@@ -131,8 +131,8 @@ def _name_parts(ax: Axes, outline: GenevaOutline, theta: float) -> None:
         "pin": (max(centres, key=lambda centre: centre.imag), (0.0, -11.0)),
         "slot": ((0.6 * outline.slot_end + 0.4 * rim) * slot, (aside.real, aside.imag)),
     }
-    for name, (place, offset) in names.items():
-        style.annotate(ax, name, (place.real, place.imag), offset)
+    for name, (point, offset) in names.items():
+        style.annotate(ax, name, (point.real, point.imag), offset)
 
 
 def _draw(ax: Axes | None, outline: GenevaOutline, theta: float, phi: float) -> Axes:
@@ -194,6 +194,6 @@ def _draw_lines(ax: Axes, outline: GenevaOutline, phi: float) -> None:
 def _draw_scale(ax: Axes, outline: GenevaOutline) -> None:
     """A bar one crank radius long, with the radius where it is known."""
     (left, _, bottom, _), radius = _extent(outline), outline.mechanism.crank_radius
-    place = (left + 0.15, bottom + 0.5 * _MARGIN * _size(outline))
+    point = (left + 0.15, bottom + 0.5 * _MARGIN * _size(outline))
     text = "crank radius" if radius is None else f"crank radius {on_drawing(radius)}"
-    drawing.length(ax, place, 1.0, text)
+    drawing.length(ax, point, 1.0, text)

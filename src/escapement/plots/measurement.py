@@ -187,9 +187,9 @@ def plot_periodogram(result: Measurement, ax: Axes | None = None, *, legend: boo
     rounds = abs(result.mechanism.follower_step) / result.mechanism.cell_angle
     marks = {"input turn": 1.0, "output turn": rounds, "cell": cells}
     looks = style.LOOKS[5], style.LOOKS[2], style.LOOKS[3]
-    for look, (name, place) in zip(looks, marks.items(), strict=True):
-        if place <= found.frequency[-1]:
-            ax.axvline(place, color=look.color, lw=0.9, ls=look.linestyle, label=name, zorder=0)
+    for look, (name, frequency) in zip(looks, marks.items(), strict=True):
+        if frequency <= found.frequency[-1]:
+            ax.axvline(frequency, color=look.color, lw=0.9, ls=look.linestyle, label=name, zorder=0)
     ax.set(xlim=(0.0, found.frequency[-1]), ylim=(0.0, None))
     return _finished(
         ax, result, legend, ("cycles a turn of the input", ""), ("share of variance", "%")

@@ -62,13 +62,13 @@ def plot_planetary(
     """
     angle = validate.number("theta", theta, "give the driver angle in rad")
     box, distance = extent(mechanism, angle), 1e3 * mechanism.centre_distance
-    own, ax = ax is None, drawing.dress_scene(ax, box)
+    alone, ax = ax is None, drawing.dress_scene(ax, box)
     draw_planetary(ax, mechanism, angle, angle)
     # letters are to the right of the carrier, arrows to its left and behind it
     along, behind = np.exp(1j * angle), angle + np.pi
     aside = -10j * along
-    for letter, place in (("A", 0.0 * along), ("C", distance * along)):
-        style.annotate(ax, letter, (place.real, place.imag), (aside.real, aside.imag))
+    for letter, point in (("A", 0.0 * along), ("C", distance * along)):
+        style.annotate(ax, letter, (point.real, point.imag), (aside.real, aside.imag))
     # the carrier turns counter-clockwise and the output the other way
     drawing.arrow(ax, arc(distance, angle + 0.1, angle + 0.4, 21))
     drawing.arrow(ax, arc(0.42e3 * mechanism.sun_radius, behind + 0.9, behind - 0.9, 31))
@@ -77,11 +77,11 @@ def plot_planetary(
     most = 0.5 * mechanism.centre_distance / size
     power = 10.0 ** np.floor(np.log10(most))
     length = float(max(step for step in (1.0, 2.0, 5.0) if step * power <= most) * power)
-    place = (box[0] + 0.04 * distance, box[2] + _MARGIN * distance)
-    drawing.length(ax, place, 1e3 * size * length, f"{length:g} {unit}")
+    point = (box[0] + 0.04 * distance, box[2] + _MARGIN * distance)
+    drawing.length(ax, point, 1e3 * size * length, f"{length:g} {unit}")
     if legend:
         style.legend_above(ax, 2, _LETTERS)
-    if own and legend:
+    if alone and legend:
         figure: Any = ax.figure
         figure.set_figheight(figure.get_figheight() + _WORDS)
     return ax

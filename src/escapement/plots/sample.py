@@ -14,7 +14,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from escapement.base.status import Status
-from escapement.dynamics.merit_table import TRANSIENT
+from escapement.dynamics.figure_table import TRANSIENT
 from escapement.mechanisms.protocol import FloatArray
 from escapement.plots import style
 from escapement.plots.study_panels import dress_axis

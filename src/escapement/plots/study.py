@@ -118,12 +118,12 @@ def plot_map(study: Study, result: str, ax: Axes | None = None, *, legend: bool 
     table = tabulate(study, [result])
     if not table.lines.name:
         raise refusal("vary two parameters for a map", f"one ({table.x.name})", "use plot_lines")
-    own = ax is None
+    alone = ax is None
     ax = ax or style.new_axes(style.ONE_COLUMN, 2.9)
     key = draw_map(ax, table, bar="right")
     if key and legend:
         style.legend_above(ax, 1, handles=key)
-    if own:
+    if alone:
         head(ax.figure, table)
     return ax
 

@@ -17,7 +17,7 @@ from escapement.study.result import DEFAULT, Study
 
 _SHORT = {
     "friction": "coefficient of friction",
-    "blow_max": "energy of a blow",
+    "blow_max": "energy of an impact",
     "velocity_max": "maximum driver velocity",
     "velocity_mean": "mean driver velocity",
     "rise_time_63": "rise time, 63 %",

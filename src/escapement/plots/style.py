@@ -134,13 +134,13 @@ def dress(ax: Axes) -> Axes:
 
 def legend_above(ax: Axes, columns: int, title: str | None = None, **options: Any) -> None:
     """A legend above the axes, where it covers no data, or inside if there is no space above."""
-    place: dict[str, Any] = {"loc": "lower center", "bbox_to_anchor": (0.5, 1.0)}
-    place["borderaxespad"] = 0.3
+    location: dict[str, Any] = {"loc": "lower center", "bbox_to_anchor": (0.5, 1.0)}
+    location["borderaxespad"] = 0.3
     if ax.figure.get_layout_engine() is None:
         # a figure of the user has no space above its axes
-        columns, place = 1, {"loc": "best", "frameon": True}
+        columns, location = 1, {"loc": "best", "frameon": True}
     space = {"columnspacing": 1.2, "handlelength": 2.6}
-    add_legend(ax, columns, title, **{**place, **space, **options})
+    add_legend(ax, columns, title, **{**location, **space, **options})
 
 
 def finished(
@@ -172,11 +172,11 @@ def add_legend(
 
 
 def annotate(
-    ax: Axes, text: str, place: Point, offset: Point = (0.0, 0.0), side: str = "center"
+    ax: Axes, text: str, point: Point, offset: Point = (0.0, 0.0), side: str = "center"
 ) -> None:
     """Text beside a point of the data, in a halo; the offset is in points."""
     ax.annotate(
-        text, place, offset, textcoords="offset points", ha=side, va="center", zorder=6,
+        text, point, offset, textcoords="offset points", ha=side, va="center", zorder=6,
         fontsize=SMALL_SIZE, annotation_clip=False, path_effects=HALO,
     )  # fmt: skip
 
@@ -224,9 +224,9 @@ def scaled(unit: str, values: ArrayLike) -> tuple[float, str]:
 
 def readable(kind: str, values: ArrayLike) -> tuple[float, str]:
     """As `scaled`, for values in SI of a kind of unit, in the system that the user chose."""
-    own, system = np.asarray(values, dtype=float), spoken()
+    numbers, system = np.asarray(values, dtype=float), spoken()
     unit = factor(kind, system)
-    prefix, name = scaled(unit_name(kind, system), own / unit)
+    prefix, name = scaled(unit_name(kind, system), numbers / unit)
     return prefix / unit, name
 
 

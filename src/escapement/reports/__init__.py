@@ -16,7 +16,7 @@ from escapement.model.escapement import Escapement
 from escapement.reports import sections
 
 if TYPE_CHECKING:
-    from escapement.tolerance.budget import Budget
+    from escapement.tolerance.tolerance_budget import Budget
 
 _ENGAGEMENTS = 20
 
@@ -72,20 +72,20 @@ def page(escapement: Escapement, budget: Budget | None, title: str, initial_spee
     figures = simulation.terminal(escapement, initial_speed=initial_speed)
     motion = simulation.simulate(escapement, _ENGAGEMENTS, initial_speed=initial_speed)
     parts = [sections.section("The design", sections.of_inputs(escapement, initial_speed))]
-    told = sections.paragraph(f"The figures of the terminal cycle: {figures.message}.")
+    text = sections.paragraph(f"The figures of the terminal cycle: {figures.message}.")
     if figures.status is Status.OK:
-        told += sections.of_figures(figures)
-    parts.append(sections.section("What it does", told))
+        text += sections.of_figures(figures)
+    parts.append(sections.section("What it does", text))
     if motion.end_time > 0.0:
         drawn = sections.of_pictures(escapement, motion)
         parts.append(sections.section("Drawing and velocities", drawn))
     curve = escapement.curve
     if curve is not None and not curve.periodic and curve.torque[-1] == 0.0:
         run = rundown(escapement, initial_speed=initial_speed)
-        told = sections.paragraph(
+        text = sections.paragraph(
             f"{run.message[0].upper()}{run.message[1:]}."
         ) + sections.of_rundown(run)
-        parts.append(sections.section("How it runs down", told))
+        parts.append(sections.section("How it runs down", text))
     if budget is not None:
         parts.append(sections.section("What the tolerances do", sections.of_budget(budget)))
     parts.append(sections.section("What is assumed", sections.of_assumptions(escapement)))

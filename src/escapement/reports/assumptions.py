@@ -17,34 +17,34 @@ def left_out(escapement: Escapement) -> list[tuple[str, str]]:
     The sizes are those of docs/effects.md and docs/imperfect-parts.md, for Geneva wheels at
     frictions from 0.20 to 0.35.
     """
-    own, wheel = escapement, escapement.mechanism
-    given = own.settings | wheel.lengths
+    real, wheel = escapement, escapement.mechanism
+    given = real.settings | wheel.lengths
 
     def lacks(*names: str) -> bool:
         return not any(given[name] for name in names)
 
     found = []
     if lacks("pin_radius"):
-        told = "a pin of a twentieth of the crank radius makes the period 3 to 4 % shorter"
-        found.append(("width of the pins", told))
-    if lacks("clearance") and not own.contact:
-        told = "each thousandth of the crank radius makes the period 0.4 to 0.8 % longer"
-        found.append(("play between pin and slot", told))
+        text = "a pin of a twentieth of the crank radius makes the period 3 to 4 % shorter"
+        found.append(("width of the pins", text))
+    if lacks("clearance") and not real.contact:
+        text = "each thousandth of the crank radius makes the period 0.4 to 0.8 % longer"
+        found.append(("clearance between pin and slot", text))
     if lacks("driver_bearing_radius", "follower_bearing_radius", "driver_bearing_torque"):
-        told = "a journal of a twentieth of the crank radius adds 0.3 to 2 % to the period"
-        found.append(("friction of the bearings", told))
+        text = "a journal of a twentieth of the crank radius adds 0.3 to 2 % to the period"
+        found.append(("friction of the bearings", text))
     if lacks("driver_drag", "follower_drag"):
         found.append(("air", "it changes the period of plain wheels by at most 0.2 %"))
     if lacks("driver_viscous", "follower_viscous"):
-        told = "oil in journals adds less than 0.1 %, a film between faces 1 to 9 %"
-        found.append(("oil", told))
+        text = "oil in journals adds less than 0.1 %, a film between faces 1 to 9 %"
+        found.append(("oil", text))
     if wheel.perfect:
-        told = (
+        text = (
             "a centre distance a thousandth too short makes the period 1 % longer, one too long "
             "makes it 0.3 % shorter"
         )
-        found.append(("errors of the parts", told))
-    if own.curve is None:
-        told = "a torque that falls by 1 % makes the period 0.5 % longer"
-        found.append(("a spring that runs down", told))
+        found.append(("errors of the parts", text))
+    if real.curve is None:
+        text = "a torque that falls by 1 % makes the period 0.5 % longer"
+        found.append(("a spring that runs down", text))
     return found

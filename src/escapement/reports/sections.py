@@ -14,8 +14,8 @@ from escapement import plots
 from escapement.base.spoken import spoken
 from escapement.base.text import show, words
 from escapement.base.units import SYSTEMS, factor, printed
+from escapement.dynamics.figure_table import FIGURES
 from escapement.dynamics.figures_of_merit import Figures
-from escapement.dynamics.merit_table import FIGURES
 from escapement.dynamics.motion import Motion
 from escapement.model.escapement import Escapement
 from escapement.model.inputs import in_unit, in_words, inputs_of
@@ -23,9 +23,9 @@ from escapement.reports.assumptions import ALWAYS, left_out
 
 if TYPE_CHECKING:
     from escapement.engines.run_down import Rundown
-    from escapement.tolerance.budget import Budget
+    from escapement.tolerance.tolerance_budget import Budget
 
-_TOLD = (
+_DESCRIBED = (
     "period", "velocity_mean", "velocity_max", "velocity_min", "rise_time_98",
     "handoff_velocity", "acceleration_max", "follower_acceleration_max", "contact_moment_max",
     "contact_force_max", "beat_error", "blow_max", "critical_friction", "jam_margin",
@@ -52,25 +52,25 @@ def table(header: Sequence[str], rows: Iterable[Sequence[Any]]) -> str:
     return f"<table><thead><tr>{top}</tr></thead><tbody>{''.join(lines)}</tbody></table>"
 
 
-def picture(make: Callable[[], Any], told: str) -> str:
+def picture(make: Callable[[], Any], caption: str) -> str:
     """A figure as SVG within the page, with a sentence for those who do not see it."""
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "figure.svg"
         plots.save(make(), path)
         drawn = path.read_text(encoding="utf-8")
     drawn = drawn[drawn.index("<svg") :]
-    return f'<figure role=img aria-label="{html.escape(told, quote=True)}">{drawn}</figure>'
+    return f'<figure role=img aria-label="{html.escape(caption, quote=True)}">{drawn}</figure>'
 
 
 def of_inputs(escapement: Escapement, initial_speed: float) -> str:
     """What the design consists of, in both systems of units."""
     rows = []
     for name, value, kind in [*inputs_of(escapement), ("initial_speed", initial_speed, "speed")]:
-        told = [name.replace("_", " ")]
+        names = [name.replace("_", " ")]
         for system in SYSTEMS:
             shown = show(in_words(in_unit(value, factor(kind, system))))
-            told.append(f"{shown} {printed(kind, system)}".strip())
-        rows.append(told)
+            names.append(f"{shown} {printed(kind, system)}".strip())
+        rows.append(names)
     return table(("", *SYSTEMS), rows)
 
 
@@ -82,7 +82,7 @@ def _unit(kind: str) -> str:
 def of_figures(figures: Figures) -> str:
     """Figures of merit that there are."""
     rows: list[list[Any]] = []
-    for name in _TOLD:
+    for name in _DESCRIBED:
         value = float(getattr(figures, name))
         if math.isfinite(value) and (value != 0.0 or name not in ("beat_error", "blow_max")):
             kind, name_of = FIGURES[name].kind, FIGURES[name].long_name
@@ -120,8 +120,8 @@ def of_budget(budget: Budget) -> str:
         ]
         if rows:
             parts.append(table(("tolerance", "share of variance", "factor for equal shares"), rows))
-        told = f"Contributors to the scatter of the {words(name)}, and the sample"
-        parts.append(picture(partial(plots.plot_budget, budget, name), told))
+        caption = f"Contributors to the scatter of the {words(name)}, and the sample"
+        parts.append(picture(partial(plots.plot_budget, budget, name), caption))
     parts.append(
         paragraph(f"{budget.message[:1].upper()}{budget.message[1:]}.") * (budget.message != "done")
     )
@@ -141,15 +141,15 @@ def of_rundown(run: Rundown) -> str:
         ("last period", float(run.periods[-1]) if run.periods.size else math.nan, "s"),
         ("lateness at the end", float(run.lateness[-1]) if run.times.size else math.nan, "s"),
     ]
-    told = "Speed and lateness over the turns"
-    return table(("", "value", "unit"), rows) + picture(lambda: plots.plot_rundown(run), told)
+    caption = "Speed and lateness over the turns"
+    return table(("", "value", "unit"), rows) + picture(lambda: plots.plot_rundown(run), caption)
 
 
 def of_pictures(escapement: Escapement, motion: Motion) -> str:
     """The mechanism to scale, and the velocities from the start."""
     drawn = picture(lambda: plots.plot_mechanism(escapement.mechanism), "The mechanism to scale")
-    told = "Driver and follower velocity from the start"
-    return drawn + picture(lambda: plots.plot_velocities(motion), told)
+    caption = "Driver and follower velocity from the start"
+    return drawn + picture(lambda: plots.plot_velocities(motion), caption)
 
 
 def of_assumptions(escapement: Escapement) -> str:

@@ -65,14 +65,14 @@ def like(printed: str, value: float, *, cut: bool = False) -> str:
     if "'" in printed:
         return f"{count // 60}°{count % 60:02}'"
     mark = "°" if printed.endswith("°") else ""
-    return f"{count * unit:.{_places(unit)}f}{mark}"
+    return f"{count * unit:.{_decimals(unit)}f}{mark}"
 
 
 def finer(printed: str, value: float) -> str:
     """`value` with two digits more than printed, to show the effect of rounding."""
     if "'" in printed:
         return f"{math.floor(value)}°{60.0 * (value % 1.0):05.2f}'"
-    return f"{value:.{_places(digits(printed)[1]) + 2}f}"
+    return f"{value:.{_decimals(digits(printed)[1]) + 2}f}"
 
 
 def gives(printed: str, value: float, *, cut: bool = False) -> bool:
@@ -80,7 +80,7 @@ def gives(printed: str, value: float, *, cut: bool = False) -> bool:
     return digits(like(printed, value, cut=cut)) == digits(printed)
 
 
-def _places(unit: float) -> int:
+def _decimals(unit: float) -> int:
     return round(-math.log10(unit))
 
 
@@ -202,12 +202,14 @@ def compare(
     keys : names of numbers, instead of those of their columns.
     """
     rows = []
-    told = ("column", "printed", "true", "reason")
+    shown_keys = ("column", "printed", "true", "reason")
     for place, found in by_place(cells).items():
         named = {keys.get(cell.column, cell.column): cell for cell in found}
         printed = {key: cell.number for key, cell in named.items()}
         true = {key: cell.value for key, cell in named.items()}
-        errata = [{key: getattr(cell, key) for key in told} for cell in found if not cell.agrees]
+        errata = [
+            {key: getattr(cell, key) for key in shown_keys} for cell in found if not cell.agrees
+        ]
         rows.append({**heads[place], "printed": printed, "true": true, "errata": errata})
     return {
         "rows": rows,

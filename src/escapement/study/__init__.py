@@ -1,10 +1,10 @@
 """Studies: a grid or a sample of cases, solved into memory or into one HDF5 file.
 
-A study is planned, solved case by case, kept, and written. Read `plan` and `run` first.
+A study is planned, solved case by case, kept, and written. Read `plan` and `running` first.
 
 - `parse`, `plan`, `varied`, `elements`, `sizes`, `configuration`: from a file to a plan
 - `scenes`, `checked`: equal scenes once, then each case with its own unit of time; some are checked
-- `run`, `pool`, `block`: blocks of cases on threads or on a cluster
-- `journal`, `writer`, `hdf5`, `tables`: finished blocks, and the files that are made of them
+- `running`, `pool`, `block`: blocks of cases on threads or on a cluster
+- `journal`, `writer`, `hdf5`, `table_files`: finished blocks, and the files that are made of them
 - `reader`, `stored`, `result`, `labelled`: the results, from a file or in memory
 """

@@ -128,7 +128,7 @@ def _fold(total: int) -> int:
 class Block(NamedTuple):
     """The results of one chunk of cases.
 
-    number : place among the chunks.
+    number : index among the chunks.
     failed : number of its cases that could not be computed.
     data : for a file the number and sizes of the encoded results, followed by these results in
         the order of the file; for memory an array of each result.

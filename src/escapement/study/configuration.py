@@ -53,14 +53,14 @@ def difference(there: Mapping[str, Any], here: Mapping[str, Any]) -> str:
     return next(filter(None, (_first_difference(there[part], here[part]) for part in parts)), "")
 
 
-def _first_difference(there: Any, here: Any, place: str = "") -> str:
+def _first_difference(there: Any, here: Any, prefix: str = "") -> str:
     if not (isinstance(there, dict) and isinstance(here, dict)):
-        return "" if there == here else f"{place} was {_short(there)} and is {_short(here)}"
+        return "" if there == here else f"{prefix} was {_short(there)} and is {_short(here)}"
     for key in there | here:
-        where = f"{place}.{key}" if place else key
+        where = f"{prefix}.{key}" if prefix else key
         if text := _first_difference(there.get(key, _NOT_SET), here.get(key, _NOT_SET), where):
             return text
-    order = f"{place or 'the study'} had the order {', '.join(there)}"
+    order = f"{prefix or 'the study'} had the order {', '.join(there)}"
     return "" if [*there] == [*here] else order
 
 

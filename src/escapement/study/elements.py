@@ -12,7 +12,7 @@ from typing import Any
 from escapement.base import validate
 from escapement.base.errors import InvalidValue
 from escapement.base.quantity import Numbers, Quantity, Setting
-from escapement.mechanisms.checks import IMPERFECT
+from escapement.mechanisms.wheel_checks import IMPERFECT
 
 Content = Mapping[str, Any]
 

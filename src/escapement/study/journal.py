@@ -269,8 +269,8 @@ class Journal:
         warnings.warn(f"{self.path.name} is damaged; what was lost is computed again", stacklevel=2)
 
     def _refusal(self, why: str, *got: str) -> CannotCreate:
-        told = _REFUSALS[why].format(*got, name=self.path.name)
-        return CannotCreate(f"output {self._named} {told}")
+        text = _REFUSALS[why].format(*got, name=self.path.name)
+        return CannotCreate(f"output {self._named} {text}")
 
 
 def _connect(path: Path) -> sqlite3.Connection:
@@ -320,8 +320,8 @@ def _insertion(block: Block, key: int) -> tuple[str, tuple[Any, ...]]:
 
 def _checksum(block: Block, key: int) -> int:
     """Checksum of a row; that of the head does not include the study, which it identifies."""
-    own = struct.pack("<qqI", block.number, block.failed, 0 if block.number == _HEAD else key)
-    return zlib.crc32(block.data, zlib.crc32(own))
+    head = struct.pack("<qqI", block.number, block.failed, 0 if block.number == _HEAD else key)
+    return zlib.crc32(block.data, zlib.crc32(head))
 
 
 def _remove(path: Path, ends: tuple[str, ...] = _ENDS) -> None:

@@ -17,23 +17,23 @@ from escapement.base.files import AnyPath
 from escapement.base.quantity import Numbers, Quantity, Setting, declared
 from escapement.base.toml_file import read_toml
 from escapement.base.validate import known_keys
-from escapement.dynamics.merit_table import FIGURES
+from escapement.dynamics.figure_table import FIGURES
 from escapement.engines.solver import DEFAULT_ENGINE, Solver, solver_for
 from escapement.mechanisms import DEFAULT_KIND, KINDS, kind_of
-from escapement.mechanisms.checks import IMPERFECT, check_lengths
 from escapement.mechanisms.protocol import Mechanism
+from escapement.mechanisms.wheel_checks import IMPERFECT, check_lengths
 from escapement.model.escapement import Escapement
 from escapement.model.torque_curve import TorqueCurve
-from escapement.model.train import PLACES, check_ratios
+from escapement.model.train import ROLES, check_ratios
 from escapement.study.elements import part_lists
 from escapement.study.plan import StudyPlan, model_numbers, settings_of
 from escapement.study.result import DEFAULT
-from escapement.study.sizes import with_own_numbers
+from escapement.study.sizes import with_numbers_of_sizes
 from escapement.study.varied import CASE, WIDTHS, axis_values, sample_columns
 
 MOST_CASES = 10**12
 
-_TOP = ("title", "units", "results", "mechanism", "inertia", *PLACES, "sweep", "sample", "solver")
+_TOP = ("title", "units", "results", "mechanism", "inertia", *ROLES, "sweep", "sample", "solver")
 _NUMBERS = declared(Escapement)
 _SOLVER = declared(Solver)
 
@@ -96,7 +96,7 @@ def parse_plan(configuration: Mapping[str, Any], mechanism: Mechanism | None = N
     if mechanism is None:
         machine = {"kind": validate.choice("mechanism.kind", machine["kind"], tuple(KINDS))}
         build = kind_of(machine["kind"])
-        configuration = with_own_numbers(configuration, build, system)
+        configuration = with_numbers_of_sizes(configuration, build, system)
         machine_table = _table(configuration, "mechanism")
     meshed = build.meshed if mechanism is None else mechanism.path.table
     counts = build.counts(machine_table)
@@ -228,17 +228,17 @@ def plan_from(
     """
     if not isinstance(escapement, Escapement):
         raise validate.fail("escapement", "an Escapement", escapement, "see escapement.Escapement")
-    machine, own = _describe(escapement.mechanism)
+    machine, described = _describe(escapement.mechanism)
     speed, axes = {"initial_speed": initial_speed}, dict(axes)
     if np.ndim(initial_speed) > 0:
         axes, speed = axes | speed, {}
     given = escapement.settings.items()
     numbers = {name: value for name, value in given if value != _NUMBERS[name].default}
     tables = {"mechanism": machine, "inertia": asdict(escapement.inertia), "sweep": axes}
-    tables |= {place: asdict(train) for place, train in escapement.trains.items()}
+    tables |= {role: asdict(train) for role, train in escapement.trains.items()}
     chosen = {"title": title, "results": results, "sample": sample, "solver": solver}
     chosen = {name: value for name, value in chosen.items() if value is not None}
-    return parse_plan(speed | numbers | tables | chosen, mechanism=own)
+    return parse_plan(speed | numbers | tables | chosen, mechanism=described)
 
 
 def _describe(mechanism: Mechanism) -> tuple[dict[str, Any], Mechanism | None]:
@@ -299,16 +299,16 @@ def _check_tables(configuration: Mapping[str, Any], settings: Mapping[str, Setti
     known_keys(swept, [*axes, *factors.values()], "in [sweep]", homes)
     kept = ["kind"] if machine else ["kind", "description"]
     keys: dict[str, list[str]] = {"": [*_TOP], "mechanism": kept, "inertia": []}
-    keys |= {place: [] for place in PLACES} | {"solver": [*_SOLVER]}
+    keys |= {where: [] for where in ROLES} | {"solver": [*_SOLVER]}
     for name, entry in settings.items():
         keys[entry.section].append(entry.key)
-        place = f"[{entry.section}]" if entry.section else "the top level"
+        where = f"[{entry.section}]" if entry.section else "the top level"
         # a number that the mechanism lacks, such as an efficiency, may belong to a train
-        key = homes.get(entry.key, place) if entry.section in PLACES else place
-        homes |= {name: f"{place} as {entry.key!r}", entry.key: key}
+        key = homes.get(entry.key, where) if entry.section in ROLES else where
+        homes |= {name: f"{where} as {entry.key!r}", entry.key: key}
     for section, known in keys.items():
-        place = f"in [{section}]" if section else "at the top level"
-        known_keys(_table(configuration, section), known, place, homes)
+        where = f"in [{section}]" if section else "at the top level"
+        known_keys(_table(configuration, section), known, where, homes)
     if not swept and "sample" not in configuration:
         raise InvalidValue(
             "the study must sweep at least one parameter, got none; "

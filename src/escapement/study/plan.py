@@ -13,11 +13,11 @@ from numpy.typing import NDArray
 from escapement.base import units
 from escapement.base.quantity import Quantity, Setting, declared, quantities
 from escapement.base.text import Shown
-from escapement.dynamics.merit_table import FIGURES, Result
+from escapement.dynamics.figure_table import FIGURES, Result
 from escapement.engines.solver import Solver
 from escapement.mechanisms import KINDS, kind_of
-from escapement.mechanisms.checks import IMPERFECT, LENGTHS
 from escapement.mechanisms.protocol import Mechanism
+from escapement.mechanisms.wheel_checks import IMPERFECT, LENGTHS
 from escapement.model.checks import idle_settings
 from escapement.model.escapement import Escapement, Inertia, Run, escapement_of
 from escapement.model.torque_curve import TorqueCurve
@@ -54,11 +54,11 @@ def settings_of(build: Any, meshed: bool) -> dict[str, Setting]:
     build : the class of its mechanism, or a mechanism of the user's own, which is not changed.
     meshed : whether it has no slots, and its losses are given by an efficiency.
     """
-    own = declared(build) if isinstance(build, type) else {}
+    entries = declared(build) if isinstance(build, type) else {}
     # settings that cannot be an axis stand first in the configuration
-    ordered = dict(sorted(own.items(), key=lambda item: item[1].axis))
+    ordered = dict(sorted(entries.items(), key=lambda item: item[1].axis))
     words = {n: e for n, e in declared(Escapement).items() if not isinstance(e, Quantity)}
-    return ordered | {n: e for n, e in (words | model_numbers()).items() if e.fits(meshed)}
+    return ordered | {n: e for n, e in (words | model_numbers()).items() if e.applies_to(meshed)}
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -127,8 +127,8 @@ class StudyPlan(Shown):
         varied = {name for along in self.varied.values() for name in along}
         found = {}
         for name, entry in settings_of(self.build, self.meshed).items():
-            own = entry.section
-            table = self.configuration.get(own, {}) if own else self.configuration
+            section = entry.section
+            table = self.configuration.get(section, {}) if section else self.configuration
             value: Any = table.get(entry.key)
             number = isinstance(entry, Quantity) and isinstance(value, int | float)
             if number and name not in varied and not entry.idle(value):
@@ -195,11 +195,11 @@ class StudyPlan(Shown):
         dict of ndarray, shape (n,)
             One array per parameter that varies.
         """
-        # parameters of one dimension, as those of a sample, share their place along it
-        places = np.unravel_index(cases, self.shape)
+        # parameters of one dimension, as those of a sample, share their index along it
+        indices = np.unravel_index(cases, self.shape)
         return {
-            name: values[place]
-            for along, place in zip(self._varied_si, places, strict=True)
+            name: values[index]
+            for along, index in zip(self._varied_si, indices, strict=True)
             for name, values in along.items()
         }
 
@@ -229,8 +229,8 @@ class StudyPlan(Shown):
     def lengths(self) -> dict[str, float]:
         """Fixed lengths of the mechanism [m], 0 where it has none."""
         if not isinstance(self.build, type):
-            own: dict[str, float] = self.build.lengths
-            return own
+            lengths: dict[str, float] = self.build.lengths
+            return lengths
         given = self.fixed_si
         crank = given.get("crank_radius") or given.get("fixed_radius")
         return {name: given.get(name) or 0.0 for name in LENGTHS} | {"crank_radius": crank or 0.0}
@@ -244,8 +244,8 @@ class StudyPlan(Shown):
 
     def _machine(self, values: Mapping[str, Any], left_out: Sequence[str] = ()) -> Mechanism:
         if not isinstance(self.build, type):
-            own: Mechanism = self.build
-            return own
+            mechanism: Mechanism = self.build
+            return mechanism
         every = {n: joined(n, values) for n in declared(self.build) if n not in left_out}
         given = {name: value for name, value in every.items() if value is not None}
         built: Mechanism = self.build(**given)
@@ -280,9 +280,9 @@ class StudyPlan(Shown):
         if not isinstance(self.build, type):
             values["clearance"] = self.build.clearance
         notes = [idle_settings(Escapement, values)]
-        late = "the torque behind the start" if self.curve else "spring_rate"
+        named = "the torque behind the start" if self.curve else "spring_rate"
         if self.curve or np.any(self.every("spring_rate")):
-            notes.append(f"{late} has no effect on results, which are those of the first torque")
+            notes.append(f"{named} has no effect on results, which are those of the first torque")
         return "; ".join(filter(None, notes))
 
     def check_mechanism(self) -> None:

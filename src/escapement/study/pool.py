@@ -24,13 +24,13 @@ class Pool(NamedTuple):
     """Threads or a cluster.
 
     executor : where tasks are submitted.
-    ahead : greatest number of tasks that are submitted and not finished.
+    in_advance : greatest number of tasks that are submitted and not finished.
     share : makes a value available to all tasks, and returns the object to submit in its place.
     alive : whether any worker or thread is there.
     """
 
     executor: futures.Executor
-    ahead: Callable[[], int]
+    in_advance: Callable[[], int]
     share: Callable[[Any], Any] = lambda value: value
     alive: Callable[[], bool] = lambda: True
 
@@ -42,7 +42,7 @@ class Pool(NamedTuple):
         running: set[futures.Future[T]] = set()
         try:
             while True:
-                for item in islice(waiting, max(self.ahead() - len(running), 0)):
+                for item in islice(waiting, max(self.in_advance() - len(running), 0)):
                     running.add(self.executor.submit(task, shared, item))
                 if not running:
                     return
@@ -87,12 +87,12 @@ def in_cluster(scheduler: Any, workers: int) -> Iterator[Pool]:
                 warnings.simplefilter("ignore")  # Dask warns if the value is large
                 return client.submit(_itself, value, pure=False)
 
-        def ahead() -> int:
+        def in_advance() -> int:
             return 2 * max(sum(map(int, client.nthreads().values())), 1)
 
         executor = client.get_executor(pure=False, retries=2)
         try:
-            yield Pool(executor, ahead, share, lambda: client.status == _CONNECTED)
+            yield Pool(executor, in_advance, share, lambda: client.status == _CONNECTED)
         except distributed.KilledWorker as error:
             raise StorageError(
                 f"a block of cases ended {error.allowed_failures + 1} workers, perhaps for "

@@ -41,10 +41,10 @@ def read_study(path: AnyPath) -> Study:
         this version can read. Damage within an array is found when the array is read; so is a
         file that was replaced or removed since.
     """
-    place = os.path.realpath(path)
+    target = os.path.realpath(path)
 
     def stored(name: str, finite: bool = False) -> Any:
-        return Stored(place, hdf5[name], finite)
+        return Stored(target, hdf5[name], finite)
 
     with _open_study(path) as hdf5:
         axes, beside = _dimensions(hdf5), _coordinates(hdf5)

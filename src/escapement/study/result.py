@@ -14,7 +14,7 @@ from escapement.base.errors import InvalidValue
 from escapement.base.status import Status
 from escapement.base.text import Shown
 from escapement.base.units import spelt
-from escapement.dynamics.merit_table import FIGURES, Result
+from escapement.dynamics.figure_table import FIGURES, Result
 from escapement.study.configuration import short_configuration
 from escapement.study.stored import LAYOUT
 
@@ -163,9 +163,11 @@ class Study(Shown):
 
     def table(self, start: int, stop: int) -> dict[str, NDArray[Any]]:
         """Axes and sampled parameters of the cases start <= case < stop, shape (n,) each."""
-        places = np.unravel_index(np.arange(start, stop), self.shape)
-        along = dict(zip(self.axes, places, strict=True)) | dict.fromkeys(self.sampled, places[-1])
-        return {name: np.asarray(self.columns[name])[place] for name, place in along.items()}
+        indices = np.unravel_index(np.arange(start, stop), self.shape)
+        along = dict(zip(self.axes, indices, strict=True)) | dict.fromkeys(
+            self.sampled, indices[-1]
+        )
+        return {name: np.asarray(self.columns[name])[index] for name, index in along.items()}
 
     @property
     def failed(self) -> int:
@@ -195,8 +197,8 @@ class Study(Shown):
         for name, value in values.items():
             axis = self.axes[validate.choice("axis", name, tuple(self.axes))]
             number = validate.number(name, value, "give one of the axis")
-            place = place_on(axis, name, number, "the study")
-            kept[name] = slice(place, place + 1)
+            index = index_on(axis, name, number, "the study")
+            kept[name] = slice(index, index + 1)
         grid = tuple(kept.values())
         case = kept.get("case", slice(None))
         return replace(
@@ -207,7 +209,7 @@ class Study(Shown):
         )
 
 
-def place_on(axis: NDArray[Any], name: str, value: float, owner: object) -> int:
+def index_on(axis: NDArray[Any], name: str, value: float, owner: object) -> int:
     """Index of a value on an axis of the owner, compared to six figures.
 
     Raises

@@ -18,16 +18,16 @@ from escapement.base import units
 from escapement.base.errors import InvalidValue
 from escapement.base.quantity import quantities
 from escapement.base.status import Status
+from escapement.dynamics.figure_table import FIGURES, TRANSIENT
 from escapement.dynamics.figures_of_merit import Figures
-from escapement.dynamics.merit_table import FIGURES, TRANSIENT
 from escapement.engines import simulate as simulation
-from escapement.mechanisms.checks import IMPERFECT, LENGTHS
 from escapement.mechanisms.protocol import FloatArray
+from escapement.mechanisms.wheel_checks import IMPERFECT, LENGTHS
 from escapement.model.checks import MOST_UNEQUAL, ratio_in_range
 from escapement.model.escapement import Escapement, Inertia
 from escapement.model.natural import natural, resistances, resisting
 from escapement.model.scene import Scene
-from escapement.model.train import seen, train_numbers
+from escapement.model.train import referred, train_numbers
 from escapement.study.checked import check_scenes
 from escapement.study.plan import StudyPlan
 
@@ -56,7 +56,7 @@ class SharedScenes(NamedTuple):
     """The different scenes of the cases of a plan, from which each block uses some.
 
     shape : of the plan's dimensions, 1 where a dimension does not change the scene.
-    which : number of the scene at each place of this shape, flat.
+    which : number of the scene at each index of this shape, flat.
     cases : the first case of each scene.
     figures, status : of each scene, as `solve_scenes` gives them; None until it is solved.
     """
@@ -83,8 +83,8 @@ def shared_scenes(plan: StudyPlan) -> SharedScenes | None:
     shape = tuple(1 if deciding.isdisjoint(names) else size for size, names in sizes)
     if _solver(plan) is not solve_scenes or not math.prod(shape) < min(plan.cases, MOST_SHARED + 1):
         return None
-    places = np.indices(shape).reshape(len(shape), -1)
-    cases = np.asarray(np.ravel_multi_index(tuple(places), plan.shape))
+    indices = np.indices(shape).reshape(len(shape), -1)
+    cases = np.asarray(np.ravel_multi_index(tuple(indices), plan.shape))
     first, which, *_ = _distinct(plan, cases)
     return SharedScenes(shape, which, cases[first])
 
@@ -117,10 +117,10 @@ def _distinct(plan: StudyPlan, cases: NDArray[np.int64]) -> tuple[NDArray[Any], 
     """
     columns, ratios, w, sound = _in_natural_units(plan, cases)
     scene = [*(ratios[name] for name in Scene._fields if name in ratios), w]
-    own = [name for name, entry in plan.parameters.items() if entry.section == "mechanism"]
+    numbers = [name for name, entry in plan.parameters.items() if entry.section == "mechanism"]
     # the path of a pin does not depend on its width
-    own = [name for name in own if name not in LENGTHS]
-    key = np.array([*scene, *(columns[name] for name in own if name in columns)])
+    numbers = [name for name in numbers if name not in LENGTHS]
+    key = np.array([*scene, *(columns[name] for name in numbers if name in columns)])
     order = np.lexsort(key)
     ordered = key[:, order]
     new = np.append(True, (ordered[:, 1:] != ordered[:, :-1]).any(axis=0))
@@ -140,7 +140,7 @@ def _in_natural_units(plan: StudyPlan, cases: NDArray[np.int64]) -> tuple[Any, .
         for name, value in (plan.fixed_si | plan.lengths | columns).items()
         if name in DECIDING and value is not None
     }
-    numbers = seen(numbers)
+    numbers = referred(numbers)
     with np.errstate(all="ignore"):  # the status reports numbers out of range
         ratios = natural(numbers, plan.meshed)
         w = numbers[SPEED] ** 2 * (numbers[FOLLOWER] / numbers[TORQUE])
@@ -197,7 +197,7 @@ def _solve(
 
 def _extent(plan: StudyPlan) -> int:
     """How far the motions of a plan are followed from their start."""
-    from escapement.engines.energy.figures import Extent
+    from escapement.engines.energy.case_figures import Extent
 
     wanted = {*plan.results}
     if not wanted.isdisjoint(("rise_time_63", "rise_time_98")):
@@ -239,8 +239,8 @@ def _rest(plan: StudyPlan, case: int, names: Sequence[str], handoff: float) -> l
 
 def _si_unit(kind: str, clock: Any, torque: Any) -> Any:
     """Natural unit of a kind [SI]; no case of the study changes the length in it."""
-    own = {"speed": 1.0 / clock, "time": clock, "acceleration": clock**-2.0}
-    return (own | dict.fromkeys(("torque", "force", "energy"), torque)).get(kind, 1.0)
+    scales = {"speed": 1.0 / clock, "time": clock, "acceleration": clock**-2.0}
+    return (scales | dict.fromkeys(("torque", "force", "energy"), torque)).get(kind, 1.0)
 
 
 def _solver(plan: StudyPlan) -> Any:
@@ -270,7 +270,7 @@ def _on_their_clocks(
     plan: StudyPlan, cases: NDArray[np.int64], figures: FloatArray, status: NDArray[np.uint8]
 ) -> Columns:
     """Figures of scenes in SI: the unit of time is the root of I_f / torque."""
-    values = seen(plan.fixed_si | plan.columns(cases))
+    values = referred(plan.fixed_si | plan.columns(cases))
     with np.errstate(all="ignore"):
         square = np.divide(values[FOLLOWER], values[TORQUE])
     bad = np.broadcast_to(~ratio_in_range(square), cases.shape)

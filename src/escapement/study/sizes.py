@@ -7,10 +7,10 @@ from typing import Any
 from escapement.base import units, validate
 from escapement.base.quantity import Quantity, declared
 from escapement.mechanisms.kind import Kind
-from escapement.mechanisms.other_sizes import own_numbers
+from escapement.mechanisms.other_sizes import numbers_of_sizes
 
 
-def with_own_numbers(
+def with_numbers_of_sizes(
     content: Mapping[str, Any], kind: type[Kind], system: str
 ) -> Mapping[str, Any]:
     """The content of a study file with other sizes replaced, see `mechanisms.other_sizes`.
@@ -34,8 +34,8 @@ def with_own_numbers(
         if name in sizes and (vary := sorted(varied.intersection(sizes[name].reads))):
             rule = f"left out where {vary[0]} varies"
             raise validate.fail(name, rule, table[name], f"give {sizes[name].of}")
-    own = own_numbers(sizes, given)
+    numbers = numbers_of_sizes(sizes, given)
     stated = {sizes[name].of for name in sizes.keys() & table.keys()}
     kept = {name: value for name, value in table.items() if name not in sizes}
     scale = units.factor("length", system)
-    return {**content, "mechanism": kept | {name: own[name] / scale for name in stated}}
+    return {**content, "mechanism": kept | {name: numbers[name] / scale for name in stated}}

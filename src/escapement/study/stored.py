@@ -154,7 +154,7 @@ class Stored(NDArrayOperatorsMixin):
         )
         if not simple or "values" in vars(self):
             return self.values[key]
-        _ = np.broadcast_to(np.empty(()), self.shape)[key]  # NumPy's errors for a place outside
+        _ = np.broadcast_to(np.empty(()), self.shape)[key]  # NumPy's errors for an index outside
         return self._read(key)
 
     def __array__(self, dtype: Any = None, copy: bool | None = None) -> NDArray[Any]:

@@ -11,14 +11,14 @@ from typing import NamedTuple
 
 from escapement.base import files
 from escapement.base.files import AnyPath
-from escapement.study import tables
+from escapement.study import table_files
 from escapement.study.block import Block, Tiling, blocks_of, encode_block
 from escapement.study.hdf5 import write_hdf5
 from escapement.study.journal import Journal
 from escapement.study.reader import failed_cases
 from escapement.study.result import Study
 
-_WRITERS = {tables.CSV: tables.write_csv, tables.PARQUET: tables.write_parquet}
+_WRITERS = {table_files.CSV: table_files.write_csv, table_files.PARQUET: table_files.write_parquet}
 
 
 def partial_path(path: AnyPath) -> Path:
@@ -69,7 +69,7 @@ def study_writer(
     Raises
     ------
     InvalidValue, MissingPackage
-        As `tables.check_format`.
+        As `table_files.check_format`.
     CannotCreate
         On entering, when the file may not be created, another process is writing
         it, or its partial results belong to another study.
@@ -77,7 +77,7 @@ def study_writer(
         When the disk is full or fails.
     """
     target, cut = files.check_target(path, force or resume), blocks_of(frame)
-    suffix = tables.check_format(path)
+    suffix = table_files.check_format(path)
     # a killed process leaves it, and the next process with the same output removes it
     temporary = files.temporary_path(target, f"{zlib.crc32(target.name.encode()):016x}")
     with ExitStack() as stack:
@@ -86,10 +86,10 @@ def study_writer(
             stack.callback(journal.close)
             temporary.unlink(missing_ok=True)
             old = resume and not force and target.exists()
-            known = tables.failed_rows if suffix in _WRITERS else failed_cases
+            known = table_files.failed_rows if suffix in _WRITERS else failed_cases
             complete = known(target, frame) if old else None
             # a complete CSV is computed again, because it does not contain its study
-            again = old and suffix == tables.CSV
+            again = old and suffix == table_files.CSV
             if complete is None:
                 files.check_target(path, force or again)
                 frame = journal.begin(frame, numerics, len(cut))
@@ -112,7 +112,7 @@ def study_writer(
                 journal.check()
                 blocks = map(journal.block, range(len(cut)))
                 if again:
-                    tables.compare_csv(frame, target, blocks)
+                    table_files.compare_csv(frame, target, blocks)
                 else:
                     write_blocks(frame, path, blocks, force, temporary)
         journal.remove()
@@ -143,7 +143,7 @@ def write_blocks(
     CannotCreate, StorageError
         As `pending_file`.
     """
-    stop, write = threading.Event(), _WRITERS.get(tables.check_format(path), write_hdf5)
+    stop, write = threading.Event(), _WRITERS.get(table_files.check_format(path), write_hdf5)
 
     def going() -> Iterator[Block]:
         for block in blocks:

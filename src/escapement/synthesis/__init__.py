@@ -1,9 +1,9 @@
 """Choosing a slotted mechanism: charts, comparison of motions, inverse synthesis, gears."""
 
-from escapement.synthesis.search import Candidate as Candidate
-from escapement.synthesis.search import find_mechanisms as find_mechanisms
-from escapement.synthesis.search import lobes_for as lobes_for
-from escapement.synthesis.search import motion_ratio_chart as motion_ratio_chart
+from escapement.synthesis.mechanism_search import Candidate as Candidate
+from escapement.synthesis.mechanism_search import find_mechanisms as find_mechanisms
+from escapement.synthesis.mechanism_search import lobes_for as lobes_for
+from escapement.synthesis.mechanism_search import motion_ratio_chart as motion_ratio_chart
 from escapement.synthesis.wheel import FollowerMotion as FollowerMotion
 from escapement.synthesis.wheel import GearPair as GearPair
 from escapement.synthesis.wheel import MotionPeaks as MotionPeaks

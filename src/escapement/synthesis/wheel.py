@@ -309,10 +309,12 @@ def planet_inertia(
     _check(mechanism, *_GEARED)
     radius = validate.positive("fixed_radius", fixed_radius, "give the radius R0 in m")
     mass = validate.non_negative("planet_mass", planet_mass, "give the mass in kg")
-    own = validate.non_negative("planet_inertia", planet_inertia, "give the inertia in kg m²")
+    own_inertia = validate.non_negative(
+        "planet_inertia", planet_inertia, "give the inertia in kg m²"
+    )
     pin = validate.non_negative("pin_mass", pin_mass, "give the mass in kg")
     count = validate.integer("planets", planets, 1, "give the number of planets")
     # with equally spaced pins the cross terms of both vectors cancel
     first, _, second, rate = mechanism.arms
     pins = mechanism.pins * pin * (first**2 + (rate * second) ** 2)
-    return count * (radius * radius * (mass * first**2 + pins) + own * rate**2)
+    return count * (radius * radius * (mass * first**2 + pins) + own_inertia * rate**2)

@@ -1,12 +1,12 @@
 """Effects of changes of numbers: derivatives, and the budget of a drawing's tolerances.
 
-Read `budget` and `sensitivities` first.
+Read `tolerance_budget` and `sensitivities` first.
 
-- `budget`, `scatter`, `spread`, `intervals`, `indices`, `worst_case`: a drawing's tolerances, and
-  what they do to a figure of merit
+- `tolerance_budget`, `scatter`, `spread`, `intervals`, `indices`, `worst_case`: a drawing's
+  tolerances, and what they do to a figure of merit
 - `sensitivities`: derivatives of figures of merit
-- `dual`, `law`, `parts`, `panels`, `variation`, `extremes`, `contraction`, `figures`: derivatives
-  by
+- `dual`, `dual_law`, `dual_engagements`, `time_panels`, `variation`, `extremes`, `contraction`,
+  `figure_duals`: derivatives by
   differentiating the equation of motion
 - `differences`: derivatives where it cannot be differentiated
 """

@@ -1,7 +1,7 @@
 """Derivatives of the contraction of a cycle by the numbers of the model.
 
 The logarithm of the contraction is the integral of f_w over the driver angle, plus the
-contributions of blows. The law is f = A + B w + C sqrt(w), where C is due only to viscous drag,
+contributions of impacts. The law is f = A + B w + C sqrt(w), where C is due only to viscous drag,
 so that three values of f give f_w with its derivatives.
 """
 
@@ -14,7 +14,7 @@ import numpy as np
 from escapement.mechanisms.protocol import FloatArray
 from escapement.numerics.gauss import WEIGHTS
 from escapement.tolerance.dual import Dual, slopes_of, value_of
-from escapement.tolerance.law import ANGLE, SPEED
+from escapement.tolerance.dual_law import ANGLE, SPEED
 from escapement.tolerance.variation import Variation
 
 
@@ -34,7 +34,7 @@ def contraction(varied: Variation, first: FloatArray) -> Dual:
         if boundary.angle.any():
             change += closed(boundary.angle) * _step(varied, boundary)
         if varied.begins(boundary.piece):
-            left = varied.law.blow(varied.next_meeting(boundary.piece))
+            left = varied.law.impact(varied.next_pair(boundary.piece))
             change += 2.0 * slopes_of(left, varied.law.count)[..., :SPEED] / value_of(left)
     value = float(varied.boundaries[-1].behind[-1])
     return Dual(value, value * change)
@@ -51,12 +51,12 @@ def _step(varied: Variation, boundary: Any) -> float:
 def _decay(varied: Variation, piece: int, times: Any) -> Any:
     """f_w at times within a piece."""
     here, law = varied.point(piece, times), varied.law
-    meeting, side = varied.meeting(piece), varied.sides[piece]
+    pair, side = varied.pair(piece), varied.sides[piece]
     angle = law.seeded(varied.state(piece, times)[0].reshape(np.shape(times)), ANGLE)
 
     def rate(w: float) -> Any:
         still = Dual(np.full(np.shape(times), w), np.zeros((*np.shape(times), law.count)))
-        return 2.0 * law.at(meeting, side, angle, still, *varied.signs[piece]).acceleration
+        return 2.0 * law.at(pair, side, angle, still, *varied.signs[piece]).acceleration
 
     one, four, nine = rate(1.0), rate(4.0), rate(9.0)
     b = 0.5 * (nine - 2.0 * four + one)

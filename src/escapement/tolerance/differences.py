@@ -10,8 +10,8 @@ from collections.abc import Mapping, Sequence
 
 from escapement.base.errors import InvalidValue
 from escapement.base.status import Status
+from escapement.dynamics.figure_table import FIGURES, TRANSIENT
 from escapement.dynamics.figures_of_merit import Figures
-from escapement.dynamics.merit_table import FIGURES, TRANSIENT
 from escapement.engines import simulate as simulation
 from escapement.model.escapement import Escapement
 from escapement.model.numbers import with_number
@@ -33,7 +33,7 @@ def needs_differences(escapement: Escapement) -> bool:
 def lossless(escapement: Escapement) -> list[str]:
     """Efficiencies of trains that are 1: figures have derivatives only on one side of them."""
     trains = escapement.trains.items()
-    return [f"{place}_efficiency" for place, train in trains if train.efficiency == 1.0]
+    return [f"{role}_efficiency" for role, train in trains if train.efficiency == 1.0]
 
 
 def slopes_by(

@@ -1,6 +1,6 @@
 """First-order change of the greatest or least value of a quantity over a motion.
 
-Within a piece the place of a maximum does not matter, since the quantity is stationary there. At
+Within a piece the position of a maximum does not matter, since the quantity is stationary there. At
 the end of a piece the event moves, and the quantity with it.
 """
 
@@ -13,8 +13,8 @@ import numpy as np
 
 from escapement.mechanisms.protocol import FloatArray
 from escapement.tolerance.dual import slopes_of, value_of
-from escapement.tolerance.law import ANGLE, SPEED, Point
-from escapement.tolerance.panels import Panel
+from escapement.tolerance.dual_law import ANGLE, SPEED, Point
+from escapement.tolerance.time_panels import Panel
 from escapement.tolerance.variation import Boundary, Variation
 
 CLOSE = 0.02
@@ -41,8 +41,8 @@ def extreme(varied: Variation, quantity: Quantity, sign: float = 1.0) -> tuple[f
         found.append((values[k], (panels, np.array([ends[0], *inner, ends[1]]), k)))
     best = max(value for value, _ in found)
     # the peaks of several engagements may be nearly equal
-    near = [place for value, place in found if value >= best - CLOSE * abs(best)]
-    peaks = [_nearby(varied, quantity, sign, *place) for place in near]
+    near = [candidate for value, candidate in found if value >= best - CLOSE * abs(best)]
+    peaks = [_nearby(varied, quantity, sign, *candidate) for candidate in near]
     return max(peaks, key=lambda peak: sign * peak[0])
 
 

@@ -38,19 +38,19 @@ def mean(values: FloatArray) -> Influence:
 
 def deviation(values: FloatArray) -> Influence:
     """The standard deviation."""
-    own = values - values.mean()
-    size = float(np.sqrt((own**2).mean()))
-    return size, (own**2 - size**2) / (2.0 * size) if size else 0.0 * own
+    deviations = values - values.mean()
+    size = float(np.sqrt((deviations**2).mean()))
+    return size, (deviations**2 - size**2) / (2.0 * size) if size else 0.0 * deviations
 
 
 def capability(values: FloatArray, low: float, high: float) -> Influence:
     """C_pk: distance of the mean from the nearer limit over three standard deviations."""
-    (middle, own), (size, spread) = mean(values), deviation(values)
+    (middle, middle_gradient), (size, spread) = mean(values), deviation(values)
     if not size:
-        return math.nan, own
+        return math.nan, middle_gradient
     room, sense = min((middle - low, 1.0), (high - middle, -1.0))
     value = room / (3.0 * size)
-    return value, (sense * own - 3.0 * value * spread) / (3.0 * size)
+    return value, (sense * middle_gradient - 3.0 * value * spread) / (3.0 * size)
 
 
 def estimate(

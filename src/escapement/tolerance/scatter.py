@@ -15,11 +15,11 @@ from escapement.base.errors import InvalidValue
 from escapement.base.progress import set_stage
 from escapement.base.status import MESSAGES, Status
 from escapement.base.text import Shown, words
+from escapement.dynamics.figure_table import TRANSIENT
 from escapement.dynamics.figures_of_merit import Figures
-from escapement.dynamics.merit_table import TRANSIENT
 from escapement.engines import simulate as simulation
-from escapement.mechanisms.checks import IMPERFECT
 from escapement.mechanisms.protocol import FloatArray
+from escapement.mechanisms.wheel_checks import IMPERFECT
 from escapement.model.escapement import Escapement
 from escapement.model.numbers import numbers_of
 from escapement.study.plan import StudyPlan, unit_kind
@@ -27,7 +27,7 @@ from escapement.study.result import Study
 from escapement.study.varied import correlation_matrix
 from escapement.tolerance import intervals
 from escapement.tolerance.differences import lossless, needs_differences, slopes_by
-from escapement.tolerance.figures import figures_of
+from escapement.tolerance.figure_duals import figures_of
 from escapement.tolerance.intervals import Estimate, estimate
 from escapement.tolerance.spread import Spread
 from escapement.tolerance.worst_case import Worst, worst_case
@@ -85,23 +85,23 @@ class Scatter(Shown):
     total: dict[str, Estimate] = field(default_factory=dict)
 
 
-def _solved(plan: StudyPlan, names: Sequence[str], place: FloatArray) -> tuple[Escapement, Figures]:
+def _solved(plan: StudyPlan, names: Sequence[str], point: FloatArray) -> tuple[Escapement, Figures]:
     """An escapement with values of some numbers, and its figures."""
-    values = plan.fixed_si | dict(zip(names, place.tolist(), strict=True))
+    values = plan.fixed_si | dict(zip(names, point.tolist(), strict=True))
     timer = plan.built(values)
     return timer, simulation.terminal(timer, initial_speed=values["initial_speed"] or 0.0)
 
 
-def _slopes(plan: StudyPlan, names: Sequence[str], figure: str, place: FloatArray) -> FloatArray:
+def _slopes(plan: StudyPlan, names: Sequence[str], figure: str, point: FloatArray) -> FloatArray:
     """Derivatives of a figure at values of some numbers; NaN where there are none."""
     nothing = np.full(len(names), math.nan)
     try:
-        timer, found = _solved(plan, names, place)
+        timer, found = _solved(plan, names, point)
     except InvalidValue:
         return nothing
     if found.status is not Status.OK:
         return nothing
-    values = dict(zip(names, place.tolist(), strict=True))
+    values = dict(zip(names, point.tolist(), strict=True))
     slopes, known = dict.fromkeys(names, 0.0), numbers_of(timer.held)
     if figure in TRANSIENT and (values | plan.fixed_si)["initial_speed"]:
         return nothing
@@ -128,10 +128,10 @@ def _exact(
     return dict(zip(names, slopes, strict=True))
 
 
-def _value(plan: StudyPlan, names: Sequence[str], figure: str, place: FloatArray) -> float:
+def _value(plan: StudyPlan, names: Sequence[str], figure: str, point: FloatArray) -> float:
     """A figure at values of some numbers; NaN where it has none."""
     try:
-        return float(getattr(_solved(plan, names, place)[1], figure))
+        return float(getattr(_solved(plan, names, point)[1], figure))
     except InvalidValue:
         return math.nan
 
@@ -153,27 +153,27 @@ def scatter_of(
     if answered.sum() < FEWEST:
         codes = study.results["status"][~answered]
         why = Status(int(np.bincount(codes).argmax())) if codes.any() else Status.OK
-        told = MESSAGES[why] if why else "give a larger size"
+        remedy = MESSAGES[why] if why else "give a larger size"
         rule = f"{figure} must have a value in at least {FEWEST} of {values.size} cases"
-        raise InvalidValue(f"{rule}, got {answered.sum()}; {told}")
+        raise InvalidValue(f"{rule}, got {answered.sum()}; {remedy}")
     names, kept = list(spreads), values[answered]
-    places = np.array([s.nominal for s in spreads.values()])
+    points = np.array([s.nominal for s in spreads.values()])
     bounds = np.array([[s.low, s.high] for s in spreads.values()])
     columns = np.array([plan.every(name) for name in names])[:, answered]
     tried = columns[:, [int(kept.argmin()), int(kept.argmax())]].T
-    own = (plan, names, figure)
+    inputs = (plan, names, figure)
     sides = {name: corners.get(figure, {}).get(name, (math.nan, math.nan)) for name in names}
     # a kink with slopes of one sign is as good as a slope of that sign
     alike = np.array(
         [below if below * above > 0.0 else math.nan for below, above in sides.values()]
     )
 
-    def slopes_at(place: FloatArray) -> FloatArray:
-        found = _slopes(*own, place)
-        at_kink = np.isnan(found) & (place == places)
+    def slopes_at(point: FloatArray) -> FloatArray:
+        found = _slopes(*inputs, point)
+        at_kink = np.isnan(found) & (point == points)
         return np.where(at_kink, alike, found)
 
-    worst = worst_case(partial(_value, *own), slopes_at, bounds, places, tried)
+    worst = worst_case(partial(_value, *inputs), slopes_at, bounds, points, tried)
     slopes, covariance = _first_order(plan, nominal, spreads, figure, corners)
     variances, total = covariance.sum(axis=1), float(covariance.sum())
     order: Any = np.argsort(-variances) if math.isfinite(total) else ()
@@ -189,7 +189,7 @@ def scatter_of(
         capable = partial(intervals.capability, low=ends[0], high=ends[1])
         capability = estimate(capable, kept, groups)
     return Scatter(
-        nominal=_value(*own, places),
+        nominal=_value(*inputs, points),
         worst=worst,
         sigma=math.sqrt(total) if math.isfinite(total) else math.nan,
         slopes=dict(zip(names, slopes.tolist(), strict=True)),
@@ -213,29 +213,29 @@ def _first_order(
 ) -> tuple[FloatArray, FloatArray]:
     """Derivatives, and covariances of the effects of the numbers, to first order."""
     names = list(spreads)
-    places = np.array([s.nominal for s in spreads.values()])
-    slopes = _slopes(plan, names, figure, places)
+    points = np.array([s.nominal for s in spreads.values()])
+    slopes = _slopes(plan, names, figure, points)
     lines = slopes.copy()
-    own = (slopes * [s.sigma for s in spreads.values()]) ** 2
+    variances = (slopes * [s.sigma for s in spreads.values()]) ** 2
     for i, name in enumerate(names):
         if name in corners.get(figure, {}):
             below, above = corners[figure][name]
             slopes[i] = above if abs(above) > abs(below) else below
-            own[i], lines[i] = spreads[name].kinked(below, above)
+            variances[i], lines[i] = spreads[name].kinked(below, above)
     pairs = plan.configuration["sample"].get("correlations", [])
     matrix = correlation_matrix(pairs, names) if pairs else np.eye(len(names))
     scaled = lines * [s.sigma for s in spreads.values()]
     with np.errstate(invalid="ignore"):  # of an infinite slope
         covariance = np.where(matrix == 0.0, 0.0, matrix * np.outer(scaled, scaled))
-    np.fill_diagonal(covariance, own)
+    np.fill_diagonal(covariance, variances)
     return slopes, covariance
 
 
 def equal_factors(covariance: FloatArray) -> FloatArray:
     """Factors of the effects with which all have equal shares of the same variance."""
-    own, wanted = covariance.diagonal(), covariance.sum() / max(len(covariance), 1)
-    factors: FloatArray = np.sqrt(wanted / own)
-    if (covariance == np.diag(own)).all():
+    alone, wanted = covariance.diagonal(), covariance.sum() / max(len(covariance), 1)
+    factors: FloatArray = np.sqrt(wanted / alone)
+    if (covariance == np.diag(alone)).all():
         return factors
     # the share of each rises with its own factor: a quadratic equation for each in turn
     for _ in range(ROUNDS):

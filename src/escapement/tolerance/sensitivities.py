@@ -12,19 +12,19 @@ import numpy as np
 from escapement.base.errors import InvalidValue
 from escapement.base.status import Status
 from escapement.base.text import Shown
+from escapement.dynamics.figure_table import FIGURES, TRANSIENT
 from escapement.dynamics.figures_of_merit import Figures
-from escapement.dynamics.merit_table import FIGURES, TRANSIENT
 from escapement.engines import simulate as simulation
 from escapement.mechanisms.protocol import FloatArray
 from escapement.model.escapement import Escapement
 from escapement.model.numbers import numbers_of
 from escapement.tolerance.differences import lossless, needs_differences, slopes_by
-from escapement.tolerance.figures import LIMITS, figures_of
+from escapement.tolerance.figure_duals import LIMITS, figures_of
 
 JUMPS = ("rise_time", "settling_time")
 """Figures that jump where another extremum is the first one within the band."""
 _STEPS = np.array([1e-4, 2e-4, 4e-4])
-"""Square roots of the errors near a kink: a blow grows with the square root of an error."""
+"""Square roots of the errors near a kink: an impact grows with the square root of an error."""
 _TO_ZERO = np.linalg.inv(np.vander(_STEPS, increasing=True))[0]
 _CYCLE = tuple(name for name in FIGURES if name not in (*TRANSIENT, *LIMITS))
 _DIFFERENCES = "derivatives are differences; numbers that are 0 and rise times are left out"
@@ -125,8 +125,8 @@ def _by_differences(
         for figure, (slope, doubt) in slopes_by(escapement, name, value).items():
             found.absolute.setdefault(figure, {})[name] = slope
             found.doubts.setdefault(figure, {})[name] = doubt
-            if own := getattr(found.figures, figure):
-                found.relative.setdefault(figure, {})[name] = slope * value / own
+            if nominal := getattr(found.figures, figure):
+                found.relative.setdefault(figure, {})[name] = slope * value / nominal
     return found
 
 

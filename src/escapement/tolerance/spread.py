@@ -8,8 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from escapement.mechanisms.checks import IMPERFECT
 from escapement.mechanisms.protocol import FloatArray
+from escapement.mechanisms.wheel_checks import IMPERFECT
 from escapement.study.plan import StudyPlan
 from escapement.study.varied import drawn_values
 
@@ -65,8 +65,8 @@ def spreads_of(plan: StudyPlan, given: Mapping[str, float]) -> dict[str, Spread]
         nominal = plan.fixed_si.get(name)
         nominal = given.get(name) if nominal is None else nominal
         nominal = 0.0 if nominal is None and name.startswith(IMPERFECT) else nominal
-        own = None if nominal is None else nominal / entry.to_si(1.0)
-        values: FloatArray = entry.to_si(drawn_values(form, entry, own, shares))
+        nominal_in_unit = None if nominal is None else nominal / entry.to_si(1.0)
+        values: FloatArray = entry.to_si(drawn_values(form, entry, nominal_in_unit, shares))
         outermost, limits, inner = np.split(values, [2, 4])
         bounded = any(x in form for x in ("tolerance", "relative_tolerance", "low"))
         low, high = (limits if bounded else outermost).tolist()

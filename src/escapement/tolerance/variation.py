@@ -10,9 +10,9 @@ where f is smooth. At an event, where Phi(theta, w; q) = 0, its angle and S chan
     theta_q = -(Phi_q + Phi_w S)/(Phi_theta + Phi_w f),
     S_behind = S_before + (f_before - f_behind) theta_q,
 
-and a blow that leaves the share L of the speed multiplies w by L^2. The time of a stretch changes
-by the integral of -S/(2 w) over the time, and by theta_q/theta_dot at its ends. Along a known
-motion all of it is linear in S, so that quadratures of the equation give the derivatives to
+and an impact that leaves the share L of the speed multiplies w by L^2. The time of a stretch
+changes by the integral of -S/(2 w) over the time, and by theta_q/theta_dot at its ends. Along a
+known motion all of it is linear in S, so that quadratures of the equation give the derivatives to
 rounding. They are taken over the time, in which a start from rest is smooth too.
 
 Columns: one for each number, and a last one for a change of w at the start by 1.
@@ -32,8 +32,8 @@ from escapement.dynamics.motion import Motion
 from escapement.mechanisms.protocol import FloatArray
 from escapement.numerics.gauss import CUMULATE, WEIGHTS
 from escapement.tolerance.dual import slopes_of, value_of
-from escapement.tolerance.law import ANGLE, SPEED, Law, Point
-from escapement.tolerance.panels import Panel, resolved
+from escapement.tolerance.dual_law import ANGLE, SPEED, Law, Point
+from escapement.tolerance.time_panels import Panel, resolved
 
 
 @dataclass(frozen=True)
@@ -95,8 +95,8 @@ class Variation:
         self.start = np.zeros(len(law.names))
         self._follow()
 
-    def meeting(self, piece: int) -> int:
-        """Place in the pattern of a piece's engagement."""
+    def pair(self, piece: int) -> int:
+        """Index in the pattern of a piece's engagement."""
         return int(self.engagements[piece] % len(self.law.scenes))
 
     def state(self, piece: int, time: Any) -> tuple[Any, Any]:
@@ -118,11 +118,11 @@ class Variation:
     def point(self, piece: int, time: Any) -> Point:
         """The law at a time within a piece, one-sided at its ends."""
         angle, w = (x.reshape(np.shape(time)) for x in self.state(piece, time))
-        place, speed = self.law.state(angle, w)
+        angle_here, speed = self.law.state(angle, w)
         if piece == 0 and self.start.any():
-            place.slopes[..., :SPEED] += self.start
+            angle_here.slopes[..., :SPEED] += self.start
         signs = self.signs[piece]
-        return self.law.at(self.meeting(piece), self.sides[piece], place, speed, *signs)
+        return self.law.at(self.pair(piece), self.sides[piece], angle_here, speed, *signs)
 
     @cached_property
     def signs(self) -> list[tuple[float, float]]:
@@ -133,7 +133,7 @@ class Variation:
             if side != 0.0 and not self.law.scenes[0].path.table:
                 middle = self.times[piece : piece + 2].mean()
                 angle, w = (x[0] for x in self.state(piece, middle))
-                here = self.law.at(self.meeting(piece), side, *self.law.state(angle, w))
+                here = self.law.at(self.pair(piece), side, *self.law.state(angle, w))
                 signs = float(np.sign(here.slide.value)), float(np.sign(here.pose[0].value))
             found.append(signs)
         return found
@@ -141,9 +141,9 @@ class Variation:
     def total(self, value: Any, s: FloatArray, moved: FloatArray, slope: float) -> FloatArray:
         """Derivative of a dual at an event whose angle moves; `slope` is dw/dtheta."""
         found = slopes_of(value, self.law.count)
-        own = np.append(found[..., :SPEED], 0.0)
+        row = np.append(found[..., :SPEED], 0.0)
         change: FloatArray = (
-            own + found[..., SPEED] * (s + slope * moved) + found[..., ANGLE] * moved
+            row + found[..., SPEED] * (s + slope * moved) + found[..., ANGLE] * moved
         )
         return change
 
@@ -210,32 +210,32 @@ class Variation:
         if not law.parts:
             return moved
         if self.begins(piece):
-            angle = law.parts[self.next_meeting(piece)].starts
+            angle = law.parts[self.next_pair(piece)].starts
         elif self.sides[piece] == 0.0:
-            angle = law.parts[self.meeting(piece)].leaves
+            angle = law.parts[self.pair(piece)].leaves
         else:
             return moved
         moved[:-1] = slopes_of(angle, law.count)[:SPEED]
         return moved
 
-    def next_meeting(self, piece: int) -> int:
-        """Place in the pattern of the engagement that a piece begins, or that follows the last."""
+    def next_pair(self, piece: int) -> int:
+        """Index in the pattern of the engagement that a piece begins, or that follows the last."""
         if piece < len(self.engagements):
-            return self.meeting(piece)
+            return self.pair(piece)
         return int((self.engagements[-1] + 1) % len(self.law.scenes))
 
     def _behind(self, piece: int, before: Point) -> tuple[Point, Any]:
-        """The law after an event, and the share of the speed that its blow leaves."""
+        """The law after an event, and the share of the speed that its impact leaves."""
         if not self.begins(piece):
             return self.point(piece, self.times[piece]), 1.0
         if not self.law.parts:
             end = len(self.sides)
             return (self.point(piece, self.times[piece]) if piece < end else before), 1.0
-        meeting = self.next_meeting(piece)
-        left = self.law.blow(meeting)
-        w, place = value_of(left) ** 2 * before.w.value, self.law.parts[meeting].starts
-        state = self.law.state(value_of(place) - value_of(self.law.parts[meeting].late), w)
-        return self.law.at(meeting, 1.0, *state, -1.0, 1.0), left
+        pair = self.next_pair(piece)
+        left = self.law.impact(pair)
+        w, begin = value_of(left) ** 2 * before.w.value, self.law.parts[pair].starts
+        state = self.law.state(value_of(begin) - value_of(self.law.parts[pair].delay), w)
+        return self.law.at(pair, 1.0, *state, -1.0, 1.0), left
 
     def _condition(self, piece: int, before: Point) -> Any:
         """The function that is zero at the event that begins a piece; None if it does not

@@ -43,7 +43,7 @@ def worst_case(
     numbers are few, and the search starts from the best of them and from the extreme cases of a
     sample. The ends are the extremes of all that was evaluated within the box, the nominal point
     included. A vertex to which derivatives point, and where the figure has no value, is an end
-    without a value: beyond some place the mechanism jams or stops.
+    without a value: beyond some point the mechanism jams or stops.
 
     Parameters
     ----------
@@ -58,10 +58,10 @@ def worst_case(
     """
     known: dict[bytes, float] = {}
 
-    def value(place: FloatArray) -> float:
-        key = place.tobytes()
+    def value(point: FloatArray) -> float:
+        key = point.tobytes()
         if key not in known:
-            known[key] = evaluate(place)
+            known[key] = evaluate(point)
         return known[key]
 
     first = slopes(nominal)
@@ -76,7 +76,7 @@ def worst_case(
         for sign, vertex, case in zip((-1.0, 1.0), vertices, tried, strict=True):
             inside = np.clip(case, bounds[:, 0], bounds[:, 1])
             starts = [_best_vertex(value, sign, bounds, start) for start in (vertex, inside)]
-            for start in (max(starts, key=lambda place: _height(value, sign, place)), inside):
+            for start in (max(starts, key=lambda point: _height(value, sign, point)), inside):
                 if np.isfinite(value(start)):
                     _climb(value, sign, bounds, start)
     found = [x for x in known.values() if np.isfinite(x)] or [np.nan]
@@ -87,9 +87,9 @@ def worst_case(
     return Worst(low, high, not alike)
 
 
-def _height(value: Evaluate, sign: float, place: FloatArray) -> float:
+def _height(value: Evaluate, sign: float, point: FloatArray) -> float:
     """A figure or its negative; infinitely low where it has no value."""
-    height = sign * value(place)
+    height = sign * value(point)
     return height if np.isfinite(height) else -np.inf
 
 
@@ -100,8 +100,8 @@ def _best_vertex(value: Evaluate, sign: float, bounds: FloatArray, start: FloatA
     that next to a start.
     """
     if len(bounds) <= FEW:
-        every = [np.array(place) for place in product(*bounds)]
-        return max(every, key=lambda place: _height(value, sign, place))
+        every = [np.array(point) for point in product(*bounds)]
+        return max(every, key=lambda point: _height(value, sign, point))
     best = np.where(start > bounds.mean(axis=1), bounds[:, 1], bounds[:, 0])
     improved = True
     while improved:
@@ -115,7 +115,7 @@ def _best_vertex(value: Evaluate, sign: float, bounds: FloatArray, start: FloatA
 
 
 def _climb(value: Evaluate, sign: float, bounds: FloatArray, start: FloatArray) -> None:
-    """Evaluate a figure ever nearer to a place where it or its negative is greatest."""
+    """Evaluate a figure ever nearer to a point where it or its negative is greatest."""
     from scipy.optimize import minimize
 
     low, wide = bounds[:, 0], bounds[:, 1] - bounds[:, 0]

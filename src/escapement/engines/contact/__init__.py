@@ -2,7 +2,7 @@
 
 There are two laws of contact, each in a folder of its own with `simulate` and `terminal`:
 
-    rigid      clearance and rigid bodies: contact on either wall, flights and blows
+    rigid      clearance and rigid bodies: contact on either wall, flights and impacts
     compliant  elastic walls
 
 `state_rows` names the rows of their tables of states, and `state` converts them to SI units.

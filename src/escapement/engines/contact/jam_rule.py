@@ -18,7 +18,7 @@ import numpy as np
 from escapement.base import validate
 from escapement.base.text import Shown
 from escapement.dynamics.painleve import first_beyond, friction_limits, margin
-from escapement.dynamics.tables import tabulate
+from escapement.dynamics.state_table import tabulate
 from escapement.dynamics.train_losses import is_lossy, scene_in_flow
 from escapement.model.escapement import Escapement
 from escapement.numerics.jit import as_python
@@ -26,8 +26,8 @@ from escapement.numerics.jit import as_python
 _MOST = 200
 _RTOL = 1e-11
 _BEFORE, _ALMOST = 1e-7, 1e-3
-"""Shares of the way to a place where J_- vanishes: before it the integration ends; X vanishes there
-as well, and a change of its sign in the last share of the way is rounding."""
+"""Shares of the angle up to where J_- vanishes: before it the integration ends; X vanishes there
+as well, and a change of its sign in the last share of the angle is rounding."""
 _CLOSE, _NEAR, _FAR = 1.2, 0.05, 0.03
 """Below this multiple of the limit the first error is expected, above it the second [-]."""
 _WEDGED = 2.0

@@ -32,35 +32,36 @@ Files, in the order in which they are best read:
     sampling   E, w, X, J theta_ddot and dt/dx at the points, and the signs they have there
     solve      alpha and beta of a panel, for one side of the slot; a start from rest
     locate     the x of a reversal or an extremum, and the motion after a reversal
-    events     reversals, extrema and breaks as they are noted and made exact
+    located_events reversals, extrema and breaks as they are noted and made exact
     passage    what the steps of a march hand on
     over_panel the way over one panel, up to a reversal, a stop or its right end
     march      one engagement from entry to exit
     calls      march and refine, called by address, and what they need of an escapement
     handoffs   times and speeds of handoffs, one engagement after the other
     peaks      the greatest accelerations, contact moment and force on a panel
-    rundown    thousands of engagements of a spring, as series over the angle turned
+    rundown_series thousands of engagements of a spring, as series over the angle turned
     pieces     events of a motion, and its states at given times
     trajectory events and states of a motion, of the engagements that are asked for
     simulate   the motion that `escapement.simulate` returns
     cycle      the terminal cycle by Newton's method
     leap       many engagements of a slow transient at once
-    figures    figures of merit of one case, transient included
+    case_figures figures of merit of one case, transient included
     batch      figures of merit of many scenes
     terminal   the figures that `escapement.terminal` returns
 
 A call of simulate: `simulate.simulate` takes addresses, scene and cells from
 `calls.prepared`; `handoffs.handoffs` calls `march.march` for each engagement, adds the dwell
 and keeps time and speed of the handoff; an `EnergyTrajectory` holds them. When events are asked
-for, `pieces.events_of` marches again with full detail and `events.refine` makes each exact. When
-states are asked for, `pieces.follow` solves the piece again and inverts its time.
+for, `pieces.events_of` marches again with full detail and `located_events.refine` makes each exact.
+When states are asked for, `pieces.follow` solves the piece again and inverts its time.
 
 A call of terminal: `terminal.terminal` gives one scene to `batch.solve_rows`; that calls
-`figures.figures`, which marches through the transient and keeps its extrema.
-`cycle.terminal_cycle` finds the w that an engagement gives back. `figures` then compares the
+`case_figures.figures`, which marches through the transient and keeps its extrema.
+`cycle.terminal_cycle` finds the w that an engagement gives back. `case_figures` then compares the
 extrema with the cycle for rise and settling time. In the end `simulate.simulate` makes the
 motion over one engagement of the cycle. A study calls `batch.solve` with many scenes instead.
 
-Wheels with imperfect parts have engagements that differ: `pattern` is their motion, `pattern_cycle`
-their terminal cycle, and `pattern_rows` the figures of many; `beats` gives the times of a cycle.
+Wheels with imperfect parts have engagements that differ: `pattern_march` is their motion,
+`pattern_cycle` their terminal cycle, and `pattern_rows` the figures of many; `beat_times` gives the
+times of a cycle.
 """

@@ -13,9 +13,9 @@ from escapement.dynamics.needs import (
 )
 from escapement.dynamics.painleve import beyond_painleve
 from escapement.engines.energy.calls import MarchInputs, kernel_addresses
+from escapement.engines.energy.case_figures import figures, workspace
 from escapement.engines.energy.cells import NO_CELLS, cells_of
 from escapement.engines.energy.cycle import FIGURES
-from escapement.engines.energy.figures import figures, workspace
 from escapement.engines.energy.march import OK, PAINLEVE
 from escapement.mechanisms.path import smooth_intervals, writeable
 from escapement.mechanisms.protocol import FloatArray, Mechanism, dwell_angle
@@ -31,7 +31,7 @@ _COUNT = len(NUMBERS)
 def _scene_with(shared, edges, row):
     """The scene `shared` with other edges, and with the numbers in a row."""
     return Scene(
-        shared.path, edges, shared.dwell, shared.torque, shared.turned,
+        shared.path, edges, shared.dwell, shared.torque, shared.driver_angle,
         row[0], row[1], row[2], row[3], as_given(row[4], shared.bearing),
         as_given(row[5], shared.driver_drag), as_given(row[6], shared.follower_drag),
         as_given(row[7], shared.driver_viscous), as_given(row[8], shared.follower_viscous),

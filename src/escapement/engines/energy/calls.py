@@ -11,10 +11,10 @@ import numpy as np
 from numba import typeof, types
 
 from escapement.dynamics.needs import FIXED, Kind, kind_of, known_scene, plain_scene
-from escapement.engines.energy import events as _events
+from escapement.engines.energy import located_events as _events
 from escapement.engines.energy import march as _march
 from escapement.engines.energy.cells import CELL, cells_of
-from escapement.engines.energy.events import EVENT
+from escapement.engines.energy.located_events import EVENT
 from escapement.engines.energy.panels import PANEL, WORKSPACE, Store
 from escapement.engines.energy.passage import Detail, Request
 from escapement.mechanisms.path import Path
@@ -33,7 +33,7 @@ class MarchInputs(NamedTuple):
 
     addresses : as `kernel_addresses` returns them.
     scene, cells : a `Scene`, and the cells of its mechanism.
-    store, events : memory that the marches fill, a `Store` and an array of `EVENT`.
+    store, located_events : memory that the marches fill, a `Store` and an array of `EVENT`.
     """
 
     addresses: np.ndarray

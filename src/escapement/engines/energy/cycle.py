@@ -15,7 +15,7 @@ from escapement.dynamics.figures_of_merit import BOUNDLESS, MAX_ENGAGEMENTS
 from escapement.dynamics.law import is_drag_free
 from escapement.dynamics.train_losses import is_lossy
 from escapement.engines.energy.calls import march_case, refine
-from escapement.engines.energy.events import ROUGH_ERROR, has_reversal
+from escapement.engines.energy.located_events import ROUGH_ERROR, has_reversal
 from escapement.engines.energy.march import NO_TERMINAL, NOT_CONVERGED, OK, STALL
 from escapement.engines.energy.panels import NO_PANELS
 from escapement.engines.energy.passage import Detail, request_of
@@ -76,7 +76,7 @@ def map_of(found, scene, ends):
 
 
 @inner_jit
-def newton_step(w, found, scene, ends, has_turned):
+def newton_step(w, found, scene, ends, has_reversed):
     """Fixed point of the affine map by which a march went from w to `found`.
 
     The gap, 1 - dw_out/dw_in, is computed from the exponent of the map of E without a
@@ -84,7 +84,7 @@ def newton_step(w, found, scene, ends, has_turned):
     sound where the map has no fixed point, or where rounding alone makes one.
     """
     contraction, gap, offset = map_of(found, scene, ends)
-    if gap <= 0.0 or (gap <= NO_LOSS and not has_turned):
+    if gap <= 0.0 or (gap <= NO_LOSS and not has_reversed):
         # Without a reversal s stays +1, and int B over the engagement is zero, since g' changes
         # sign at dead centre: the map then has no fixed point. Where the motion gains speed,
         # one twice as fast is tried, which may have a reversal.

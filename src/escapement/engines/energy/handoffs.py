@@ -7,11 +7,11 @@ from escapement.dynamics.needs import typed_scene
 from escapement.dynamics.painleve import beyond_painleve
 from escapement.dynamics.torque import cell_after, cell_of, is_constant, is_spent
 from escapement.engines.energy.calls import MarchInputs, march
-from escapement.engines.energy.events import EVENT, NO_EVENTS, most_events
+from escapement.engines.energy.located_events import EVENT, NO_EVENTS, most_events
 from escapement.engines.energy.march import OK, PAINLEVE, SPENT, STALL
 from escapement.engines.energy.panels import MAX_PANELS, NO_PANELS, new_store
 from escapement.engines.energy.passage import Detail, request_of
-from escapement.engines.energy.rundown import (
+from escapement.engines.energy.rundown_series import (
     FORGOTTEN,
     NODES,
     add_time,

@@ -18,8 +18,8 @@ import numpy as np
 
 from escapement.engines.energy.calls import march_case
 from escapement.engines.energy.cycle import map_of
-from escapement.engines.energy.events import NO_EVENTS
 from escapement.engines.energy.locate import invert, weights_to
+from escapement.engines.energy.located_events import NO_EVENTS
 from escapement.engines.energy.march import OK
 from escapement.engines.energy.panels import NO_PANELS, points_of
 from escapement.numerics.gauss import POINTS, N, cumulate, dot, integral, tail_of
@@ -29,7 +29,7 @@ from escapement.numerics.jit import inner_jit
 GENTLE = 3e-3
 # A leap over fewer engagements is not worth while.
 WORTH = 64
-# A leap goes this share of the way to its goal, and the rest is marched.
+# A leap goes this share of the distance to its goal, and the rest is marched.
 SHARE = 0.9
 # The greatest change of log q in a leap.
 WIDEST = 1.0
@@ -64,8 +64,8 @@ def is_gentle(w, step):
 @inner_jit
 def is_worth_it(w, gap, final, goal):
     """Whether many engagements pass up to the goal, where one contracts w by `gap`."""
-    way = distance(w, final) - distance(goal, final)
-    return SHARE * way > WORTH * gap * max(1.0, final / w)
+    apart = distance(w, final) - distance(goal, final)
+    return SHARE * apart > WORTH * gap * max(1.0, final / w)
 
 
 @inner_jit
@@ -110,9 +110,9 @@ def pass_over(work, w, final, half, most, rows):
         gap, gain = rows[GAP, i], rows[GAIN, i]
         # h'' = -dgamma/dw, by the neighbours
         one, two = max(i - 1, 0), min(i + 1, N - 1)
-        way = (POINTS[two] - POINTS[one]) * rows[SLOPE, i]
-        bend = -(rows[GAP, two] - rows[GAP, one]) / way
-        flow = gain * (-np.log1p(-gap) / gap + gain * bend / 12.0)
+        apart = (POINTS[two] - POINTS[one]) * rows[SLOPE, i]
+        curvature = -(rows[GAP, two] - rows[GAP, one]) / apart
+        flow = gain * (-np.log1p(-gap) / gap + gain * curvature / 12.0)
         work.slowness[i] = rows[SLOPE, i] / flow
         work.energy[i] = rows[TIME, i] * work.slowness[i]
     whole = integral(work.slowness, count)

@@ -23,7 +23,7 @@ from escapement.engines.energy.panels import points_of, solution_of
 from escapement.engines.energy.sampling import CLOSE_PAIR, NEGLIGIBLE, Points
 from escapement.engines.energy.solve import (
     MOST_STEPS,
-    fill_bend,
+    fill_friction_ratio,
     refresh_roots,
     solve_again,
     solve_linear,
@@ -46,7 +46,8 @@ from escapement.numerics.roots import newton_in_bracket
 # A last step of Newton's method for a reversal that is longer than this, in x, is due to
 # rounding and left out.
 LARGEST_CORRECTION = 1e-4
-# A panel is split this share of the way to a change before it, which is known to that accuracy.
+# A panel is split this share of the distance to a change before it, which is known to that
+# accuracy.
 NEAR_CHANGE = 1e-4
 
 
@@ -60,8 +61,8 @@ def weights_to(work, x):
     total = 0.0
     for i in range(points_of(work)):
         # barycentric formula; at a point itself a tiny distance gives that point all the weight
-        way = x - POINTS[i]
-        weight = BARYCENTRIC[i] / (way if way != 0.0 else 1e-17)
+        distance = x - POINTS[i]
+        weight = BARYCENTRIC[i] / (distance if distance != 0.0 else 1e-17)
         work.at_x[i] = weight
         total += weight
     scale = 1.0 / total
@@ -137,10 +138,10 @@ def cut_near(panel, x):
     """
     if not -1.0 <= x <= 1.0:
         return 0.0
-    way, width = panel.half * (1.0 + x), sampling.NARROW_TURN
-    if way <= width:
-        return panel.left + way + 0.5 * width
-    return panel.left + way - max(0.5 * width, NEAR_CHANGE * way)
+    distance, width = panel.half * (1.0 + x), sampling.NARROW_TURN
+    if distance <= width:
+        return panel.left + distance + 0.5 * width
+    return panel.left + distance - max(0.5 * width, NEAR_CHANGE * distance)
 
 
 @inner_jit
@@ -191,11 +192,13 @@ def reversal_at(scene, work, panel, side, x, slope, w):
     w = dot(work.at_x, work.energy, count) / (scene.rho + g * g)
     # one step of Newton's method on s X, as a part of the panel and then as an angle
     k, pull = dragged_slope(g, dg, scene), torque_at(angle, scene)[0] - scene.bearing
-    way = side * contact(g, k, pull, w, root_of(w, scene), scene) / -slope
-    way = panel.half * (way if abs(way) < LARGEST_CORRECTION else 0.0)
+    distance = side * contact(g, k, pull, w, root_of(w, scene), scene) / -slope
+    distance = panel.half * (distance if abs(distance) < LARGEST_CORRECTION else 0.0)
     # X = 0 means that there is no contact force: the driver turns free. It stays in the panel.
-    way = min(way, panel.left + 2.0 * panel.half - angle)
-    return Instant(angle + way, elapsed + way / np.sqrt(w), w + free_gain(way, pull, w, scene))
+    distance = min(distance, panel.left + 2.0 * panel.half - angle)
+    return Instant(
+        angle + distance, elapsed + distance / np.sqrt(w), w + free_gain(distance, pull, w, scene)
+    )
 
 
 @inner_jit
@@ -209,7 +212,7 @@ def solve_behind(scene, work, panel, side):
     if not is_viscous(scene):
         solve_side(scene, work, panel, -side, 0.0)
         return
-    fill_bend(scene, work, panel, other, -side)
+    fill_friction_ratio(scene, work, panel, other, -side)
     e = dot(work.at_x, work.energy, count)
     for i in range(N):
         work.root[i] = np.sqrt(work.w[i])
@@ -299,7 +302,7 @@ def _run_behind(scene, work, panel, solution, side, energy, reversal, trend):
         root = np.sqrt(w) if viscous else 0.0
         g, k, pull = panel.g[i], panel.dg[i], panel.pull[i]
         c = -side * contact(g, k, pull, w, root, scene)
-        a = net_torque(g, solution.bend[i], k, pull, w, root, scene)
+        a = net_torque(g, solution.friction_ratio[i], k, pull, w, root, scene)
         work.contact[i] = c
         work.net_torque[i] = a
         bad += not w > 0.0

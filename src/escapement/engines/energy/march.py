@@ -26,7 +26,7 @@ from escapement.dynamics.law import drive_sign, side_at
 from escapement.dynamics.torque import REST, has_knot, is_held, is_undriven
 from escapement.dynamics.train_losses import flowing, is_lossy
 from escapement.engines.energy import locate, panels, sampling
-from escapement.engines.energy.events import extremum_kind, note, note_extremum
+from escapement.engines.energy.located_events import extremum_kind, note, note_extremum
 from escapement.engines.energy.over_panel import choose, pass_over, turns_free
 from escapement.engines.energy.passage import (
     NOWHERE,
@@ -76,19 +76,19 @@ def march(scene, cells, store, count, request, w, rising, events, used):
     -------
     MarchResult
     """
-    # if the torque has a knot in this cell, the chain is for this cell only; `own` is the scene
-    # whose trains lose nothing, to which E belongs outside the march
-    own, lossy = scene, is_lossy(scene)
+    # if the torque has a knot in this cell, the chain is for this cell only; `first_scene` is the
+    # scene whose trains lose nothing, to which E belongs outside the march
+    first_scene, lossy = scene, is_lossy(scene)
     knotted = has_knot(scene)
     most = (TOO_MANY_NARROW if lossy else TOO_MANY_PANELS) + 2 * scene.edges.size
     if knotted or count == panels.NO_PANELS or count > most:
         count = panels.lay_out(scene, cells, store, request.loose)
     work = store.workspace[0]
     first = store.panels[panels.FIRST_PANEL]
-    if first.turned != scene.turned:
+    if first.driver_angle != scene.driver_angle:
         panels.turn_to(store, scene)
     if lossy:
-        scene = flowing(first.left, 1.0, w, own)
+        scene = flowing(first.left, 1.0, w, first_scene)
         panels.fill_again(store, first, scene, cells)
     state = _enter(scene, first, w, rising, used)
     # a driver at rest stays at rest if nothing accelerates it; one that hardly turns and is not
@@ -100,12 +100,12 @@ def march(scene, cells, store, count, request, w, rising, events, used):
     if still or (w <= REST and is_undriven(first.left, scene)):
         return ended(STALL, state, first.left, 0.0, count)
     if lossy:
-        state = with_rho(state, first.entry.g, own.rho, scene.rho)
+        state = with_rho(state, first.entry.g, first_scene.rho, scene.rho)
     while state.panel != panels.CHAIN_END:
         chained = store.panels[state.panel]
         if lossy:
             side, before = 0.0 if chained.locked else state.side, scene.rho
-            scene = flowing(chained.left, side, state.w, own)
+            scene = flowing(chained.left, side, state.w, first_scene)
             if chained.flow != scene.flow:
                 panels.fill_again(store, chained, scene, cells)
             state = with_rho(state, chained.entry.g, before, scene.rho)
@@ -131,7 +131,7 @@ def march(scene, cells, store, count, request, w, rising, events, used):
             return ended(NOT_CONVERGED, state, 0.0, state.time, count)
     if lossy:
         g = 0.0 if scene.dwell > 0.0 else transmission_at(scene.path, scene.edges[-1])[0]
-        state = with_rho(state, g, scene.rho, own.rho)
+        state = with_rho(state, g, scene.rho, first_scene.rho)
     return ended(OK, state, 0.0, state.time, panels.NO_PANELS if knotted else count)
 
 

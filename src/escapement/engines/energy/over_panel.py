@@ -61,17 +61,17 @@ def pass_over(scene, work, panel, starting, state, request):
     rough = solution.tail > (request.strict if starting else request.loose)
     if rough and panel.half <= SHORTEST_STOP and is_viscous(scene):
         # the linearised viscous drag has no solution on a panel that holds a stop
-        way = -w / slope_of_w(scene, panel, side, w)
-        if 0.0 < way <= 4.0 * panel.half:
-            return _stops(panel, way, w, 0.0, time)
+        distance = -w / slope_of_w(scene, panel, side, w)
+        if 0.0 < distance <= 4.0 * panel.half:
+            return _stops(panel, distance, w, 0.0, time)
     if is_viscous(scene) and not ends.energy > scene.rho * REST and is_undriven(panel.left, scene):
         # with viscous drag alone the speed never reaches zero: see `dynamics.law.rest_speed`
         excess = state.energy - scene.rho * REST
         if excess <= 0.0:
             return _stops(panel, 0.0, w, w, time)
         if panel.half <= SHORTEST_STOP:
-            way = 2.0 * panel.half * excess / (state.energy - ends.energy)
-            return _stops(panel, way, w, w, time)
+            distance = 2.0 * panel.half * excess / (state.energy - ends.energy)
+            return _stops(panel, distance, w, w, time)
         return too_coarse
     if rough:
         return too_coarse
@@ -139,16 +139,16 @@ def _map_will_do(scene, panel, ends, request):
 
 
 @inner_jit(inlined=True)
-def _stops(panel, way, w, after, time):
+def _stops(panel, distance, w, after, time):
     """The passage to a stop, which lies a short way after the left end of a panel.
 
     With constant deceleration w changes linearly to its value `after`, and the time is the way
     over the mean speed.
     """
     # a driver at rest that rounding alone moves stops where it starts
-    if way > 0.0:
-        time += 2.0 * way / (np.sqrt(w) + np.sqrt(after))
-    return stalled(panel.left + way, time)
+    if distance > 0.0:
+        time += 2.0 * distance / (np.sqrt(w) + np.sqrt(after))
+    return stalled(panel.left + distance, time)
 
 
 @inner_jit(inlined=True)

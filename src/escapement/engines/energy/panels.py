@@ -34,7 +34,7 @@ SOLUTION = record_dtype(
     {
         # at the points: E(x) = alpha E_left + beta with alpha = exp(-b) and b = int B
         **dict.fromkeys(("alpha", "beta", "b"), ROW),
-        "bend": ROW,  # c = p - g at the points
+        "friction_ratio": ROW,  # c = p - g at the points
         # beta = solved + (pull - solved_pull) share, with the pull at the left end; see `shift`
         **dict.fromkeys(("solved", "share"), ROW),
         **dict.fromkeys(("solved_end", "share_end", "solved_pull", "pull"), NUMBER),
@@ -59,7 +59,7 @@ PANEL = record_dtype(
         "dtheta_dx": ROW,  # theta' = dtheta/dx at the points
         "pull": ROW,  # torque of the drive less that of the bearing at the points
         # slope of that by the angle, and the angle turned before the cell for which it holds
-        **dict.fromkeys(("slope", "turned"), NUMBER),
+        **dict.fromkeys(("slope", "driver_angle"), NUMBER),
         "flow": NUMBER,  # the flow of the scene for which it is filled, see `dynamics.train_losses`
         **dict.fromkeys(("entry", "exit"), END),  # the same at the left and the right end
         **dict.fromkeys(("plus", "minus"), SOLUTION),  # for the sides s = +1 and -1
@@ -98,7 +98,7 @@ NO_FLOW = -2.0
 FIRST_PANEL, CHAIN_END = 0, -1
 NO_PANELS = 0
 MAX_PANELS = 2048
-# The sliding speed at an end is evaluated this share of the way to the nearest point inside.
+# The sliding speed at an end is evaluated this share of the distance to the nearest point inside.
 INWARDS = 1e-10
 # The tail of 1/(rho + g^2) must be below this share of the tail allowed, because with much
 # friction A, B and E are rougher than the geometry from which they are made.
@@ -211,12 +211,12 @@ def fill_pull(panel, scene, count):
     panel.entry.pull, panel.exit.pull = pull - rise, pull + rise
     if slope != panel.slope:
         panel.plus.tail = panel.minus.tail = UNSOLVED
-    panel.slope, panel.turned = slope, scene.turned
+    panel.slope, panel.driver_angle = slope, scene.driver_angle
 
 
 @inner_jit
 def turn_to(store, scene):
-    """Fill the pull of the drive on all panels for the cell after `scene.turned`."""
+    """Fill the pull of the drive on all panels for the cell after `scene.driver_angle`."""
     index = FIRST_PANEL
     while index != CHAIN_END:
         fill_pull(store.panels[index], scene, points_of(store.workspace[0]))
@@ -232,7 +232,7 @@ def finish_ends(panel, scene):
         end.dg = dragged_slope(end.g, end.dg, scene)
     if not (panel.locked or is_ideal(scene)):
         # with friction in journals theta_ddot jumps where the sliding reverses, so rounding must
-        # not decide on which side of that place an end lies
+        # not decide on which side of that angle an end lies
         panel.entry.u += INWARDS * (panel.u[0] - panel.entry.u)
         panel.exit.u += INWARDS * (panel.u[N - 1] - panel.exit.u)
 

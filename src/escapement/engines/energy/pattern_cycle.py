@@ -14,7 +14,7 @@ from escapement.dynamics.law import is_drag_free, is_felt
 from escapement.engines.energy.cycle import NO_LOSS
 from escapement.engines.energy.march import NO_TERMINAL, NOT_CONVERGED, OK
 from escapement.engines.energy.passage import Detail, request_of, with_detail
-from escapement.engines.energy.pattern import engage, scene_in
+from escapement.engines.energy.pattern_march import engage, scene_in
 from escapement.numerics.jit import inner_jit
 
 # Number of steps of Newton's method that are taken from one speed of the motion.
@@ -24,7 +24,7 @@ MOST_STEPS = 25
 class Round(NamedTuple):
     """One passage of the pattern from w_in in a time, and the map w = exp(slope) w_in + source.
 
-    Of a stall `angle` is the driver angle, and `place` the engagement. `rising` is the sign of
+    Of a stall `angle` is the driver angle, and `pair_index` the engagement. `rising` is the sign of
     theta_ddot at the end, with a `Detail` that tells it.
     """
 
@@ -32,7 +32,7 @@ class Round(NamedTuple):
     w: float
     slope: float
     source: float
-    place: int
+    pair_index: int
     angle: float
     rising: float
     time: float
@@ -42,62 +42,69 @@ class Round(NamedTuple):
 def completed(w, slope, source, rising, time):
     """The round that ends with w."""
     return Round(
-        status=OK, w=w, slope=slope, source=source, place=0, angle=0.0, rising=rising, time=time
+        status=OK,
+        w=w,
+        slope=slope,
+        source=source,
+        pair_index=0,
+        angle=0.0,
+        rising=rising,
+        time=time,
     )
 
 
 @inner_jit(inlined=True)
-def stopped(found, place, time):
+def stopped(found, index, time):
     """The round that a march ends in the engagement at a place."""
     return Round(
-        status=found.status, w=0.0, slope=0.0, source=0.0, place=place, angle=found.angle,
+        status=found.status, w=0.0, slope=0.0, source=0.0, pair_index=index, angle=found.angle,
         rising=0.0, time=time,
     )  # fmt: skip
 
 
 @inner_jit
-def rising_after(case, place, found):
-    """Sign of theta_ddot before an engagement, from the march over the one at `place` before it."""
-    return -1.0 if is_felt(case.shares[place]) else found.rising
+def rising_after(case, index, found):
+    """Sign of theta_ddot before an engagement, from the march over the one at `index` before it."""
+    return -1.0 if is_felt(case.shares[index]) else found.rising
 
 
 @inner_jit
 def pass_round(case, w, request):
-    """Pass all engagements of the pattern, and note what `Finals` holds if extrema are told."""
+    """Pass all engagements of the pattern, and note what `Finals` holds if extrema are noted."""
     slope, source, rising, time = 0.0, 0.0, 0.0, 0.0
-    for place in range(case.meetings.size):
-        found = engage(case, place, w, rising, request)
+    for index in range(case.pairs.size):
+        found = engage(case, index, w, rising, request)
         if found.status != OK:
-            return stopped(found, place, time)
-        w = found.w * case.shares[place] ** 2
-        change = case.slopes[place] - found.exponent
-        slope, source = slope + change, np.exp(change) * source + case.gains[place] * found.source
-        rising, time = rising_after(case, place, found), time + found.time
+            return stopped(found, index, time)
+        w = found.w * case.shares[index] ** 2
+        change = case.slopes[index] - found.exponent
+        slope, source = slope + change, np.exp(change) * source + case.gains[index] * found.source
+        rising, time = rising_after(case, index, found), time + found.time
         if request.detail >= Detail.EXTREMA:
-            _note_finals(case, place, found)
+            _note_finals(case, index, found)
     return completed(w, slope, source, rising, time)
 
 
 @inner_jit
-def _note_finals(case, place, found):
+def _note_finals(case, index, found):
     """Note what `Finals` holds of an engagement just marched."""
-    top, low = outermost(case, found, case.shares[place])
+    top, low = outermost(case, found, case.shares[index])
     finals = case.finals
-    finals.low[place] = np.nan if low < 0 else speed_at(case, found, low)
-    finals.top[place] = np.nan if top < 0 else speed_at(case, found, top)
-    finals.time[place], finals.before[place] = found.time, found.w
-    finals.after[place] = found.w * case.shares[place] ** 2
+    finals.low[index] = np.nan if low < 0 else speed_at(case, found, low)
+    finals.top[index] = np.nan if top < 0 else speed_at(case, found, top)
+    finals.time[index], finals.before[index] = found.time, found.w
+    finals.after[index] = found.w * case.shares[index] ** 2
 
 
 @inner_jit
 def extrema_of(found, share):
-    """Number of events of an engagement, a fall by a blow at its end included as the last."""
+    """Number of events of an engagement, a fall by an impact at its end included as the last."""
     return found.used + 1 if is_felt(share) and found.rising > 0.0 else found.used
 
 
 @inner_jit
 def is_top(case, found, i):
-    """Whether event i of an engagement is a maximum; the speed is one before a blow."""
+    """Whether event i of an engagement is a maximum; the speed is one before an impact."""
     return i == found.used or case.events[i].kind == Event.MAXIMUM
 
 
@@ -139,17 +146,17 @@ def find_cycle(case, w, rtol):
     -------
     status, w, slope, angle, engagement
         `slope` is log(dw_out/dw_in) over the pattern, and `case.finals` has its engagements. Of a
-        stall the place comes last.
+        stall the index comes last.
     """
-    scene = scene_in(case.shared, case.meetings[0])
+    scene = scene_in(case.shared, case.pairs[0])
     # as for one engagement: the map alone misses a pair of reversals where there is a load or drag
     alone = scene.load == 0.0 and is_drag_free(scene)
     request = request_of(Detail.MAP if alone else Detail.TIME, rtol)
-    size, next_try = case.meetings.size, 1
+    size, next_try = case.pairs.size, 1
     for k in range(1, MAX_ENGAGEMENTS):
         found = pass_round(case, w, request)
         if found.status != OK:
-            return found.status, 0.0, 0.0, found.angle, (k - 1) * size + found.place
+            return found.status, 0.0, 0.0, found.angle, (k - 1) * size + found.pair_index
         if k == next_try:
             next_try *= 2
             better, slope, status = _seek(case, w, found, rtol, request)

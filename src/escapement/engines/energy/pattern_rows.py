@@ -9,8 +9,8 @@ from escapement.dynamics.figures_of_merit import RISE_BAND, SETTLING_BAND
 from escapement.dynamics.law import scene_of
 from escapement.engines.energy import cycle
 from escapement.engines.energy.calls import kernel_addresses
+from escapement.engines.energy.case_figures import RETRY, Extent, next_fall, note_fall
 from escapement.engines.energy.cells import NO_CELLS
-from escapement.engines.energy.figures import RETRY, Extent, next_fall, note_fall
 from escapement.engines.energy.leap import (
     GAIN,
     GAP,
@@ -26,7 +26,6 @@ from escapement.engines.energy.leap import (
 )
 from escapement.engines.energy.march import OK
 from escapement.engines.energy.passage import Detail, request_of
-from escapement.engines.energy.pattern import LONGEST_TRANSIENT, case_of, engage, memory
 from escapement.engines.energy.pattern_cycle import (
     extrema_of,
     find_cycle,
@@ -37,8 +36,9 @@ from escapement.engines.energy.pattern_cycle import (
     rising_after,
     speed_at,
 )
+from escapement.engines.energy.pattern_march import LONGEST_TRANSIENT, case_of, engage, memory
 from escapement.mechanisms.path import Path, writeable
-from escapement.mechanisms.pattern import FITS, MEETING, lay_pattern, path_in
+from escapement.mechanisms.pattern import PAIR, POSSIBLE, lay_pattern, path_in
 from escapement.mechanisms.protocol import FloatArray
 from escapement.mechanisms.slotted import transmission_at
 from escapement.model.scene import Scene
@@ -73,22 +73,25 @@ def solve_patterns(
     numbers : array of shape (scenes, k): the numbers of each scene, and its squared speed at
         the first entry.
     extent : a `figures.Extent`, how far the transient is followed.
-    table, status : results, with `FIGURES` columns; NaN if there is none, except for the place of
+    table, status : results, with `FIGURES` columns; NaN if there is none, except for the index of
         a stall, see `_figures`.
     """
     m, n = pins.shape[1], slots.shape[1]
     size = m * n // _divisor(m, n)
-    meetings, (store, counts, events) = np.empty(size, MEETING), memory(size)
+    pairs, (store, counts, events) = np.empty(size, PAIR), memory(size)
     # path, edges and dwell of a scene are those of its engagements
     torque, no_edges = np.array([0.0, 0.0, 1.0]), np.empty(0)
     for i in range(status.size):
         table[i, :] = np.nan
-        own = row_tuple(numbers[i], _NUMBERS)
-        shared = Scene(Path(path[0], path[1]), no_edges, 0.0, torque, 0.0, *own)
-        if lay_pattern(arms, turns, longer[i], own[_PIN], pins[i], slots[i], meetings) != FITS:
+        constants = row_tuple(numbers[i], _NUMBERS)
+        shared = Scene(Path(path[0], path[1]), no_edges, 0.0, torque, 0.0, *constants)
+        if (
+            lay_pattern(arms, turns, longer[i], constants[_PIN], pins[i], slots[i], pairs)
+            != POSSIBLE
+        ):
             status[i] = _INVALID
             continue
-        case, status[i] = case_of(addresses, shared, none, meetings, store, counts, events)
+        case, status[i] = case_of(addresses, shared, none, pairs, store, counts, events)
         if status[i] == OK:
             status[i] = _figures(case, numbers[i, _NUMBERS], rtol, extent, table[i])
 
@@ -102,10 +105,10 @@ def _divisor(a, b):
 
 
 @jit(allocates=True)
-def solve_pattern(addresses, scene_tuple, none, meetings, w, rtol, extent, out):
+def solve_pattern(addresses, scene_tuple, none, pairs, w, rtol, extent, out):
     """Figures of one pattern into `out`; returns its status. Arguments as in `solve_patterns`."""
     shared = scene_of(scene_tuple)
-    case, status = case_of(addresses, shared, none, meetings, *memory(meetings.size))
+    case, status = case_of(addresses, shared, none, pairs, *memory(pairs.size))
     return _figures(case, w, rtol, extent, out) if status == OK else status
 
 
@@ -129,41 +132,41 @@ def _figures(case, w, rtol, extent, out):
 @inner_jit
 def _read_cycle(case, w, out):
     """Figures of the cycle that starts with w, whose engagements `case.finals` has."""
-    size, finals = case.meetings.size, case.finals
-    fast, slow, blow, time, shortest, longest = w, w, 0.0, 0.0, np.inf, 0.0
-    for place in range(size):
-        beat = finals.time[place]
+    size, finals = case.pairs.size, case.finals
+    fast, slow, impact, time, shortest, longest = w, w, 0.0, 0.0, np.inf, 0.0
+    for index in range(size):
+        beat = finals.time[index]
         time, shortest, longest = time + beat, min(shortest, beat), max(longest, beat)
-        fast, slow = max(fast, finals.before[place]), min(slow, finals.after[place])
+        fast, slow = max(fast, finals.before[index]), min(slow, finals.after[index])
         # a comparison with NaN, where there is none, is false
-        fast = finals.top[place] ** 2 if finals.top[place] ** 2 > fast else fast
-        slow = finals.low[place] ** 2 if finals.low[place] ** 2 < slow else slow
-        if case.shares[place] < 1.0:
-            rho, g = case.shared.rho, _start_ratio(case.meetings[(place + 1) % size])
-            left = (rho + g * g) * finals.after[place]
-            blow = max(blow, 0.5 * (rho * finals.before[place] - left))
+        fast = finals.top[index] ** 2 if finals.top[index] ** 2 > fast else fast
+        slow = finals.low[index] ** 2 if finals.low[index] ** 2 < slow else slow
+        if case.shares[index] < 1.0:
+            rho, g = case.shared.rho, _start_ratio(case.pairs[(index + 1) % size])
+            left = (rho + g * g) * finals.after[index]
+            impact = max(impact, 0.5 * (rho * finals.before[index] - left))
     out[cycle.V_MAX], out[cycle.V_MIN] = np.sqrt(fast), np.sqrt(slow)
     out[cycle.PERIOD] = time / size
-    out[BEAT_ERROR], out[BLOW_MAX] = longest - shortest, blow
+    out[BEAT_ERROR], out[BLOW_MAX] = longest - shortest, impact
 
 
 @inner_jit
-def _start_ratio(meeting):
+def _start_ratio(pair):
     """g where an engagement begins."""
-    return transmission_at(path_in(meeting), meeting.edges[0])[0]
+    return transmission_at(path_in(pair), pair.edges[0])[0]
 
 
 @inner_jit(allocates=True)
 def _read_transient(case, start, rtol, extent, out):
     """Times of the motion that starts with w = `start`, as `metrics` reads them off a motion."""
     near, far = request_of(Detail.EXTREMA, rtol), request_of(Detail.TIME, rtol)
-    size, w, rising, time, calm = case.meetings.size, start, 0.0, 0.0, 0
+    size, w, rising, time, calm = case.pairs.size, start, 0.0, 0.0, 0
     handoffs, finals, rows = case.handoffs, case.finals, np.empty((ROWS, N))
     handoffs[0, 0], handoffs[0, 1] = 0.0, start
     k, attempt = 0, 0
     while k < LONGEST_TRANSIENT:
-        place = k % size
-        if place == 0 and k >= attempt:
+        index = k % size
+        if index == 0 and k >= attempt:
             most = (LONGEST_TRANSIENT - k) // size
             passed = _leap_rounds(case, start, w, most, rtol, extent, rows, out)
             attempt = k if passed.number > 0 else k + RETRY * size
@@ -171,18 +174,18 @@ def _read_transient(case, start, rtol, extent, out):
             handoffs[k % 2, 0], handoffs[k % 2, 1] = time, w
             if k >= LONGEST_TRANSIENT:
                 break
-        distant = _is_distant(w, finals.after[place - 1], out[cycle.CONTRACTION])
-        found = engage(case, place, w, rising, far if distant else near)
-        if not distant and _judge(case, place, found, time, out):
+        distant = _is_distant(w, finals.after[index - 1], out[cycle.CONTRACTION])
+        found = engage(case, index, w, rising, far if distant else near)
+        if not distant and _judge(case, index, found, time, out):
             calm += 1
         else:
             calm = 0
-        w, time = found.w * case.shares[place] ** 2, time + found.time
+        w, time = found.w * case.shares[index] ** 2, time + found.time
         # without extrema the trend is not known
-        rising = 0.0 if distant else rising_after(case, place, found)
+        rising = 0.0 if distant else rising_after(case, index, found)
         # the speed is compared with that of the cycle at the same handoff
         handoffs[(k + 1) % 2, 0], handoffs[(k + 1) % 2, 1] = time, w
-        last, following = np.sqrt(finals.after[place - 1]), np.sqrt(finals.after[place])
+        last, following = np.sqrt(finals.after[index - 1]), np.sqrt(finals.after[index])
         note_fall(start, handoffs, k, last, following, rtol, out)
         k += 1
         # two motions never cross: when a whole round is in the band, all later ones are
@@ -229,17 +232,17 @@ def _is_distant(w, final, contraction):
 
 
 @inner_jit
-def _judge(case, place, found, time, out):
+def _judge(case, index, found, time, out):
     """Compare an engagement that starts at `time` with that of the cycle; returns whether its
     extremes are in the settling band.
     """
-    share, good = case.shares[place], True
+    share, good = case.shares[index], True
     top, low = outermost(case, found, share)
     for i in range(extrema_of(found, share)):
         if not is_turn(case, found, i):
             continue
         highest = is_top(case, found, i)
-        final = case.finals.top[place] if highest else case.finals.low[place]
+        final = case.finals.top[index] if highest else case.finals.low[index]
         error = abs(speed_at(case, found, i) / final - 1.0)
         at = time + (found.time if i == found.used else case.events[i].time)
         if np.isnan(out[cycle.RISE]) and error <= RISE_BAND:

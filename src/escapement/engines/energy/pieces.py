@@ -11,19 +11,19 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from escapement.dynamics.codes import Event
-from escapement.dynamics.law import LOSSES, is_felt, left_by_blow
+from escapement.dynamics.law import LOSSES, is_felt, left_by_impact
 from escapement.dynamics.needs import typed_scene
-from escapement.dynamics.tables import losses_at
+from escapement.dynamics.state_table import losses_at
 from escapement.dynamics.torque import cell_after, next_knot
 from escapement.dynamics.train_losses import flowing
 from escapement.engines.energy import panels
 from escapement.engines.energy.calls import march, refine
-from escapement.engines.energy.events import EVENT, NO_EVENTS
 from escapement.engines.energy.locate import invert
+from escapement.engines.energy.located_events import EVENT, NO_EVENTS
 from escapement.engines.energy.march import OK
 from escapement.engines.energy.panels import NUMBER, WHOLE
 from escapement.engines.energy.passage import Detail, request_of
-from escapement.engines.energy.pattern import scene_in
+from escapement.engines.energy.pattern_march import scene_in
 from escapement.engines.energy.peaks import raise_peaks
 from escapement.engines.energy.sampling import duration, sample_panel, turns_back
 from escapement.engines.energy.solve import slope_of_w, solve_side
@@ -73,12 +73,13 @@ def _copy(table, to, filled):
 
 
 @jit(allocates=True)
-def events_of(addresses, scene_tuple, cells, meetings, numbers, turned, squares, rtol):
+def events_of(addresses, scene_tuple, cells, pairs, numbers, driver_angle, squares, rtol):
     """All events of the engagements `numbers`, ascending, which start with the w of `squares`.
 
-    `addresses`, `scene_tuple` and `cells` are as `calls.prepared` gives them; `turned` are the
-    values of `Scene.turned`. `meetings` is the pattern of imperfect parts, of length 0 for perfect
-    ones. Each engagement gets panels of its own, so that its events do not depend on the others.
+    `addresses`, `scene_tuple` and `cells` are as `calls.prepared` gives them; `driver_angle` are
+    the values of `Scene.driver_angle`. `pairs` is the pattern of imperfect parts, of length 0 for
+    perfect ones. Each engagement gets panels of its own, so that its events do not depend on the
+    others.
 
     Returns
     -------
@@ -87,23 +88,23 @@ def events_of(addresses, scene_tuple, cells, meetings, numbers, turned, squares,
     reached : ndarray
         w with which each leaves for the next, NaN where the march does not come to its end.
     """
-    common, size = typed_scene(scene_tuple), meetings.size
+    common, size = typed_scene(scene_tuple), pairs.size
     request = request_of(Detail.EVERYTHING, rtol)
     store = panels.new_store(panels.MAX_PANELS)
     events = np.empty(_ROOM + 4 * common.edges.size + MOST_KNOTS, EVENT)
     table = np.empty(8 * numbers.size + 64, MOTION_EVENT)
     filled, rising, reached = NO_EVENTS, 0.0, np.full(numbers.size, np.nan)
     for i in range(numbers.size):
-        k, w, scene = numbers[i], squares[i], cell_after(turned[i], common)
+        k, w, scene = numbers[i], squares[i], cell_after(driver_angle[i], common)
         if i == 0 or numbers[i - 1] != k - 1:
             rising = 0.0  # what came before is not known
         if size > 0:
-            scene = scene_in(common, meetings[k % size], turned[i])
-            if k > 0 and meetings[k % size].kind == Handoff.STRIKE:
+            scene = scene_in(common, pairs[k % size], driver_angle[i])
+            if k > 0 and pairs[k % size].kind == Handoff.STRIKE:
                 # the speed falls at once, from a maximum if it rose
-                share = left_by_blow(scene)
+                share = left_by_impact(scene)
                 if rising > 0.0 and is_felt(share):
-                    before, kind = meetings[(k - 1) % size], Event.MAXIMUM
+                    before, kind = pairs[(k - 1) % size], Event.MAXIMUM
                     end = before.edges[before.used - 1] + before.dwell
                     high = w / share**2
                     filled = _append(table, filled, k - 1, kind, end, np.inf, high, 0.0)
@@ -113,8 +114,8 @@ def events_of(addresses, scene_tuple, cells, meetings, numbers, turned, squares,
         rising, used = found.rising, found.used
         if found.status == OK:
             reached[i] = found.w
-            if size > 0 and meetings[(k + 1) % size].kind == Handoff.STRIKE:
-                reached[i] *= left_by_blow(scene_in(common, meetings[(k + 1) % size])) ** 2
+            if size > 0 and pairs[(k + 1) % size].kind == Handoff.STRIKE:
+                reached[i] *= left_by_impact(scene_in(common, pairs[(k + 1) % size])) ** 2
         if filled + used + 2 > table.shape[0]:
             larger = np.empty(2 * table.shape[0] + used, MOTION_EVENT)
             _copy(table, larger, filled)
@@ -167,7 +168,7 @@ def states_of(scene, pieces, counts, times, rtol, theta, squares, losses, peaks)
 
     Parameters
     ----------
-    pieces : rows of s, 0 in a dwell, driver angles of start and end, w, and `Scene.turned`.
+    pieces : rows of s, 0 in a dwell, driver angles of start and end, w, and `Scene.driver_angle`.
     counts : how many of the times belong to each piece.
     times : since the start; later ones than the end of the piece give the state at its end.
     theta, squares : results, angles and w, as long as `times`; NaN where a piece cannot be
@@ -178,8 +179,8 @@ def states_of(scene, pieces, counts, times, rtol, theta, squares, losses, peaks)
     """
     first, store, ends = 0, panels.new_store(1), np.empty(_HALVINGS)
     for i in range(len(pieces)):
-        side, left, end, w, turned = pieces[i]
-        here, last = cell_after(turned, scene), first + counts[i]
+        side, left, end, w, driver_angle = pieces[i]
+        here, last = cell_after(driver_angle, scene), first + counts[i]
         asked = Asked(
             times=times[first:last], theta=theta[first:last], squares=squares[first:last], end=end
         )
@@ -335,7 +336,7 @@ def _read_short(part, length, after, asked):
 
 def follow(
     scenes: Sequence[Scene],
-    places: np.ndarray,
+    numbers: np.ndarray,
     pieces: FloatArray,
     owners: np.ndarray,
     since: FloatArray,
@@ -347,7 +348,7 @@ def follow(
     ----------
     scenes : sequence of Scene
         The scenes of the engagements of one pattern.
-    places : ndarray of int, shape (n,)
+    numbers : ndarray of int, shape (n,)
         Of each piece, which of them is its own.
     pieces : ndarray, shape (n, 5)
         As for `states_of`.
@@ -364,8 +365,8 @@ def follow(
     """  # fmt: skip
     theta, squares = np.empty(owners.size), np.empty(owners.size)
     order = np.argsort(owners, kind="stable")
-    for k in np.unique(places[owners]):
-        here = order[places[owners[order]] == k]
+    for k in np.unique(numbers[owners]):
+        here = order[numbers[owners[order]] == k]
         which, counts = np.unique(owners[here], return_counts=True)
         found, none = np.empty((2, here.size)), np.empty((which.size, 0))
         lost = np.empty((which.size, len(LOSSES)))

@@ -10,15 +10,15 @@ from typing import NamedTuple
 import numpy as np
 
 from escapement.dynamics.law import (
-    bend,
     contact,
+    friction_ratio,
     is_viscous,
     net_torque,
     reduced_inertia,
     root_of,
     settled,
 )
-from escapement.dynamics.torque import gap_of_places
+from escapement.dynamics.torque import same_angle_gap
 from escapement.dynamics.train_losses import is_lossy, within_flow
 from escapement.engines.energy.panels import points_of
 from escapement.numerics.gauss import LAST_BUT_ONE_COEFFICIENT, LAST_COEFFICIENT, POINTS, WEIGHTS, N
@@ -50,16 +50,16 @@ EVERY_POINT = Points(first=0, last=N)
 
 
 @inner_jit
-def bend_at(end, side, scene):
+def friction_ratio_at(end, side, scene):
     """c = p - g at an end of a panel; 0 in a dwell, where g and u are zero."""
-    return bend(end.g, end.u, end.radius, side, scene)
+    return friction_ratio(end.g, end.u, end.radius, side, scene)
 
 
 @inner_jit
 def net_torque_at(end, side, w, scene):
     """J theta_ddot at an end of a panel."""
     return net_torque(
-        end.g, bend_at(end, side, scene), end.dg, end.pull, w, root_of(w, scene), scene
+        end.g, friction_ratio_at(end, side, scene), end.dg, end.pull, w, root_of(w, scene), scene
     )
 
 
@@ -75,7 +75,7 @@ def beside(scene, panel, value, row, point):
 
     `row` has the values at the points, and `point` is 0 at the left end and N - 1 at the right.
     """
-    return settled(value, row[point], panel.dtheta_dx[point] * TO_NEAREST, gap_of_places(scene))
+    return settled(value, row[point], panel.dtheta_dx[point] * TO_NEAREST, same_angle_gap(scene))
 
 
 @inner_jit
@@ -102,7 +102,7 @@ def sample_panel(scene, work, panel, solution, side, energy):
         # X is the contact moment times J > 0
         g, k, pull = panel.g[i], panel.dg[i], panel.pull[i]
         c = side * contact(g, k, pull, w, root, scene)
-        a = net_torque(g, solution.bend[i], k, pull, w, root, scene)
+        a = net_torque(g, solution.friction_ratio[i], k, pull, w, root, scene)
         work.energy[i] = e
         work.w[i] = w
         work.contact[i] = c
@@ -131,7 +131,7 @@ def turns_back(scene, work, panel, solution, side, w_left, w_right):
     least = min(right_q, right_z)
     for i in range(N):
         g = panel.g[i]
-        rate = work.net_torque[i] / reduced_inertia(g, solution.bend[i], scene)
+        rate = work.net_torque[i] / reduced_inertia(g, solution.friction_ratio[i], scene)
         q, z = within_flow(g, panel.dg[i], rate, panel.pull[i], work.w[i], scene)
         work.decay[i], work.gain[i] = q, z
         least = min(least, min(q, z))
@@ -146,7 +146,7 @@ def turns_back(scene, work, panel, solution, side, w_left, w_right):
 def flow_at_end(scene, end, side, w):
     """`within_flow` at an end of a panel."""
     rate = net_torque_at(end, side, w, scene)
-    rate /= reduced_inertia(end.g, bend_at(end, side, scene), scene)
+    rate /= reduced_inertia(end.g, friction_ratio_at(end, side, scene), scene)
     return within_flow(end.g, end.dg, rate, end.pull, w, scene)
 
 

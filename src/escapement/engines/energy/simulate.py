@@ -14,7 +14,7 @@ from escapement.engines.energy.calls import prepared
 from escapement.engines.energy.cells import NO_CELLS
 from escapement.engines.energy.handoffs import handoffs
 from escapement.engines.energy.march import OK, PAINLEVE, SPENT, STALL
-from escapement.engines.energy.pattern import pattern_handoffs
+from escapement.engines.energy.pattern_march import pattern_handoffs
 from escapement.engines.energy.trajectory import EnergyTrajectory
 from escapement.model.escapement import Escapement
 

@@ -12,8 +12,8 @@ speed, is solved on a panel over the square root of the angle instead.
 import numpy as np
 
 from escapement.dynamics.law import (
-    bend,
     energy_rates,
+    friction_ratio,
     is_ideal,
     is_viscous,
     reduced_inertia,
@@ -28,7 +28,7 @@ from escapement.engines.energy.panels import (
     points_of,
     solution_of,
 )
-from escapement.engines.energy.sampling import bend_at, net_torque_at
+from escapement.engines.energy.sampling import friction_ratio_at, net_torque_at
 from escapement.numerics.gauss import (
     POINTS,
     SERIES,
@@ -69,7 +69,7 @@ def solve_side(scene, work, panel, side, energy):
     if known and (solution.pull == pull or shift(solution, pull, points_of(work))):
         return
     # the first solution is without viscous drag
-    fill_bend(scene, work, panel, solution, side)
+    fill_friction_ratio(scene, work, panel, solution, side)
     for _ in range(MOST_STEPS):
         solve_linear(scene, work, panel, solution, side)
         if not viscous:
@@ -116,7 +116,7 @@ def keep_share(scene, work, panel, solution, count):
     """
     for i in range(N):
         g = panel.g[i]
-        inertia = reduced_inertia(g, solution.bend[i], scene)
+        inertia = reduced_inertia(g, solution.friction_ratio[i], scene)
         work.gain[i] = 2.0 * panel.dtheta_dx[i] * (scene.rho + g * g) / inertia / solution.alpha[i]
     cumulate(work.gain, solution.share)
     for i in range(count & N):
@@ -144,7 +144,7 @@ def refresh_roots(scene, work, panel, solution, energy):
 
 
 @inner_jit
-def fill_bend(scene, work, panel, solution, side):
+def fill_friction_ratio(scene, work, panel, solution, side):
     """Fill the row of c = p - g, and that of roots with zeros."""
     if is_viscous(scene):
         for i in range(N):
@@ -152,10 +152,12 @@ def fill_bend(scene, work, panel, solution, side):
     if is_ideal(scene):
         friction = signed_loss(side, scene)
         for i in range(points_of(work) & N):
-            solution.bend[i] = friction * abs(panel.u[i])
+            solution.friction_ratio[i] = friction * abs(panel.u[i])
         return
     for i in range(N):
-        solution.bend[i] = bend(panel.g[i], panel.u[i], panel.radius[i], side, scene)
+        solution.friction_ratio[i] = friction_ratio(
+            panel.g[i], panel.u[i], panel.radius[i], side, scene
+        )
 
 
 @inner_jit
@@ -165,15 +167,25 @@ def solve_linear(scene, work, panel, solution, side):
     # until beta is known its row holds (rho + g^2)/J
     if is_viscous(scene):
         for i in range(N):
-            g, c, k, inverse = panel.g[i], solution.bend[i], panel.dg[i], panel.inverse_inertia[i]
-            pull, way = panel.pull[i], panel.dtheta_dx[i]
-            rates = energy_rates(g, c, k, pull, inverse, way, work.root[i], scene)
+            g, c, k, inverse = (
+                panel.g[i],
+                solution.friction_ratio[i],
+                panel.dg[i],
+                panel.inverse_inertia[i],
+            )
+            pull, dtheta_dx = panel.pull[i], panel.dtheta_dx[i]
+            rates = energy_rates(g, c, k, pull, inverse, dtheta_dx, work.root[i], scene)
             work.gain[i], work.decay[i], solution.beta[i] = rates
     else:
         for i in range(count & N):
-            g, c, k, inverse = panel.g[i], solution.bend[i], panel.dg[i], panel.inverse_inertia[i]
-            pull, way = panel.pull[i], panel.dtheta_dx[i]
-            rates = energy_rates(g, c, k, pull, inverse, way, 0.0, scene)
+            g, c, k, inverse = (
+                panel.g[i],
+                solution.friction_ratio[i],
+                panel.dg[i],
+                panel.inverse_inertia[i],
+            )
+            pull, dtheta_dx = panel.pull[i], panel.dtheta_dx[i]
+            rates = energy_rates(g, c, k, pull, inverse, dtheta_dx, 0.0, scene)
             work.gain[i], work.decay[i], solution.beta[i] = rates
     # J is a difference of nearly equal terms near the Painleve limit: its rounding error is
     # amplified by (rho + g^2)/J, and no finer panel makes it smaller
@@ -229,7 +241,7 @@ def _tail(scene, panel, solution, side, count):
 def slope_of_w(scene, panel, side, w):
     """dw/dtheta = 2 theta_ddot at the left end of a panel."""
     end = panel.entry
-    inertia = reduced_inertia(end.g, bend_at(end, side, scene), scene)
+    inertia = reduced_inertia(end.g, friction_ratio_at(end, side, scene), scene)
     return 2.0 * net_torque_at(end, side, w, scene) / inertia
 
 

@@ -6,16 +6,16 @@ from typing import Any, cast
 import numpy as np
 
 from escapement.base.status import MESSAGES, Status
+from escapement.dynamics.figure_table import TRANSIENT
 from escapement.dynamics.figures_of_merit import MAX_ENGAGEMENTS, Figures
-from escapement.dynamics.merit_table import TRANSIENT
 from escapement.dynamics.motion import stall_message
 from escapement.dynamics.needs import FIXED
 from escapement.engines.energy import cycle
 from escapement.engines.energy.batch import solve_rows
 from escapement.engines.energy.calls import prepared
+from escapement.engines.energy.case_figures import Extent
 from escapement.engines.energy.cells import NO_CELLS
-from escapement.engines.energy.figures import Extent
-from escapement.engines.energy.pattern import LONGEST_TRANSIENT
+from escapement.engines.energy.pattern_march import LONGEST_TRANSIENT
 from escapement.engines.energy.pattern_rows import FIGURES, solve_pattern
 from escapement.engines.energy.simulate import simulate
 from escapement.model.escapement import Escapement
@@ -51,14 +51,14 @@ def terminal(
     )
     # the period of the motion that is returned, so that its end time has the same digits
     period = float(motion.end_time) / count
-    times: dict[str, Any] = {name: float(out[place] * clock) for name, place in _TIMES.items()}
-    late = [name for name, time in times.items() if np.isnan(time)]
+    times: dict[str, Any] = {name: float(out[column] * clock) for name, column in _TIMES.items()}
+    missing = [name for name, time in times.items() if np.isnan(time)]
     message = base.message
-    if late:
+    if missing:
         count_text = f"{longest:_}".replace("_", " ")
         message = (
             f"these figures take more than {count_text} engagements and are not given: "
-            f"{', '.join(late)}"
+            f"{', '.join(missing)}"
         )
     return replace(
         base,

@@ -18,11 +18,11 @@ from escapement.engines.energy.calls import prepared
 from escapement.engines.energy.cells import NO_CELLS
 from escapement.engines.energy.peaks import PEAKS
 from escapement.engines.energy.pieces import MOTION_EVENT, events_of, follow, states_of
-from escapement.mechanisms.pattern import MEETING
+from escapement.mechanisms.pattern import PAIR
 from escapement.mechanisms.protocol import FloatArray
 from escapement.model.escapement import Escapement
 
-_NO_PATTERN = np.empty(0, MEETING)
+_NO_PATTERN = np.empty(0, PAIR)
 # Events are computed for this many engagements in one call of a kernel; Ctrl-C takes effect
 # between two calls.
 _AT_ONCE = 1 << 15
@@ -36,13 +36,14 @@ _STOPS = [Event.ENTRY, Event.REVERSAL, Event.EXIT, Event.BREAK]
 class Pieces(NamedTuple):
     """Pieces of a motion: arrays with a number, and `rows` with a row, for each.
 
-    start : time [s]. engagement : its number. place : that in the pattern of imperfect parts.
+    start : time [s]. engagement : its number. pair_index : that of its pair in the pattern of
+        imperfect parts.
     rows : as `pieces.states_of` takes them, in natural units.
     """
 
     start: FloatArray
     engagement: np.ndarray
-    place: np.ndarray
+    pair_index: np.ndarray
     rows: FloatArray
 
 
@@ -99,7 +100,7 @@ class EnergyTrajectory(Trajectory):
         Angles and w are in natural units.
         """
         # a handoff is an extremum if theta_ddot changes its sign there, which needs the sign
-        # before it; and before a blow there may be a maximum
+        # before it; and before an impact there may be a maximum
         numbers = wanted = self.engagements
         if wanted.size <= self.turns:
             numbers = np.unique(np.concatenate([wanted - 1, wanted, wanted + 1]))
@@ -119,10 +120,12 @@ class EnergyTrajectory(Trajectory):
         if len(escapement.scenes) > 1:
             mechanism: Any = escapement.mechanism
             pattern, cells = mechanism.pattern, NO_CELLS
-        turned = np.broadcast_to(escapement.turned_before(numbers), numbers.shape).astype(float)
+        driver_angle = np.broadcast_to(
+            escapement.driver_angle_before(numbers), numbers.shape
+        ).astype(float)
         squares = (speed * clock) ** 2
         table, reached = events_of(
-            addresses, scene, cells, pattern, numbers, turned, squares, self.rtol
+            addresses, scene, cells, pattern, numbers, driver_angle, squares, self.rtol
         )
         inner = numbers < self.turns
         given = (self.speeds[numbers[inner]] * clock) ** 2
@@ -147,16 +150,16 @@ class EnergyTrajectory(Trajectory):
         turns, leaves = (np.cumsum(kind == k) for k in (Event.REVERSAL, Event.EXIT))
         turns, leaves = turns - turns[first], leaves - leaves[first]
         side = np.where(leaves > 0, 0.0, side[first] * (1 - 2 * (turns % 2)))
-        scenes, place = self.escapement.scenes, engagement % len(self.escapement.scenes)
+        scenes, index = self.escapement.scenes, engagement % len(self.escapement.scenes)
         # a piece ends where the next one of its engagement begins, or at the end of the cell,
         # where the follower, and then the driver, has come to the next pin's entry
-        ends = np.array([float(scene.edges[-1] + scene.dwell) for scene in scenes])[place]
+        ends = np.array([float(scene.edges[-1] + scene.dwell) for scene in scenes])[index]
         ends[:-1] = np.where(entry[1:], ends[:-1], angle[1:])
-        turned = np.broadcast_to(self.escapement.turned_before(engagement), angle.shape)
-        rows = np.column_stack([side, angle, ends, w, turned])
-        # of events at one place the last begins the piece
+        driver_angle = np.broadcast_to(self.escapement.driver_angle_before(engagement), angle.shape)
+        rows = np.column_stack([side, angle, ends, w, driver_angle])
+        # of events at one angle the last begins the piece
         kept = ends > angle
-        return Pieces(time[kept], engagement[kept], place[kept], rows[kept])
+        return Pieces(time[kept], engagement[kept], index[kept], rows[kept])
 
     @property
     def start(self) -> FloatArray:
@@ -190,13 +193,13 @@ class EnergyTrajectory(Trajectory):
 
     def _read_through(self, wanted: int) -> tuple[FloatArray, FloatArray]:
         """Losses of each piece in natural units, and so many of its peaks."""
-        _start, _engagement, place, rows = self._pieces
+        _start, _engagement, index, rows = self._pieces
         if len(rows) and self.engagements[-1] == self.turns:
             # the last piece ends where the motion does
             rows = rows.copy()
             rows[-1, 2] = self.states(np.array([len(rows) - 1]), np.array([self.end_time]))[0][0]
         # a motion that has settled repeats its pieces, of which each is solved once
-        which, distinct = np.arange(len(rows)), np.column_stack([place, rows])
+        which, distinct = np.arange(len(rows)), np.column_stack([index, rows])
         if self.escapement.curve is None:
             distinct, which = np.unique(distinct, axis=0, return_inverse=True)
         lost, peaks = np.zeros((len(distinct), len(LOSSES))), np.zeros((len(distinct), wanted))
@@ -204,8 +207,8 @@ class EnergyTrajectory(Trajectory):
             here = np.flatnonzero(distinct[:, 0] == k)
             some, tops, none = lost[here], peaks[here], np.empty(0)
             count = np.zeros(here.size, np.int64)
-            own = distinct[here, 1:]
-            states_of(scene, own, count, none, self.rtol, none, none, some, tops)
+            states_here = distinct[here, 1:]
+            states_of(scene, states_here, count, none, self.rtol, none, none, some, tops)
             lost[here], peaks[here] = some, tops
         return lost[which.reshape(-1)], peaks[which.reshape(-1)]
 
@@ -224,14 +227,14 @@ class EnergyTrajectory(Trajectory):
     def _select(self, chosen: np.ndarray) -> tuple[np.ndarray, FloatArray, FloatArray, FloatArray]:
         events, clock = self._events[chosen], self.escapement.time_unit
         engagement = events["engagement"]
-        late = np.array([meeting.late for meeting in self.escapement.meetings])
+        delays = np.array([pair.delay for pair in self.escapement.pairs])
         theta = events["angle"] + engagement * self.escapement.mechanism.cell_angle
-        theta += late[engagement % late.size]
+        theta += delays[engagement % delays.size]
         return engagement, events["time"], theta, np.sqrt(events["w"]) / clock
 
     def states(self, pieces: np.ndarray, t: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Driver angles in the cell [rad] and speeds [rad/s] at times, each within a piece."""
-        clock, (start, _engagement, place, rows) = self.escapement.time_unit, self._pieces
+        clock, (start, _engagement, index, rows) = self.escapement.time_unit, self._pieces
         since = np.maximum(t - start[pieces], 0.0) / clock
-        theta, squares = follow(self.escapement.scenes, place, rows, pieces, since, self.rtol)
+        theta, squares = follow(self.escapement.scenes, index, rows, pieces, since, self.rtol)
         return theta, np.sqrt(squares) / clock

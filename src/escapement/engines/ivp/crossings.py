@@ -42,8 +42,8 @@ def find_roots(function: Observable, dense: Any, x: FloatArray, f: FloatArray) -
             options={"xatol": 1e-12 * (high - low)},
         )
         if dip.fun < -depth:
-            place = np.searchsorted(x, dip.x)
-            x, f = np.insert(x, place, dip.x), np.insert(f, place, side * dip.fun)
+            index = np.searchsorted(x, dip.x)
+            x, f = np.insert(x, index, dip.x), np.insert(f, index, side * dip.fun)
     sides = np.sign(f)
     changes = np.nonzero(sides[:-1] * sides[1:] < 0.0)[0]
     return [_root_between(function, dense, float(x[i]), float(x[i + 1])) for i in changes]

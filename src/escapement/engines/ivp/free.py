@@ -37,11 +37,11 @@ class FreeTurn(NamedTuple):
 
     def state(self, time: Any) -> tuple[Any, Any, Any]:
         """Driver angle [rad], speed and losses in natural units."""
-        turned = time * (self.speed + 0.5 * self.rate * time)
+        driver_angle = time * (self.speed + 0.5 * self.rate * time)
         return (
-            self.theta + turned,
+            self.theta + driver_angle,
             self.speed + self.rate * time,
-            np.multiply.outer(self.loss, turned),
+            np.multiply.outer(self.loss, driver_angle),
         )
 
 
@@ -55,10 +55,10 @@ def turn_free(law: SceneLaw, task: Task) -> FreeTurn:
     """Turn until the goal, a stop or the end of the time."""
     theta, speed = task.theta, task.speed
     rate, loss = law.acceleration(theta, speed, 0.0), law.loss_rates(theta, speed**2, 0.0)
-    way = task.end - theta
-    square = speed * speed + 2.0 * rate * way
+    distance = task.end - theta
+    square = speed * speed + 2.0 * rate * distance
     if square > 0.0:
-        length, ending = 2.0 * way / (speed + np.sqrt(square)), PieceEnd.ARRIVED
+        length, ending = 2.0 * distance / (speed + np.sqrt(square)), PieceEnd.ARRIVED
     else:
         length, ending = -speed / rate, PieceEnd.STOPPED
     if length > task.time:

@@ -7,9 +7,9 @@ from typing import Any
 import numpy as np
 
 from escapement.dynamics import law as dynamics
-from escapement.dynamics import tables as tabulation
+from escapement.dynamics import state_table as tabulation
 from escapement.dynamics.law import scene_of
-from escapement.dynamics.tables import losses_at
+from escapement.dynamics.state_table import losses_at
 from escapement.dynamics.torque import torque_after, torque_at
 from escapement.dynamics.train_losses import flowing
 from escapement.mechanisms.protocol import FloatArray
@@ -67,9 +67,9 @@ class SceneLaw:
     def loss_rates(self, theta: float, w: float, side: float) -> FloatArray:
         """The losses that there are, per driver angle."""
         table = np.empty((1 + len(dynamics.LOSSES), 1))
-        angle, turned = np.array([theta]), np.array([self.turned(theta)])
-        ahead, squared = np.zeros(1), np.array([w])
-        tabulation.tabulate_losses(self.scene, angle, ahead, turned, squared, side, table)
+        angle, driver_angle = np.array([theta]), np.array([self.driver_angle(theta)])
+        inward, squared = np.zeros(1), np.array([w])
+        tabulation.tabulate_losses(self.scene, angle, inward, driver_angle, squared, side, table)
         rates: FloatArray = table[1 + self.losses, 0]
         return rates
 
@@ -81,21 +81,23 @@ class SceneLaw:
         """Driver speed at which a motion counts as at rest."""
         return float(dynamics.rest_speed(theta, side, self.scene))
 
-    def turned(self, theta: Any) -> Any:
+    def driver_angle(self, theta: Any) -> Any:
         """Driver angle turned since the start of the motion, at one in the cell."""
-        return self.scene.turned + (theta - self.scene.edges[0])
+        return self.scene.driver_angle + (theta - self.scene.edges[0])
 
-    def after(self, turned: float) -> "SceneLaw":
+    def after(self, driver_angle: float) -> "SceneLaw":
         """The law in the cell after a driver angle turned."""
-        scene = self.scene._replace(turned=turned)
+        scene = self.scene._replace(driver_angle=driver_angle)
         return SceneLaw(scene, scene_tuple(scene))
 
     def along(self, theta: float) -> "SceneLaw":
         """The law whose torque goes on beyond its knots as it is at a driver angle."""
-        turned = self.turned(theta)
-        torque, slope = torque_after(turned, self.scene)
-        ends = turned + np.array([-_FAR, _FAR])
-        line = [0.0, *ends, *(torque + slope * (ends - turned))] if slope else [0.0, 0.0, torque]
+        driver_angle = self.driver_angle(theta)
+        torque, slope = torque_after(driver_angle, self.scene)
+        ends = driver_angle + np.array([-_FAR, _FAR])
+        line = (
+            [0.0, *ends, *(torque + slope * (ends - driver_angle))] if slope else [0.0, 0.0, torque]
+        )
         scene = self.scene._replace(torque=np.array(line))
         return SceneLaw(scene, scene_tuple(scene))
 
@@ -126,8 +128,8 @@ class SceneLaw:
     ) -> tuple[FloatArray, FloatArray]:
         """Acceleration, and `force`, at many driver angles."""
         table = np.empty((5, theta.size))
-        ahead = np.zeros(theta.size)
-        tabulation.tabulate(self.scene, theta, ahead, self.turned(theta), w, side, table)
+        inward = np.zeros(theta.size)
+        tabulation.tabulate(self.scene, theta, inward, self.driver_angle(theta), w, side, table)
         return table[2], table[4] if side else np.ones(theta.size)
 
 
@@ -162,11 +164,11 @@ def side_from(theta, w, before, plain):
 
 
 @jit(allocates=True)
-def slope(x, y, anchor, unit, side, way, turn, losses, plain):
+def slope(x, y, anchor, unit, side, slide_sign, ratio_sign, losses, plain):
     """Derivative of y by x, in the units of a piece.
 
     y = (angle from `anchor`, speed / unit, each of `losses` / unit^2), and x = time * unit; the
-    scene comes as `model.scene.scene_tuple` gives it. `way` and `turn` are as in
+    scene comes as `model.scene.scene_tuple` gives it. `slide_sign` and `ratio_sign` are as in
     `dynamics.law.grip`. A trial step may pass the end of a piece, where |v| and |g| have corners
     that would make the solver reject it; with the signs of the piece the law goes on smoothly.
     """
@@ -177,14 +179,14 @@ def slope(x, y, anchor, unit, side, way, turn, losses, plain):
     g = u = k = c = radius = 0.0
     if side != 0.0:
         g, u, dg, radius = pose_at(scene.path, theta)
-        k = dynamics.dragged_slope(g, dg, scene, turn)
-        c = dynamics.bend(g, u, radius, side, scene, way, turn)
+        k = dynamics.dragged_slope(g, dg, scene, ratio_sign)
+        c = dynamics.friction_ratio(g, u, radius, side, scene, slide_sign, ratio_sign)
     root = dynamics.root_of(w, scene)
     out[0] = y[1]
     pull = torque_at(theta, scene)[0] - scene.bearing
     net = dynamics.net_torque(g, c, k, pull, w, root, scene)
     out[1] = net / dynamics.reduced_inertia(g, c, scene) / unit**2
-    rates = losses_at(g, u, radius, k, pull, w, side, scene, way, turn)
+    rates = losses_at(g, u, radius, k, pull, w, side, scene, slide_sign, ratio_sign)
     for i in range(losses.size):
         out[2 + i] = rates[1 + losses[i]] * y[1] / unit**2
     return out

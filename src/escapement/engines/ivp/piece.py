@@ -57,7 +57,7 @@ class Task(NamedTuple):
     anchor : driver angle to count from [rad].
     typical : driver angle at which the friction loss has its usual size [rad].
     time : natural time left.
-    gap : distance up to which breaks and events are at one place [rad].
+    gap : distance up to which breaks and events are at one angle [rad].
     """
 
     theta: float
@@ -179,14 +179,14 @@ class _Problem:
 
     def events(self) -> Any:
         """Arrival, reversal and stop as events of solve_ivp; the first one counts the steps."""
-        steps, way, sign = 0, self.task.end - self.task.anchor, self.task.sign
+        steps, length, sign = 0, self.task.end - self.task.anchor, self.task.sign
 
         def arrive(x: float, y: FloatArray, *_: Any) -> float:
             nonlocal steps
             steps += 1
             if steps > MOST_STEPS:
                 raise NotConverged(_too_many_steps(self.options.method))
-            return float(y[0] - way)
+            return float(y[0] - length)
 
         def reverse(x: float, y: FloatArray, *_: Any) -> float:
             # at a start on a reversal the force is rounding, and its root would fire again
@@ -301,12 +301,12 @@ class _Problem:
         return -value / growth if growth else np.inf
 
 
-def _beside(value: float, other: float, way: float, gap: float) -> float:
+def _beside(value: float, other: float, distance: float, gap: float) -> float:
     """An acceleration at an end of a piece, or the `other` where it has that one's sign close by.
 
-    Next to an end rounding decides on the place of an extremum, which belongs to the end.
+    Next to an end rounding decides on the position of an extremum, which belongs to the end.
     """
-    return value if settled(value, other, way, gap) else other
+    return value if settled(value, other, distance, gap) else other
 
 
 def _too_many_steps(method: str) -> str:

@@ -12,13 +12,13 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from escapement.base.spoken import told
+from escapement.base.spoken import as_spoken
 from escapement.base.status import MESSAGES, Status
 from escapement.base.validate import fail
-from escapement.dynamics.law import LOSSES, is_felt, left_by_blow
+from escapement.dynamics.law import LOSSES, is_felt, left_by_impact
 from escapement.dynamics.motion import Motion, no_motion, stall_message
 from escapement.dynamics.painleve import friction_limits
-from escapement.dynamics.torque import KNOT_GAP, REST, SAME_PLACE, is_spent, is_undriven, next_knot
+from escapement.dynamics.torque import KNOT_GAP, REST, SAME_ANGLE, is_spent, is_undriven, next_knot
 from escapement.dynamics.train_losses import is_lossy
 from escapement.dynamics.trajectory import Events, Extrema, Trajectory
 from escapement.engines.ivp.free import FreeTurn, is_free, stand_still, turn_free
@@ -105,7 +105,7 @@ class _Simulation:
 
     laws, cells : for each engagement of the pattern its law, and the smooth intervals of its
         cell; `spans` are those of this cell.
-    shares : of each, share of the speed that is left where it begins, below 1 after a blow.
+    shares : of each, share of the speed that is left where it begins, below 1 after an impact.
     drive, law : the law of this cell, and that between two knots of the torque.
     pieces : start, engagement, sign (0 in a dwell), losses and solution of each.
     side : that of the slot that carries the force, 0 before it is known.
@@ -135,8 +135,8 @@ class _Simulation:
 
     @property
     def gap(self) -> float:
-        """Distance up to which breaks and events are at one place [rad]."""
-        return SAME_PLACE if self.drive.is_steady else KNOT_GAP
+        """Distance up to which breaks and events are at one angle [rad]."""
+        return SAME_ANGLE if self.drive.is_steady else KNOT_GAP
 
     @property
     def over(self) -> bool:
@@ -145,12 +145,12 @@ class _Simulation:
     def run(self, engagements: int | None) -> None:
         """Continue to the end of the time, to a stop, or for a number of engagements."""
         while self.engagement != engagements:
-            place = self.engagement % len(self.laws)
-            self.spans = self.cells[place]
-            self.drive = self.law = self.laws[place]
+            index = self.engagement % len(self.laws)
+            self.spans = self.cells[index]
+            self.drive = self.law = self.laws[index]
             self.theta, self.side = float(self.law.scene.edges[0]), 0.0
             if not self.drive.is_steady:
-                self.drive = self.drive.after(self.escapement.turned_before(self.engagement))
+                self.drive = self.drive.after(self.escapement.driver_angle_before(self.engagement))
             if self.speed**2 <= REST and is_undriven(self.theta, self.drive.scene):
                 self._stop(self.drive.side(self.theta, self.speed, self.side))
                 return
@@ -183,7 +183,7 @@ class _Simulation:
         if certain:
             most = (self.time + left * length) * self.escapement.time_unit
             rule = f"of at most {_MOST} engagements with engine 'ivp', here about {most:.3g} s"
-            duration = told(self.end_time * self.escapement.time_unit, "time")
+            duration = as_spoken(self.end_time * self.escapement.time_unit, "time")
             raise fail("duration", rule, duration, "choose engine 'energy', or run for less time")
 
     def _between_knots(self) -> Iterator[Span]:
@@ -253,16 +253,16 @@ class _Simulation:
     def _add(self, sign: float, losses: FloatArray, solution: Solution | FreeTurn) -> None:
         self.pieces.append((self.time, self.engagement, sign, losses, solution))
 
-    def _turned_since(self, event: Event, theta: float) -> float:
+    def _angle_since(self, event: Event, theta: float) -> float:
         """Driver angle since an event to one in this engagement [rad]."""
         cells = (self.engagement - event.engagement) * self.escapement.mechanism.cell_angle
         return float(cells + theta - event.theta)
 
     def _note_reversal(self) -> None:
-        """Note a pin reversal, or drop the last one if this undoes it at the same place."""
+        """Note a pin reversal, or drop the last one if this undoes it at the same angle."""
         found = Event(self.engagement, self.time, self.theta, self.speed)
         last = self.reversals[-1] if self.reversals else None
-        if last and self._turned_since(last, found.theta) <= self.gap:
+        if last and self._angle_since(last, found.theta) <= self.gap:
             self.reversals.pop()
         else:
             self.reversals.append(found)
@@ -286,9 +286,9 @@ class _Simulation:
         self.trend = after or self.trend
 
     def _note_extremum(self, time: float, theta: float, speed: float) -> None:
-        """Note an extremum, or drop the last one if this undoes it at the same place."""
+        """Note an extremum, or drop the last one if this undoes it at the same angle."""
         last = self.extrema[-1] if self.extrema else None
-        if last and self._turned_since(last, theta) <= self.gap:
+        if last and self._angle_since(last, theta) <= self.gap:
             self.extrema.pop()
         else:
             self.extrema.append(Event(self.engagement, time, theta, speed, self.trend > 0.0))
@@ -322,9 +322,10 @@ def simulate(
         max_step / clock,
     )
     spans = [_smooth_spans(law) for law in laws]
-    struck = [meeting.kind == "strike" for meeting in escapement.meetings]
+    struck = [pair.kind == "strike" for pair in escapement.pairs]
     shares = [
-        left_by_blow(law.scene) if blow else 1.0 for law, blow in zip(laws, struck, strict=True)
+        left_by_impact(law.scene) if has_impact else 1.0
+        for law, has_impact in zip(laws, struck, strict=True)
     ]
     start = laws[0], laws[0], options, end_time, initial_speed * clock
     run = _Simulation(escapement, laws, spans, shares, *start)
@@ -367,13 +368,13 @@ def _smooth_spans(law: SceneLaw) -> list[Span]:
 def _in_si(run: _Simulation, escapement: Escapement) -> SolvedTrajectory:
     """The pieces and events of a simulation, from natural units to SI."""
     clock, torque = escapement.time_unit, escapement.torque_unit
-    cell, late = escapement.mechanism.cell_angle, np.array([m.late for m in escapement.meetings])
+    cell, delays = escapement.mechanism.cell_angle, np.array([m.delay for m in escapement.pairs])
 
     def events(rows: Sequence[Event]) -> tuple[Any, ...]:
         """Columns of `Events`, and whether each is a maximum."""
         index, time, theta, speed, maximum = np.array(rows, dtype=float).reshape(-1, 5).T
         numbers = index.astype(int)
-        theta = theta + numbers * cell + late[numbers % late.size]
+        theta = theta + numbers * cell + delays[numbers % delays.size]
         return numbers, time * clock, theta, speed / clock, maximum.astype(bool)
 
     solutions = [piece[4] for piece in run.pieces]

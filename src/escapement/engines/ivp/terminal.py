@@ -16,6 +16,7 @@ import numpy as np
 from scipy.optimize import toms748
 
 from escapement.base.status import MESSAGES, Status
+from escapement.dynamics.figure_table import TRANSIENT
 from escapement.dynamics.figures_of_merit import (
     BOUNDLESS,
     Figures,
@@ -24,7 +25,6 @@ from escapement.dynamics.figures_of_merit import (
     read_transient,
     transient_length,
 )
-from escapement.dynamics.merit_table import TRANSIENT
 from escapement.dynamics.motion import Motion
 from escapement.engines.ivp.simulate import simulate
 from escapement.mechanisms.protocol import dwell_angle
@@ -118,12 +118,14 @@ def _gain(motion: Motion, w: float) -> float:
     g_out is 0 after a dwell.
     """
     escapement, mechanism = motion.escapement, motion.escapement.mechanism
-    driver, follower = (escapement.seen[f"{body}_inertia"] for body in ("driver", "follower"))
-    if (size := len(escapement.meetings)) > 1:
-        # a pattern ends as it begins, after the handoff, and takes its blows besides
+    driver, follower = (escapement.referred[f"{body}_inertia"] for body in ("driver", "follower"))
+    if (size := len(escapement.pairs)) > 1:
+        # a pattern ends as it begins, after the handoff, and takes its impacts besides
         handoffs, scene = motion.handoffs, escapement.scene
-        turned = size * mechanism.follower_step - handoffs.jump.sum()
-        work = escapement.drive_work(size * mechanism.cell_angle) - escapement.load_work(turned)
+        follower_turn = size * mechanism.follower_step - handoffs.jump.sum()
+        work = escapement.drive_work(size * mechanism.cell_angle) - escapement.load_work(
+            follower_turn
+        )
         work -= motion.trajectory.losses.sum() + handoffs.energy.sum()
         ratio = transmission_at(scene.path, scene.edges[0])[0]
         return float(2.0 * work / (driver + follower * ratio**2))
@@ -131,9 +133,11 @@ def _gain(motion: Motion, w: float) -> float:
     entry, exit_ = mechanism.breaks[0], mechanism.breaks[-1]
     path = mechanism.path
     at_entry, at_exit = (transmission_at(path, angle)[0] ** 2 for angle in (entry, exit_))
-    turned = mechanism.follower_angle(np.array([entry, exit_]))
+    follower_turn = mechanism.follower_angle(np.array([entry, exit_]))
     work = escapement.drive_work(mechanism.cell_angle)
-    work -= escapement.load_work(turned[1] - turned[0]) + motion.trajectory.losses.sum()
+    work -= (
+        escapement.load_work(follower_turn[1] - follower_turn[0]) + motion.trajectory.losses.sum()
+    )
     if dwell_angle(mechanism) > 0.0:
         at_exit = 0.0
     return float((2.0 * work + follower * (at_entry - at_exit) * w) / (driver + follower * at_exit))

@@ -110,10 +110,10 @@ def start_ratios(per_cycle: bool) -> tuple[float, float]:
     ratios = []
     for wheel in chart_mechanisms():
         plain = Geneva(wheel.stations, pins=1, internal=wheel.curve == "hypocycloid")
-        own, other = motion_peaks(wheel), motion_peaks(plain)
+        peaks, other = motion_peaks(wheel), motion_peaks(plain)
         if per_cycle:
-            own, other = own.per_cycle(), other.per_cycle()
-        ratios.append(own.acceleration_start / other.acceleration_start)
+            peaks, other = peaks.per_cycle(), other.per_cycle()
+        ratios.append(peaks.acceleration_start / other.acceleration_start)
     return min(ratios), max(ratios)
 
 
@@ -149,27 +149,27 @@ def reproduce(units: str | None = None) -> report.Reproduction:
 def _panels() -> report.Panels:
     """Figure 2, figures 6 to 9, the design charts, and motions beside the ordinary wheel's."""
     from escapement.plots import gear_driven
-    from escapement.sources.dijksman import figures
+    from escapement.sources.dijksman import dijksman_figures
 
     return {
         "dijksman_figure_2": gear_driven.plot_curves,
         "dijksman_figures_6_to_9": gear_driven.plot_gear_driven_examples,
-        "dijksman_charts": figures.plot_design_charts,
-        "dijksman_motions": figures.plot_motions,
+        "dijksman_charts": dijksman_figures.plot_design_charts,
+        "dijksman_motions": dijksman_figures.plot_motions,
     }
 
 
 def _why(wheel: GearDriven, ratio: str, column: str, printed: str, value: float) -> Iterator[str]:
     """Rounded ratios of times that give the printed number."""
     # the ratio with the printed number of places, or with four
-    for places in (len(ratio.partition(".")[2]), 4):
-        rounded = round(wheel.motion_ratio, places)
+    for decimals in (len(ratio.partition(".")[2]), 4):
+        rounded = round(wheel.motion_ratio, decimals)
         # a ratio may itself be too great by a unit of its last digit
-        for off in (0.0, 10.0**-places):
+        for off in (0.0, 10.0**-decimals):
             made = _from_ratio(wheel, rounded + off)[column]
             if gives(printed, made):
                 how = f"a unit in the last digit above {rounded:g}" if off else "rounded"
-                yield f"computed from V = {rounded + off:.{places}f}, {how}: {made:.6g}"
+                yield f"computed from V = {rounded + off:.{decimals}f}, {how}: {made:.6g}"
 
 
 def _from_ratio(wheel: GearDriven, ratio: float) -> dict[str, float]:

@@ -56,10 +56,10 @@ def true_values(slots: int, sine: float | None = None) -> dict[str, float]:
         Another c instead of sin(pi/n), as from tables with few digits.
     """
     # a wheel with this number of slots, not a whole number, has exactly this sine
-    turned = slots if sine is None else math.pi / math.asin(sine)
-    start, top = geneva.acceleration_start(slots), geneva.acceleration_max(turned)
-    steepest = math.degrees(geneva.acceleration_max_angle(turned))
-    values = [geneva.ratio_max(turned), steepest, start, top, 1.0 / top, 1.0 / start]
+    half_pitch = slots if sine is None else math.pi / math.asin(sine)
+    start, top = geneva.acceleration_start(slots), geneva.acceleration_max(half_pitch)
+    steepest = math.degrees(geneva.acceleration_max_angle(half_pitch))
+    values = [geneva.ratio_max(half_pitch), steepest, start, top, 1.0 / top, 1.0 / start]
     return dict(zip(COLUMNS, np.array(values).tolist(), strict=True))
 
 
@@ -121,14 +121,14 @@ def equations() -> list[Slip]:
     # the acceleration function, from which (7) and the slope of the torque follow
     rate = -swing * np.sin(b) / length**2
     quarters = ((1.0 + sign * c * c) / (4.0 * c) for sign in (-1.0, 1.0))
-    bends = (2.0 * c * x**2 + (1.0 + sign * c * c) * x - 4.0 * c for sign in (-1.0, 1.0))
+    curvatures = (2.0 * c * x**2 + (1.0 + sign * c * c) * x - 4.0 * c for sign in (-1.0, 1.0))
     top = 2.0 * c * x**3 + 2.0 * (1.0 - c * c) * x**2 - (5.0 * c + c**3) * x + 5.0 * c * c - 1.0
     # the second term of dM_2/d beta at F = 1, M_e = eta = 1, without its denominator
     term = c * swing * top
     # the formula as printed, the true one, and what both should give
     tried = {
         "acceleration": (ratio**2 * rate, rate, dg),
-        "jerk": (*(-swing * bend / length**3 for bend in bends), ddg),
+        "jerk": (*(-swing * curvature / length**3 for curvature in curvatures), ddg),
         "reversal ratio": (
             length**2 / (c * (1.0 - c * c * np.sin(b))), length**2 / (swing * np.sin(b)), -1.0 / dg
         ),
@@ -183,7 +183,7 @@ def reproduce(units: str | None = None) -> report.Reproduction:
 
 def _panels() -> report.Panels:
     """Figures 3 to 12 and 15, and the nomograms 13 and 16."""
-    from escapement.sources.filemon.figures import FIGURES
+    from escapement.sources.filemon.filemon_figures import FIGURES
     from escapement.sources.filemon.nomograms import NOMOGRAMS, plot_nomogram
 
     sheets = {name: partial(plot_nomogram, sheet) for name, sheet in NOMOGRAMS.items()}

@@ -14,7 +14,7 @@ from matplotlib.figure import Figure
 from escapement.constant_speed import reversal_study
 from escapement.mechanisms.protocol import FloatArray
 from escapement.plots import style
-from escapement.sources.filemon.figures import LOAD_RATIO
+from escapement.sources.filemon.filemon_figures import LOAD_RATIO
 
 LOADS = np.array([1.0, 1.5, 2.0, 3.0, 4.0, 5.0, 6.0, 8.0, 10.0])
 SHEET = (11.2, 7.7)

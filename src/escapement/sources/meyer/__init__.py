@@ -9,9 +9,9 @@ them the explanation of each difference.
 in-lbf-s^2.
 
 - `program`, `listing`: the program of 1973 as printed
-- `reasons`, `slips`, `parts`: why printed figures differ, slips of the thesis, inertias of its
+- `reasons`, `slips`, `disc_parts`: why printed figures differ, slips of the thesis, inertias of its
   parts
-- `figures`: its figures 9 to 11
+- `meyer_figures`: its figures 9 to 11
 """
 
 import math
@@ -29,7 +29,7 @@ from escapement.mechanisms import Geneva
 from escapement.mechanisms.protocol import Mechanism
 from escapement.model.escapement import Escapement, Inertia
 from escapement.sources import report
-from escapement.sources.meyer.parts import INERTIAS, disc_inertia, own_parts
+from escapement.sources.meyer.disc_parts import INERTIAS, disc_inertia, own_parts
 from escapement.sources.meyer.program import PublishedCell, program_1973, read_printout
 from escapement.sources.meyer.reasons import HALF_DIGIT, RunFigures, why
 from escapement.sources.meyer.slips import equations
@@ -151,7 +151,7 @@ def reproduce(units: str | None = None) -> report.Reproduction:
 def _panels(rows: Sequence[Mapping[str, Any]]) -> report.Panels:
     """Figures 8 to 14 of the thesis, recomputed."""
     from escapement.plots import plot_configurations, plot_velocities
-    from escapement.sources.meyer.figures import plot_appendix_e
+    from escapement.sources.meyer.meyer_figures import plot_appendix_e
 
     inertia = Inertia(*(value * INCH_POUND for value in INERTIAS[4]))
     timer = Escapement(Geneva(4), inertia, 0.10 * INCH_POUND, 0.35)
@@ -171,12 +171,12 @@ def _compare(row: PrintedRun, units: str) -> dict[str, Any]:
     exact, true = (_terminal(row, mechanism, *inertias) for mechanism in (cell, cell.geneva))
     # the same with the inertias of the heading, to show that they were not used
     headed = _terminal(row, cell, *HEADINGS[row.slots])
-    own = INCH_POUND / factor("torque", units)  # the unit of torques and of inertias
+    torque_unit = INCH_POUND / factor("torque", units)  # the unit of torques and of inertias
     return {
         **{name: getattr(row, name) for name in PrintedRun._fields[:4]},
-        "torque": row.torque_inlbf * own,
-        "driver_inertia": inertias[0] * own,
-        "follower_inertia": inertias[1] * own,
+        "torque": row.torque_inlbf * torque_unit,
+        "driver_inertia": inertias[0] * torque_unit,
+        "follower_inertia": inertias[1] * torque_unit,
         **dict(zip(COLUMNS, (printed, exact, program, true), strict=True)),
         "reasons": [*why(printed, exact, true, headed, run)],
     }
@@ -249,21 +249,24 @@ def _print_agreement(agreeing: Mapping[str, dict[str, Any]]) -> None:
 
 def _print_parts(rows: Sequence[Mapping[str, Any]], units: str) -> None:
     """The runs with the inertias of the tables and with those of the thesis' own disc."""
-    own = INCH_POUND / factor("torque", units)
+    torque_unit = INCH_POUND / factor("torque", units)
     torque, inertia = (spelt(unit_name(kind, units)) for kind in ("torque", "inertia"))
     times = [value / disc_inertia() for pair in INERTIAS.values() for value in pair]
     print()
     report.say(
         "The steel disc of chapter II, 0.5 in across and 0.1 in thick, has "
-        f"{own * disc_inertia():.2e} {inertia}; the inertias of the tables are {min(times):.1f} to "
+        f"{torque_unit * disc_inertia():.2e} {inertia}; the inertias of the tables are "
+        f"{min(times):.1f} to "
         f"{max(times):.0f} times that. True figures with both:"
     )
     lines = []
     for row in rows:
-        run = [row["slots"], f"{row['friction']:.2f}", f"{own * row['torque_inlbf']:.4g}"]
+        run = [row["slots"], f"{row['friction']:.2f}", f"{torque_unit * row['torque_inlbf']:.4g}"]
         for name in ("tables", "disc"):
             found = row[name]
-            bodies = (f"{own * found[f'{body}_inertia']:.3g}" for body in ("driver", "follower"))
+            bodies = (
+                f"{torque_unit * found[f'{body}_inertia']:.3g}" for body in ("driver", "follower")
+            )
             period, rise = (f"{1e3 * found[key]:.2f}" for key in ("period", "rise_time"))
             limit = f"{found['critical_friction']:.3f}"
             lines.append([*run, name, *bodies, period, rise, limit])

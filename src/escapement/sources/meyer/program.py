@@ -196,8 +196,8 @@ def read_printout(printout: Printout) -> Reading:
     time, theta, speed = printout.time, printout.theta, printout.theta_dot
     start = time[-1] / 3.0
     # the first third of a run counts as its rise
-    late = speed[time >= start]
-    highest, lowest = float(late.max()), float(late.min())
+    last_cycle = speed[time >= start]
+    highest, lowest = float(last_cycle.max()), float(last_cycle.min())
     count = np.arange(1, int(theta[-1] // CELL) + 1)
     # the driver of these runs never turns back, so time is a function of its angle
     handoffs = np.interp(CELL * count, theta, time)
@@ -209,7 +209,7 @@ def read_printout(printout: Printout) -> Reading:
     terminal = np.where(slope[turns - 1] > 0, highest, lowest)
     risen = turns[np.abs(speed[turns] / terminal - 1.0) < 0.02]
     rise = float(time[risen[0]]) if risen.size else np.nan
-    tops = [stretch.max() for stretch in stretches(late, 0.5 * (highest + lowest))]
+    tops = [stretch.max() for stretch in stretches(last_cycle, 0.5 * (highest + lowest))]
     return Reading(highest, lowest, rise, period, np.array(tops))
 
 

@@ -69,13 +69,13 @@ def position_function_error() -> float:
     rho, without the closed form.
     """
     mechanism = drive()
-    places, weights = np.polynomial.legendre.leggauss(60)
+    nodes, weights = np.polynomial.legendre.leggauss(60)
     sun, planet = mechanism.sun_radius, mechanism.planet_radius
     a, e = mechanism.semi_major_axis, mechanism.eccentricity
     edges = np.linspace(0.0, 0.75 * mechanism.cell_angle, 13)
     # partial sums over a dozen pieces give the angle at the end of each
     half = 0.5 * np.diff(edges)
-    angle = edges[:-1, None] + half[:, None] * (1.0 + places)
+    angle = edges[:-1, None] + half[:, None] * (1.0 + nodes)
     rho = a * (1.0 - e * e) / (1.0 - e * np.cos(sun / planet * angle))
     analogue = 1.0 - sun * rho / (planet * (sun + planet - rho))
     integral = np.cumsum(half * (analogue @ weights))
@@ -134,14 +134,14 @@ def _panels() -> report.Panels:
     """Figures 2, 3 and 6, the velocity analogue, and 7 to 9 with synthetic readings."""
     from escapement.plots import measurement as errors
     from escapement.plots.planetary import plot_planetary
-    from escapement.sources.prikhodko import figures
+    from escapement.sources.prikhodko import prikhodko_figures
 
     mechanism, made_up = drive(), synthetic_measurement()
     return {
         "prikhodko_figure_2": partial(plot_planetary, mechanism, math.radians(30.0)),
-        "prikhodko_figure_3": partial(figures.plot_velocity_plans, mechanism),
-        "prikhodko_figure_6": partial(figures.plot_position_function, mechanism),
-        "prikhodko_equation_9": partial(figures.plot_velocity_analogue, mechanism),
+        "prikhodko_figure_3": partial(prikhodko_figures.plot_velocity_plans, mechanism),
+        "prikhodko_figure_6": partial(prikhodko_figures.plot_position_function, mechanism),
+        "prikhodko_equation_9": partial(prikhodko_figures.plot_velocity_analogue, mechanism),
         "prikhodko_figure_7_synthetic": partial(errors.plot_errors, made_up),
         "prikhodko_figure_8_synthetic": partial(errors.plot_error_histogram, made_up),
         "prikhodko_figure_9_synthetic": partial(errors.plot_frequencies, made_up),

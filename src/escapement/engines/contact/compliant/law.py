@@ -22,7 +22,14 @@ import numpy as np
 
 from escapement.dynamics.torque import torque_after
 from escapement.dynamics.train_losses import is_lossy, passed_on, shared
-from escapement.engines.contact.compliant.slot import FREE, LOCKED, bend, place, slide, touches
+from escapement.engines.contact.compliant.slot import (
+    FREE,
+    LOCKED,
+    acceleration_across,
+    pose,
+    slide,
+    touches,
+)
 from escapement.mechanisms.path import PIN_RATE
 from escapement.model.scene import Joint, Scene
 from escapement.numerics.jit import inner_jit
@@ -32,19 +39,19 @@ STATE = 14
 load takes, the work lost in each of `dynamics.law.LOSSES` and in the walls, and the impulse of the
 walls."""
 LOAD, LOST, WALLS, IMPULSE = 4, 5, 12, 13
-"""Places in it."""
+"""Indices in it."""
 
 
 class PinInSlot(NamedTuple):
     """A pin in its slot: what the law needs in addition to the state.
 
-    turned : driver angle turned before this cell [rad].
+    driver_angle : driver angle turned before this cell [rad].
     touch : speed of the pin across the slot when it last touched a wall.
     """
 
     scene: Scene
     joint: Joint
-    turned: float
+    driver_angle: float
     touch: float
 
 
@@ -102,7 +109,7 @@ def rates(y, mode, case, out):
     """Fill `out` with the derivative of a state by time; returns phi_ddot."""
     scene, joint = case.scene, case.joint
     eps, mu, pin, sense = joint.slip, scene.mu_plus, scene.pin, scene.path.numbers[PIN_RATE]
-    at = place(y, mode, scene)
+    at = pose(y, mode, scene)
     driver, follower = at.driver, at.follower
     on_driver = on_follower = force = friction = reaction = sliding = wall = 0.0
     if touches(mode):
@@ -117,7 +124,7 @@ def rates(y, mode, case, out):
         on_driver = friction * (at.sine + sense * arm) - side * force * at.cosine
         on_follower = side * force * at.radius - (at.across + arm) * friction
         wall = (force - elastic(depth, joint)[0]) * rate
-    pull = torque_after(case.turned + (y[0] - scene.edges[0]), scene)[0]
+    pull = torque_after(case.driver_angle + (y[0] - scene.edges[0]), scene)[0]
     at_driver = scene.bearing + scene.driver_journal * reaction
     at_follower, held = scene.follower_journal * reaction, scene.load
     if at_driver + at_follower + held != 0.0:
@@ -139,7 +146,7 @@ def rates(y, mode, case, out):
         on_follower = out[LOST + 6] = 0.0
     out[0], out[1], out[2], out[3] = driver, y[3], on_driver, on_follower
     if touches(mode):
-        out[3] = bend(at, on_driver, on_follower, scene)
+        out[3] = acceleration_across(at, on_driver, on_follower, scene)
     out[LOAD] = held * follower
     out[LOST] = friction * sliding
     out[LOST + 1] = at_driver * driver
@@ -152,24 +159,27 @@ def rates(y, mode, case, out):
 
 
 @inner_jit
-def _behind_trains(scene, pull, on_driver, held, on_follower, way, turn):
+def _behind_trains(scene, pull, on_driver, held, on_follower, driver_sign, follower_sign):
     """Accelerations of driver and follower, each with the torque that its train loses.
 
-    held : torque of the load against the follower. way, turn : fading signs of their speeds.
+    held : torque of the load against the follower. driver_sign, follower_sign : fading signs of
+        their speeds.
     """
-    own, far = scene.rho - scene.barrel, scene.barrel
-    rate, share = passed_on(own, far, pull, on_driver, scene.barrel_efficiency, way)
+    near, far = scene.rho - scene.barrel, scene.barrel
+    rate, share = passed_on(near, far, pull, on_driver, scene.barrel_efficiency, driver_sign)
     barrel = (1.0 - share) * (pull - far * rate)
-    own, far = 1.0 - scene.load_train, scene.load_train
-    bend, share = passed_on(own, far, -held, on_follower, scene.load_train_efficiency, turn)
-    return rate, barrel, bend, (share - 1.0) * (held + far * bend)
+    near, far = 1.0 - scene.load_train, scene.load_train
+    follower_rate, share = passed_on(
+        near, far, -held, on_follower, scene.load_train_efficiency, follower_sign
+    )
+    return rate, barrel, follower_rate, (share - 1.0) * (held + far * follower_rate)
 
 
 @inner_jit
 def _reach(at, bending, side, case):
     """A number that is zero where the contact ends and has the sign of N, and its slope in time.
 
-    bending : D'' of the place.
+    bending : D'' of the pose.
     """
     joint = case.joint
     depth, rate = side * at.across - joint.half_clearance, side * at.speed
@@ -190,12 +200,12 @@ def room(y, out, mode, case):
     """
     if mode == LOCKED:
         return 1.0, 0.0
-    at = place(y, mode, case.scene)
+    at = pose(y, mode, case.scene)
     if mode != FREE:
         return _reach(at, out[3], float(mode), case)
-    bending = bend(at, out[2], out[3], case.scene)
-    ahead, behind = _reach(at, bending, 1.0, case), _reach(at, bending, -1.0, case)
-    nearest = ahead if ahead[0] > behind[0] else behind
+    bending = acceleration_across(at, out[2], out[3], case.scene)
+    forward, behind = _reach(at, bending, 1.0, case), _reach(at, bending, -1.0, case)
+    nearest = forward if forward[0] > behind[0] else behind
     return -nearest[0], -nearest[1]
 
 
@@ -204,7 +214,7 @@ def frequency(y, mode, case):
     """Frequency at which the pin swings on a wall's spring; 1 in flight."""
     if not touches(mode):
         return 1.0
-    joint, at = case.joint, place(y, mode, case.scene)
+    joint, at = case.joint, pose(y, mode, case.scene)
     lightness = at.radius * at.radius + at.cosine * at.cosine / case.scene.rho
     stiffness = joint.stiffness
     if joint.hertz:

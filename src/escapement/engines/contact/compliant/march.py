@@ -21,8 +21,8 @@ from escapement.engines.contact.compliant.radau import STAGES, attempt, prepare,
 from escapement.engines.contact.compliant.slot import (
     FREE,
     LOCKED,
-    bend,
-    place,
+    acceleration_across,
+    pose,
     to_angle,
     to_slot,
     touches,
@@ -74,10 +74,10 @@ def _left(work, mode, case, goal):
 @inner_jit
 def _rests(y, mode, case):
     """Whether both bodies count as at rest at a pin entry: see `escapement.simulate`."""
-    at, scene = place(y, mode, case.scene), case.scene
+    at, scene = pose(y, mode, case.scene), case.scene
     energy = scene.rho * at.driver * at.driver + at.follower * at.follower
     energy += 2.0 * stored(y, mode, case)
-    scene = cell_after(case.turned, scene)
+    scene = cell_after(case.driver_angle, scene)
     if energy == 0.0:
         return is_held(y[0], scene)
     return energy <= scene.rho * REST and is_undriven(y[0], scene)
@@ -125,10 +125,14 @@ def _dip(h, before, behind):
     end, rise = behind
     if not (value > 0.0 and end > 0.0 and slope < 0.0 and rise > 0.0):
         return h
-    bend = 3.0 * (end - value) - h * (2.0 * slope + rise)
+    curvature = 3.0 * (end - value) - h * (2.0 * slope + rise)
     twist = h * (slope + rise) - 2.0 * (end - value)
-    x = -h * slope / (bend + np.sqrt(max(bend * bend - 3.0 * twist * h * slope, 0.0)))
-    low = value + x * (h * slope + x * (bend + x * twist))
+    x = (
+        -h
+        * slope
+        / (curvature + np.sqrt(max(curvature * curvature - 3.0 * twist * h * slope, 0.0)))
+    )
+    low = value + x * (h * slope + x * (curvature + x * twist))
     return x * h if low <= 0.0 and 1e-3 < x < 1.0 else h
 
 
@@ -199,8 +203,8 @@ def _longest(y, mode, work, scene):
     speed, gain = abs(y[2]) + abs(y[3]), abs(start[2]) + abs(start[3])
     h = 2.0 * angle / (speed + np.sqrt(speed * speed + 2.0 * gain * angle))
     if mode == FREE:
-        at = place(y, mode, scene)
-        back = bend(at, start[2], start[3], scene)
+        at = pose(y, mode, scene)
+        back = acceleration_across(at, start[2], start[3], scene)
         if at.speed * back < 0.0 and at.speed * at.speed > _UNSEEN * abs(back):
             h = min(h, -at.speed / back)
     return h

@@ -254,9 +254,9 @@ def attempt(y, h, mode, case, rtol, work):
 def within(x, h, start, series, y):
     """Fill y[:4] with the state at the share x of a step of length h that begins at `start`."""
     for k in range(2):
-        speed = way = 0.0
+        speed = distance = 0.0
         for power in range(STAGES - 1, -1, -1):
             speed = speed * x + series[2 * power + k] / (power + 1)
-            way = way * x + series[2 * power + k] / ((power + 1) * (power + 2))
+            distance = distance * x + series[2 * power + k] / ((power + 1) * (power + 2))
         y[2 + k] = start[2 + k] + h * x * speed
-        y[k] = start[k] + h * x * (start[2 + k] + h * x * way)
+        y[k] = start[k] + h * x * (start[2 + k] + h * x * distance)

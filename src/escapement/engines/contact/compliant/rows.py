@@ -15,7 +15,7 @@ from escapement.engines.contact.compliant.law import (
 )
 from escapement.engines.contact.compliant.march import CELL, FIRST, MODE, SERIES, TIME, TOUCH
 from escapement.engines.contact.compliant.radau import within
-from escapement.engines.contact.compliant.slot import place, slide, to_angle, touches
+from escapement.engines.contact.compliant.slot import pose, slide, to_angle, touches
 from escapement.numerics.jit import jit
 
 TABLE = 18
@@ -32,17 +32,17 @@ def tabulate(rows, which, times, scene, joint, step, out):
         here, then = rows[which[i]], rows[which[i] + 1]
         h, mode = then[TIME] - here[TIME], int(here[MODE])
         within((times[i] - here[TIME]) / h, h, here[FIRST:], then[SERIES:], y)
-        turned = here[CELL] * cell_of(scene)
-        case = PinInSlot(scene, joint, turned, here[TOUCH])
-        bend, at = rates(y, mode, case, slopes), place(y, mode, scene)
+        driver_angle = here[CELL] * cell_of(scene)
+        case = PinInSlot(scene, joint, driver_angle, here[TOUCH])
+        acceleration, at = rates(y, mode, case, slopes), pose(y, mode, scene)
         on = 1.0 if touches(mode) else 0.0
         out[15, i] = slide(at, mode, scene)
         out[16, i] = mode * at.speed
         out[17, i] = stored(y, mode, case)
         if touches(mode):
             to_angle(y, scene)
-        out[0, i], out[1, i], out[2, i] = y[0] + turned, y[2], slopes[2]
-        out[3, i], out[4, i], out[5, i] = y[1] + here[CELL] * step, y[3], bend
-        out[6, i] = on * (bend + resistance(y[3], bend, scene, joint.slip))
+        out[0, i], out[1, i], out[2, i] = y[0] + driver_angle, y[2], slopes[2]
+        out[3, i], out[4, i], out[5, i] = y[1] + here[CELL] * step, y[3], acceleration
+        out[6, i] = on * (acceleration + resistance(y[3], acceleration, scene, joint.slip))
         out[7, i] = mode * on * slopes[IMPULSE]
         out[8:15, i] = slopes[LOST:WALLS]

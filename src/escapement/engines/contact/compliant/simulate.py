@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from escapement.base.errors import InvalidValue
-from escapement.base.spoken import told
+from escapement.base.spoken import as_spoken
 from escapement.base.status import MESSAGES, Status
 from escapement.dynamics.motion import Motion, stall_message
 from escapement.dynamics.torque import is_spent
@@ -39,8 +39,8 @@ def joint_of(escapement: Escapement) -> Joint:
     if joint.stiffness < SOFTEST:
         least = SOFTEST * escapement.stiffness / joint.stiffness
         raise InvalidValue(
-            f"stiffness must be at least {told(least, 'stiffness')} here, got "
-            f"{told(escapement.stiffness, 'stiffness')}; a pin "
+            f"stiffness must be at least {as_spoken(least, 'stiffness')} here, got "
+            f"{as_spoken(escapement.stiffness, 'stiffness')}; a pin "
             "would sink into a softer wall by more than a thousandth of the crank radius"
         )
     if escapement.restitution > 0.0 and not joint.hertz:
@@ -68,19 +68,19 @@ class March:
         self.escapement, self.rtol = escapement, rtol
         self.joint, scene = joint_of(escapement), escapement.scene
         self.state = np.zeros(STATE)
-        turned = escapement.meetings[0].turned(scene.edges[:1])[0]
+        follower_angle = escapement.pairs[0].follower_angle(scene.edges[:1])[0]
         # the follower rests with the pin in the middle of its slot
-        self.state[:3] = scene.edges[0], turned, speed * escapement.time_unit
+        self.state[:3] = scene.edges[0], follower_angle, speed * escapement.time_unit
         self.clock = np.zeros(1, marching.CLOCK)
         self.clock["step"], self.before = 1.0, np.zeros(2)
 
     def go(self, engagements: int, end: float = math.inf) -> tuple[FloatArray, int]:
         """Rows up to a number of engagements or a time, and why the march ended."""
-        own, blocks, why = self.escapement, [], marching.RUNNING
+        timer, blocks, why = self.escapement, [], marching.RUNNING
         buffer = np.empty((_BLOCK, marching.ROW))
         while why == marching.RUNNING:
             count, why = marching.march(
-                self.state, self.clock, own.scene, self.joint, own.mechanism.follower_step,
+                self.state, self.clock, timer.scene, self.joint, timer.mechanism.follower_step,
                 self.rtol, engagements, end, MOST_TRIES, buffer,
             )  # fmt: skip
             blocks.append(buffer[:count].copy())
@@ -94,14 +94,14 @@ class March:
 
     def motion(self, rows: FloatArray, why: int, asked: float) -> Motion:
         """The motion that consists of these rows; `asked` is the tolerance."""
-        own, clock = self.escapement, self.escapement.time_unit
+        timer, clock = self.escapement, self.escapement.time_unit
         cells = np.flatnonzero(np.diff(rows[:, marching.CELL])) + 1
         speeds = rows[cells, marching.FIRST + 2] / clock
         status, message = self._outcome(why)
         times, end = rows[cells, marching.TIME] * clock, float(rows[-1, marching.TIME] * clock)
-        trajectory: Any = CompliantTrajectory(Rows(rows, own, self.joint))
+        trajectory: Any = CompliantTrajectory(Rows(rows, timer, self.joint))
         return Motion(
-            own,
+            timer,
             engine="contact",
             rtol=asked,
             trajectory=trajectory,
@@ -118,21 +118,23 @@ class March:
         if why != marching.STANDS:
             return Status.OK, MESSAGES[Status.OK]
         scene, engagement = self.escapement.scene, int(self.clock["engagement"][0])
-        turned = engagement * self.escapement.mechanism.cell_angle
-        spent = is_spent(self.state[0], scene._replace(turned=turned))
+        driver_angle = engagement * self.escapement.mechanism.cell_angle
+        spent = is_spent(self.state[0], scene._replace(driver_angle=driver_angle))
         status = Status.SPENT if spent else Status.STALL
         return status, stall_message(self.state[0], engagement, status)
 
     def _given_up(self) -> str:
         """How far a motion got whose steps are used up, and a remedy that is known to help."""
-        own, clock = self.escapement, self.clock[0]
+        timer, clock = self.escapement, self.clock[0]
         passed, time = self.before[0] + clock["engagement"], self.before[1] + clock["time"]
-        place = f"{math.degrees(self.state[0]):.3f} degrees from dead centre of engagement "
-        place += f"{int(passed) + 1}, after {time * own.time_unit:.6g} s"
-        least = own.critical_damping
-        weak = own.damping is not None and own.damping < least and not self.joint.hertz
-        remedy = f"; leave out damping, and critical damping, {told(least, 'damping')}, is taken"
-        followed = f"the motion was followed {place}, where {clock['tries']} steps were used up"
+        where = f"{math.degrees(self.state[0]):.3f} degrees from dead centre of engagement "
+        where += f"{int(passed) + 1}, after {time * timer.time_unit:.6g} s"
+        least = timer.critical_damping
+        weak = timer.damping is not None and timer.damping < least and not self.joint.hertz
+        remedy = (
+            f"; leave out damping, and critical damping, {as_spoken(least, 'damping')}, is taken"
+        )
+        followed = f"the motion was followed {where}, where {clock['tries']} steps were used up"
         return followed + (remedy if weak else "")
 
 

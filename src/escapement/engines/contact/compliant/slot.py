@@ -27,7 +27,7 @@ FREE, LOCKED = 0, 2
 """Modes: no contact with a wall, and the follower locked in a dwell; +1 and -1 are the walls."""
 
 
-class Place(NamedTuple):
+class Pose(NamedTuple):
     """D, R, sin(gamma), cos(gamma), D', theta_dot and phi_dot."""
 
     across: float
@@ -53,7 +53,7 @@ def touches(mode):
 
 
 @inner_jit
-def place(y, mode, scene):
+def pose(y, mode, scene):
     """The position of the pin that belongs to a state."""
     sense, centre = _centres(scene)
     if touches(mode):
@@ -63,7 +63,7 @@ def place(y, mode, scene):
         p, q = (centre * cosine + sense) / square, sense * centre * sine / square
         sine, cosine = p * across + q * radius, p * radius - q * across
         follower = (cosine * y[2] - y[3]) / radius
-        return Place(
+        return Pose(
             across=across, radius=radius, sine=sine, cosine=cosine, speed=y[3], driver=y[2],
             follower=follower,
         )  # fmt: skip
@@ -71,7 +71,7 @@ def place(y, mode, scene):
     sine, cosine = np.sin(angle), np.cos(angle)
     across = sense * sine - centre * np.sin(y[1])
     radius = sense * cosine + centre * np.cos(y[1])
-    return Place(
+    return Pose(
         across=across, radius=radius, sine=sine, cosine=cosine,
         speed=cosine * y[2] - radius * y[3], driver=y[2], follower=y[3],
     )  # fmt: skip
@@ -80,7 +80,7 @@ def place(y, mode, scene):
 @inner_jit
 def to_slot(y, scene):
     """Replace phi and phi_dot in a state by D and D'."""
-    at = place(y, FREE, scene)
+    at = pose(y, FREE, scene)
     y[1], y[3] = at.across, at.speed
 
 
@@ -88,7 +88,7 @@ def to_slot(y, scene):
 def to_angle(y, scene):
     """Replace D and D' in a state by phi and phi_dot."""
     sense, centre = _centres(scene)
-    at = place(y, 1, scene)
+    at = pose(y, 1, scene)
     direction = np.arctan2(np.sin(y[0]), centre + sense * np.cos(y[0]))
     y[1], y[3] = direction - np.arctan2(at.across, at.radius), at.follower
 
@@ -102,7 +102,7 @@ def slide(at, side, scene):
 
 
 @inner_jit
-def bend(at, on_driver, on_follower, scene):
+def acceleration_across(at, on_driver, on_follower, scene):
     """D'' from the accelerations of driver and follower."""
     along = at.follower * at.across - at.sine * at.driver
     turn = scene.path.numbers[PIN_RATE] * at.driver - at.follower

@@ -14,6 +14,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from escapement.base.status import MESSAGES, Status
+from escapement.dynamics.figure_table import TRANSIENT
 from escapement.dynamics.figures_of_merit import (
     Figures,
     Spread,
@@ -24,7 +25,6 @@ from escapement.dynamics.figures_of_merit import (
 )
 from escapement.dynamics.impacts import jams
 from escapement.dynamics.law import is_lossless
-from escapement.dynamics.merit_table import TRANSIENT
 from escapement.dynamics.motion import Motion
 from escapement.dynamics.painleve import friction_limits
 from escapement.dynamics.train_losses import is_lossy
@@ -101,8 +101,8 @@ def terminal(
             return _repeated(escapement, cycle, base, initial_speed, rtol)
         last = numbers
         speeds.append(numbers["handoff_velocity"])
-        if count % 4 == 3 and (ahead := _limit(speeds[-3:])) > 0.0:
-            cycle.hurry(ahead / speeds[-1])
+        if count % 4 == 3 and (extrapolated := _limit(speeds[-3:])) > 0.0:
+            cycle.hurry(extrapolated / speeds[-1])
         if cycle.march.clock["tries"][0] > 0.4 * MOST_TRIES:
             break
     return _spread(cycle, base)
@@ -182,15 +182,15 @@ def _spread(cycle: _Cycle, base: Figures) -> Figures:
 
 def _jam_note(motion: Motion) -> str:
     """Where, and for how long, an engagement beyond the Painleve limit jams; "" below it."""
-    own, limit = motion.escapement, friction_limits(motion.escapement)[0]
-    if own.friction < limit:
+    escapement, limit = motion.escapement, friction_limits(motion.escapement)[0]
+    if escapement.friction < limit:
         return ""
-    above = f"friction {own.friction:g} is above the Painleve limit {limit:.6g}"
+    above = f"friction {escapement.friction:g} is above the Painleve limit {limit:.6g}"
     found = jams(motion)
-    places = [f"{angle:.2f}" for angle in np.degrees(found.angle)]
-    if not places:
+    angles = [f"{angle:.2f}" for angle in np.degrees(found.angle)]
+    if not angles:
         return f"{above}, but it does not jam"
     return (
-        f"{above}: the mechanism jams {', '.join(places)} degrees from dead centre for "
+        f"{above}: the mechanism jams {', '.join(angles)} degrees from dead centre for "
         f"{found.duration.sum():.2g} s in all"
     )

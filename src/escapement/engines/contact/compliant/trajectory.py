@@ -30,7 +30,7 @@ from escapement.numerics.gauss import POINTS, WEIGHTS
 
 _HALVINGS, _NARROWINGS = 50, 10
 _SHARES = np.linspace(0.0, 1.0, 5)
-"""Places in each step between which extrema and changes of sign are looked for."""
+"""Points in each step between which extrema and changes of sign are looked for."""
 _RATE, _SLIDE, _PRESS, _HELD = 2, 15, 16, 17
 """Rows of a table: the driver's acceleration, sliding speed, speed of penetration, and energy
 stored in the walls."""
@@ -88,10 +88,10 @@ class Rows:
     def roots(self, column: int) -> tuple[np.ndarray, FloatArray, np.ndarray]:
         """Changes of sign of a row of `samples`: the steps, the times, and whether it falls."""
         values = self.samples[column]
-        step, place = np.nonzero(values[:, :-1] * values[:, 1:] < 0.0)
-        which, before = self.steps[step], values[step, place]
+        step, index = np.nonzero(values[:, :-1] * values[:, 1:] < 0.0)
+        which, before = self.steps[step], values[step, index]
         start, end = self.table[which, TIME], self.table[which + 1, TIME]
-        low, high = (start + _SHARES[place + k] * (end - start) for k in (0, 1))
+        low, high = (start + _SHARES[index + k] * (end - start) for k in (0, 1))
         for _ in range(_HALVINGS):
             middle = 0.5 * (low + high)
             same = self.at(which, middle)[column] * before > 0.0
@@ -112,9 +112,9 @@ class Rows:
             nodes = self.at(np.tile(rows, _SHARES.size), times.reshape(-1))[column]
             magnitudes = np.abs(nodes).reshape(times.shape)
             best = magnitudes.argmax(axis=0)
-            place = np.unravel_index(int(magnitudes.argmax()), magnitudes.shape)
-            if magnitudes[place] >= found:
-                found, when = float(magnitudes[place]), float(times[place])
+            index = np.unravel_index(int(magnitudes.argmax()), magnitudes.shape)
+            if magnitudes[index] >= found:
+                found, when = float(magnitudes[index]), float(times[index])
         return found, when
 
 
@@ -158,8 +158,8 @@ class CompliantTrajectory(Trajectory):
         """Instants at which the pin leaves a wall and touches the other one next."""
         last = self.rows.pieces[1]
         held = np.flatnonzero(self.sign)
-        turned = held[:-1][self.sign[held[1:]] * self.sign[held[:-1]] < 0.0]
-        which = last[turned] - 1
+        reversed_at = held[:-1][self.sign[held[1:]] * self.sign[held[:-1]] < 0.0]
+        which = last[reversed_at] - 1
         return Events(*self._events(which, self.rows.table[which + 1, TIME]))
 
     @cached_property
@@ -189,7 +189,7 @@ class CompliantTrajectory(Trajectory):
         energy : work lost in the wall during the contact. impulse : impulse of compression, up to
         the deepest penetration, or to the end of the contact if that is earlier.
         """
-        rows, own = self.rows, self.rows.escapement
+        rows, escapement = self.rows, self.rows.escapement
         first, table = rows.pieces[0], rows.table
         mode = table[first, MODE]
         # a contact with a wall may last over a handoff
@@ -197,14 +197,14 @@ class CompliantTrajectory(Trajectory):
         locked = table[at, MODE] == LOCKED
         taken = np.append(table[at - locked, FIRST + WALLS], table[-1, FIRST + WALLS])
         columns = self._events(at, table[at, TIME])
-        length: float = own.mechanism.crank_radius
+        length: float = escapement.mechanism.crank_radius
         return Impacts(
             *columns,
             np.where(locked, 0.0, table[at, MODE]),
             columns[3],
             np.where(locked, 0.0, table[at, TOUCH]) * length / self._clock,
-            self._compressions(at) * (own.torque_unit * self._clock / length),
-            np.diff(taken) * own.torque_unit,
+            self._compressions(at) * (escapement.torque_unit * self._clock / length),
+            np.diff(taken) * escapement.torque_unit,
         )
 
     def _compressions(self, at: np.ndarray) -> FloatArray:
@@ -221,10 +221,10 @@ class CompliantTrajectory(Trajectory):
         # a contact may end before its deepest penetration
         first = rows.pieces[0]
         ends = np.append(first[np.abs(mode[first]) != 1.0], mode.size - 1)
-        places = np.append(which, ends)
-        order = np.argsort(places, kind="stable")
+        indices = np.append(which, ends)
+        order = np.argsort(indices, kind="stable")
         reached = np.append(impulse[which] + part, impulse[ends])[order]
-        found: FloatArray = reached[np.searchsorted(places[order], at)] - impulse[at]
+        found: FloatArray = reached[np.searchsorted(indices[order], at)] - impulse[at]
         pressed = rows.samples[_PRESS][np.searchsorted(rows.steps, at), 0] >= 0.0
         return np.where(pressed, found, 0.0)
 
@@ -238,8 +238,11 @@ class CompliantTrajectory(Trajectory):
     def hardest(self) -> tuple[float, float]:
         """Greatest contact force [N], and when it acts [s]."""
         force, time = self.rows.greatest(_FORCE)
-        own: Any = self.rows.escapement
-        return force * own.torque_unit / own.mechanism.crank_radius, time * self._clock
+        escapement: Any = self.rows.escapement
+        return (
+            force * escapement.torque_unit / escapement.mechanism.crank_radius,
+            time * self._clock,
+        )
 
     @cached_property
     def peaks(self) -> FloatArray:

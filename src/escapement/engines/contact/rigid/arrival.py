@@ -13,7 +13,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from escapement.engines.contact.rigid.flight import place_at
+from escapement.engines.contact.rigid.flight import state_at
 from escapement.numerics.jit import inner_jit
 from escapement.numerics.roots import newton_in_bracket
 
@@ -35,7 +35,7 @@ class _Look(NamedTuple):
 
 
 @inner_jit
-def ahead(clearance, theta, speed, phi, turning):
+def pin_offset(clearance, theta, speed, phi, turning):
     """D, the distance by which the pin's centre is ahead of the slot's line, and its rate."""
     sine, cosine = np.sin(theta), np.cos(theta)
     across, along = np.sin(phi), np.cos(phi)
@@ -45,8 +45,8 @@ def ahead(clearance, theta, speed, phi, turning):
 
 
 @inner_jit
-def _ahead_after(clearance, work, flight, t):
-    return ahead(clearance, *place_at(work, flight, t))
+def _pin_offset_after(clearance, work, flight, t):
+    return pin_offset(clearance, *state_at(work, flight, t))
 
 
 @inner_jit
@@ -62,14 +62,14 @@ def _first_look(clearance, flight, wall, pace, stride):
     turning_then = flight.turning + flight.turning_rate * step
     phi = flight.phi + (flight.turning + 0.5 * flight.turning_rate * step) * step
     opening = -wall * pace
-    then = -wall * ahead(clearance, theta, speed_then, phi, turning_then)[1]
+    then = -wall * pin_offset(clearance, theta, speed_then, phi, turning_then)[1]
     closing = (opening - then) / step
     return min(stride, 0.8 * opening / closing) if opening > 0.0 and closing > 0.0 else stride
 
 
 @inner_jit
 def _look(clearance, work, flight, t):
-    distance, pace = _ahead_after(clearance, work, flight, t)
+    distance, pace = _pin_offset_after(clearance, work, flight, t)
     return _Look(time=t, distance=distance, pace=pace)
 
 
@@ -140,7 +140,7 @@ def _summit(work, clearance, flight, side, low, high):
     """Time between two looks at which D is greatest towards a side, by bisection."""
     for _ in range(50):
         middle = 0.5 * (low + high)
-        if side * _ahead_after(clearance, work, flight, middle)[1] > 0.0:
+        if side * _pin_offset_after(clearance, work, flight, middle)[1] > 0.0:
             low = middle
         else:
             high = middle
@@ -161,5 +161,5 @@ def _touching(work, clearance, flight, side, low, beyond):
         if bent <= 2e-16 * (1.0 + t) * abs(slope) * before or step <= 1e-15 * (1.0 + t):
             break
         before, slope_before = step, slope
-        distance, pace = _ahead_after(clearance, work, flight, t)
+        distance, pace = _pin_offset_after(clearance, work, flight, t)
     return t

@@ -3,7 +3,7 @@
 At its entry the pin is in flight between the walls of its slot. From there `engage` follows one
 piece of the motion after the other:
 
-- `fly`: a flight, until the pin strikes a wall. Behind the blow the pin flies on if it rebounds,
+- `fly`: a flight, until the pin strikes a wall. Behind the impact the pin flies on if it rebounds,
   or touches the wall if that carries a force.
 - `touching.touch`: contact with a wall, until the wall would have to pull, and the pin lifts off.
 
@@ -20,10 +20,10 @@ import numpy as np
 from escapement.dynamics.codes import Ending, Event, has_ended
 from escapement.dynamics.torque import REST, is_undriven
 from escapement.dynamics.train_losses import UNKNOWN
-from escapement.engines.contact.rigid.arrival import ahead, arrival
-from escapement.engines.contact.rigid.blow import strike
+from escapement.engines.contact.rigid.arrival import arrival, pin_offset
 from escapement.engines.contact.rigid.flight import launch, state_after
 from escapement.engines.contact.rigid.free import is_calm
+from escapement.engines.contact.rigid.impact import strike
 from escapement.engines.contact.rigid.instant import Instant, instant_with, on_wall
 from escapement.engines.contact.rigid.notes import follow_trend, last_row, note, takes_too_many
 from escapement.engines.contact.rigid.panel import law_at
@@ -57,7 +57,7 @@ def engage(work, notes, walls, now, end_time, tail):
         else:
             now, ending = fly(work, notes, walls, now, exit_, False, end_time)
             if ending == Ending.STRUCK:
-                now, touching, sound = _behind_blow(notes, walls, now)
+                now, touching, sound = _behind_impact(notes, walls, now)
                 if not sound:
                     return now, Ending.JAM
         if ending == Ending.DONE:
@@ -106,21 +106,21 @@ def fly(work, notes, walls, now, end, locked, end_time):
 
 
 @inner_jit
-def _behind_blow(notes, walls, now):
-    """The instant behind the blow on the wall that the pin has reached, whether the pin then
-    touches the wall, and whether there is a solution: of the blow, and of the contact behind it.
+def _behind_impact(notes, walls, now):
+    """The instant behind the impact on the wall that the pin has reached, whether the pin then
+    touches the wall, and whether there is a solution: of the impact, and of the contact behind it.
     """
-    blow = strike(walls, now.wall, now.theta, now.speed, now.turning)
-    if not blow.sound:
+    impact = strike(walls, now.wall, now.theta, now.speed, now.turning)
+    if not impact.sound:
         return now, False, False
     before = now.speed, now.turning
     if notes.wanted:
-        now = follow_trend(notes, now, np.sign(blow.speed - now.speed))
-    now = instant_with(now, speed=blow.speed, turning=blow.turning)
+        now = follow_trend(notes, now, np.sign(impact.speed - now.speed))
+    now = instant_with(now, speed=impact.speed, turning=impact.turning)
     if notes.wanted:
-        _note_blow(notes, walls, now, before, blow)
+        _note_impact(notes, walls, now, before, impact)
     # a pin that rebounds flies on, whatever the force at the wall would be
-    if blow.rebounds:
+    if impact.rebounds:
         return now, False, True
     touching, sound = holds(walls, now)
     if touching and sound:
@@ -129,15 +129,15 @@ def _behind_blow(notes, walls, now):
 
 
 @inner_jit
-def _note_blow(notes, walls, now, before, blow):
-    """Note a blow; `before` are the speeds of driver and follower before it."""
+def _note_impact(notes, walls, now, before, impact):
+    """Note an impact; `before` are the speeds of driver and follower before it."""
     speed, turning = before
-    note(notes, Event.BLOW, now)
+    note(notes, Event.IMPACT, now)
     row = last_row(notes)
-    row.before, row.approach, row.impulse = speed, blow.approach, blow.impulse
+    row.before, row.approach, row.impulse = speed, impact.approach, impact.impulse
     # differences of squares as products, which keep the digits of a small loss
-    row.energy = 0.5 * walls.plus.rho * (speed - blow.speed) * (speed + blow.speed)
-    row.energy += 0.5 * (turning - blow.turning) * (turning + blow.turning)
+    row.energy = 0.5 * walls.plus.rho * (speed - impact.speed) * (speed + impact.speed)
+    row.energy += 0.5 * (turning - impact.turning) * (turning + impact.turning)
 
 
 @inner_jit
@@ -163,7 +163,7 @@ def holds(walls, now):
 def _gap(walls, now):
     """By how much the pin is beyond the wall that it touches or has left."""
     wheel = walls.clearance
-    return ahead(wheel, now.theta, 0.0, now.phi, 0.0)[0] - now.wall * wheel.half_clearance
+    return pin_offset(wheel, now.theta, 0.0, now.phi, 0.0)[0] - now.wall * wheel.half_clearance
 
 
 @inner_jit
@@ -186,9 +186,9 @@ def turn_on(work, notes, walls, now, end_time):
 
 @inner_jit
 def _note_lock(notes, scene, now, locked):
-    """Note the blow with which the lock stops the follower."""
+    """Note the impact with which the lock stops the follower."""
     radius, moved = pose_at(scene.path, now.theta)[3], abs(now.turning)
-    note(notes, Event.BLOW, locked)
+    note(notes, Event.IMPACT, locked)
     row = last_row(notes)
     row.before, row.energy = now.speed, 0.5 * moved * moved
     # what is behind a lossy train gives back less than it holds

@@ -212,8 +212,8 @@ def _series_length(work):
 def _through_barrel(scene, theta, speed, sense):
     """The torque q through the barrel's train in a flight, times a positive number."""
     lost = scene.bearing + (scene.driver_drag * speed + scene.driver_viscous * sense) * speed
-    own = scene.rho - scene.barrel
-    return own * torque_at(theta, scene)[0] + scene.barrel * sense * lost
+    near = scene.rho - scene.barrel
+    return near * torque_at(theta, scene)[0] + scene.barrel * sense * lost
 
 
 @inner_jit
@@ -258,7 +258,7 @@ def _passing(work, scene, part, length, goal, what):
     at_start = _watched(*inputs, part.theta, part.speed, part.turning)[0]
     low, high, t = 0.0, length, length
     for _ in range(80):
-        theta, speed, _phi, turning = place_at(work, part, t)
+        theta, speed, _phi, turning = state_at(work, part, t)
         value, slope = _watched(*inputs, theta, speed, turning)
         if t == length and not value * at_start < 0.0:
             return length
@@ -270,7 +270,7 @@ def _passing(work, scene, part, length, goal, what):
 
 
 @inner_jit
-def place_at(work, flight, t):
+def state_at(work, flight, t):
     """theta, theta_dot, phi and phi_dot after a time within a flight."""
     if not flight.even:
         theta = speed = phi = turning = 0.0
@@ -288,7 +288,7 @@ def place_at(work, flight, t):
 
 @inner_jit
 def state_after(work, flight, t):
-    """As `place_at`; a body that has come to rest by then is at rest to the last digit."""
-    theta, speed, phi, turning = place_at(work, flight, t)
+    """As `state_at`; a body that has come to rest by then is at rest to the last digit."""
+    theta, speed, phi, turning = state_at(work, flight, t)
     speed = 0.0 if t >= flight.halt else speed
     return theta, speed, phi, 0.0 if t >= flight.rest else turning

@@ -22,8 +22,8 @@ def driver_rate(scene, theta, speed, sense):
     lost = sense * (lost + scene.driver_viscous * sense * speed)
     if scene.barrel_efficiency == 1.0:
         return (torque - lost) / scene.rho
-    own = scene.rho - scene.barrel
-    return passed_on(own, scene.barrel, torque, -lost, scene.barrel_efficiency, sense)[0]
+    near = scene.rho - scene.barrel
+    return passed_on(near, scene.barrel, torque, -lost, scene.barrel_efficiency, sense)[0]
 
 
 @inner_jit
@@ -32,8 +32,10 @@ def follower_rate(scene, turning, sense):
     air = scene.follower_drag * turning * turning + scene.follower_viscous * sense * turning
     if scene.load_train_efficiency == 1.0 or sense == 0.0:
         return -sense * (scene.load + air)
-    own, efficiency = 1.0 - scene.load_train, scene.load_train_efficiency
-    return passed_on(own, scene.load_train, -sense * scene.load, -sense * air, efficiency, sense)[0]
+    near, efficiency = 1.0 - scene.load_train, scene.load_train_efficiency
+    return passed_on(near, scene.load_train, -sense * scene.load, -sense * air, efficiency, sense)[
+        0
+    ]
 
 
 @inner_jit

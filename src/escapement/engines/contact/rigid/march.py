@@ -27,10 +27,10 @@ def tail_for(rtol):
 
 
 @inner_jit(allocates=True)
-def walls_after(walls, turned):
+def walls_after(walls, driver_angle):
     """The walls with the torque of the cell that begins after a driver angle turned."""
     return Walls(
-        plus=cell_after(turned, walls.plus), minus=cell_after(turned, walls.minus),
+        plus=cell_after(driver_angle, walls.plus), minus=cell_after(driver_angle, walls.minus),
         plus_breaks=walls.plus_breaks, minus_breaks=walls.minus_breaks, clearance=walls.clearance,
         rtol=walls.rtol,
     )  # fmt: skip

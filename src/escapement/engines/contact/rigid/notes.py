@@ -14,7 +14,7 @@ ROW = record_dtype({
     "wall": float,
     "time": float,
     **dict.fromkeys(("theta", "speed", "phi", "turning"), float),
-    # of a blow: driver speed before it, speed of approach, impulse, and the energy that it takes
+    # of an impact: driver speed before it, speed of approach, impulse, and the energy that it takes
     **dict.fromkeys(("before", "approach", "impulse", "energy"), float),
 })  # fmt: skip
 """A row of the record: the start of a piece, or an event."""

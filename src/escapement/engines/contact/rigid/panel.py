@@ -14,10 +14,10 @@ import numpy as np
 
 from escapement.dynamics.codes import Ending
 from escapement.dynamics.law import (
-    bend,
     contact,
     dragged_slope,
     energy_rates,
+    friction_ratio,
     is_viscous,
     net_torque,
     reduced_inertia,
@@ -83,7 +83,7 @@ def has_failed(panel):
 def law_at(scene, side, theta, w):
     """s X and theta_ddot in contact with a wall, and whether J_s is positive."""
     g, u, dg, radius = pose_at(scene.path, theta)
-    k, c = dragged_slope(g, dg, scene), bend(g, u, radius, side, scene)
+    k, c = dragged_slope(g, dg, scene), friction_ratio(g, u, radius, side, scene)
     pull, root = torque_at(theta, scene)[0] - scene.bearing, root_of(w, scene)
     inertia = reduced_inertia(g, c, scene)
     rate = net_torque(g, c, k, pull, w, root, scene) / inertia
@@ -115,7 +115,7 @@ def _sample(work, scene, side, left, half):
     middle, slope, unsound = middle - scene.bearing, slope * half, 0
     for i in range(count & N):
         k[i] = dragged_slope(g[i], k[i], scene)
-        work.c[i] = c = bend(g[i], u[i], radius[i], side, scene)
+        work.c[i] = c = friction_ratio(g[i], u[i], radius[i], side, scene)
         work.inverse_inertia[i] = 1.0 / (scene.rho + g[i] * g[i])
         work.pull[i] = middle + slope * work.points[i]
         unsound += not reduced_inertia(g[i], c, scene) > 0.0
@@ -231,11 +231,11 @@ def next_panel(work, scene, side, theta, w, width, limit, tail, lifts):
         found = _cut(work, scene, side, found, w, work.force, Ending.LIFTED)
     # without inertia behind it the power of a train keeps its direction
     if scene.flow != UNKNOWN and scene.barrel > 0.0 and scene.barrel_efficiency != 1.0:
-        turned = Ending.BARREL_TURNED
-        found = _cut(work, scene, side, found, w, work.barrel_torque, turned)
+        driver_angle = Ending.BARREL_TURNED
+        found = _cut(work, scene, side, found, w, work.barrel_torque, driver_angle)
     if scene.flow != UNKNOWN and scene.load_train > 0.0 and scene.load_train_efficiency != 1.0:
-        turned = Ending.LOAD_TURNED
-        found = _cut(work, scene, side, found, w, work.load_torque, turned)
+        driver_angle = Ending.LOAD_TURNED
+        found = _cut(work, scene, side, found, w, work.load_torque, driver_angle)
     return found
 
 
@@ -290,7 +290,7 @@ def _cut(work, scene, side, panel, w, values, ending):
         return panel
     theta, width, found = panel.left, panel.width, panel
     at_end = _kept_at(scene, side, theta + width, panel.w, ending)
-    # without a load the force and the power of its train become zero at the same place
+    # without a load the force and the power of its train become zero at the same angle
     at_end += _SAME if panel.ending == Ending.LIFTED else 0.0
     low, high = _first_change(values, at_end)
     if low == high and ending != Ending.LIFTED:

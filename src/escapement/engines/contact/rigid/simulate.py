@@ -27,7 +27,7 @@ ten to fifty; a million take some seconds."""
 _STOPS = {Ending.STALL: Status.STALL, Ending.SPENT: Status.SPENT}
 _REASONS = {
     Ending.JAM: "the pin jams {}: rigid bodies have no motion there; give a stiffness",
-    Ending.BACKS_OUT: "a blow drives the driver back out of the slot {}; give a smaller clearance",
+    Ending.BACKS_OUT: "an impact drives the driver back out of the slot {}; give less clearance",
     Ending.RESTLESS: f"the pin strikes more than {MOST_PIECES} times in one engagement, so far "
     "{}; give a smaller restitution",
     Ending.TOO_LONG: f"the motion was followed {{}}, where {MOST_STEPS} steps of one engagement, "
@@ -43,17 +43,17 @@ def outcome(
         return Status.OK, MESSAGES[Status.OK]
     if ending in _STOPS:
         return _STOPS[ending], stall_message(angle, engagement, _STOPS[ending])
-    place = f"{math.degrees(angle):.3f} degrees from dead centre of engagement {engagement + 1}"
+    where = f"{math.degrees(angle):.3f} degrees from dead centre of engagement {engagement + 1}"
     if ending == Ending.UNDRIVEN:
-        turned = engagement * escapement.mechanism.cell_angle
-        spent = is_spent(angle, escapement.scene._replace(turned=turned))
+        driver_angle = engagement * escapement.mechanism.cell_angle
+        spent = is_spent(angle, escapement.scene._replace(driver_angle=driver_angle))
         status = Status.SPENT if spent else Status.STALL
         reason = (
             "the spring is spent" if spent else "the drive does not exceed the bearing's torque"
         )
-        return status, f"a blow turns the driver back out of the slot {place}, and {reason}"
+        return status, f"an impact turns the driver back out of the slot {where}, and {reason}"
     status = Status.PAINLEVE if ending == Ending.JAM else Status.NOT_CONVERGED
-    return status, _REASONS[ending].format(place)
+    return status, _REASONS[ending].format(where)
 
 
 def first_state(escapement: Escapement, initial_speed: float) -> FloatArray:

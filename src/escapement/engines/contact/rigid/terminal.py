@@ -12,6 +12,7 @@ import numpy as np
 
 from escapement.base.status import Status
 from escapement.dynamics.codes import Ending
+from escapement.dynamics.figure_table import TRANSIENT
 from escapement.dynamics.figures_of_merit import (
     Figures,
     fall_times,
@@ -19,7 +20,6 @@ from escapement.dynamics.figures_of_merit import (
     read_transient,
     transient_length,
 )
-from escapement.dynamics.merit_table import TRANSIENT
 from escapement.engines.contact.rigid.march import SPEED, TIME, TURNING, WALL
 from escapement.engines.contact.rigid.simulate import (
     first_state,

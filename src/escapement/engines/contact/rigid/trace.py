@@ -7,18 +7,18 @@ import numpy as np
 from escapement.dynamics.codes import Event
 from escapement.dynamics.law import (
     LOSSES,
-    bend,
     dragged_slope,
+    friction_ratio,
     net_torque,
     reduced_inertia,
     root_of,
     scene_of,
 )
 from escapement.dynamics.law import contact as contact_of
-from escapement.dynamics.tables import losses_at
+from escapement.dynamics.state_table import losses_at
 from escapement.dynamics.torque import cell_of, torque_at
 from escapement.dynamics.train_losses import UNKNOWN, weight
-from escapement.engines.contact.rigid.flight import launch, place_at, state_after
+from escapement.engines.contact.rigid.flight import launch, state_after, state_at
 from escapement.engines.contact.rigid.free import driver_rate, driver_sense, follower_rate
 from escapement.engines.contact.rigid.instant import follower_on
 from escapement.engines.contact.rigid.march import walls_after
@@ -77,7 +77,7 @@ def _point_after(work, time, width):
 def _touching_state(walls, scene, side, theta, sense, w, out, k):
     """Fill column k of `out` with the state in contact with a wall."""
     g, u, dg, radius = pose_at(scene.path, theta)
-    slope, c = dragged_slope(g, dg, scene), bend(g, u, radius, side, scene)
+    slope, c = dragged_slope(g, dg, scene), friction_ratio(g, u, radius, side, scene)
     pull, root = torque_at(theta, scene)[0] - scene.bearing, root_of(w, scene)
     inertia, speed = reduced_inertia(g, c, scene), sense * np.sqrt(w)
     rate = net_torque(g, c, slope, pull, w, root, scene) / inertia
@@ -169,7 +169,7 @@ def _along_wall(work, walls, wanted):
         scene = wall_scene(walls, side, theta, sense, w, flow)
         limit = next_break(walls, side, theta, sense, scene)
         if limit == theta:
-            # by rounding, the piece may last longer than the way to its end takes
+            # by rounding, the piece may last longer than the distance to its end takes
             break
         start = w
         found = next_panel(work, scene, side, theta, w, width, limit, STRICT, False)
@@ -218,11 +218,11 @@ def _through_flight(work, walls, wanted):
         ends = not time + part > time or length - time - part <= 1e-14 * length
         while k < wanted.last and (times[k] <= time + part or ends):
             since = min(max(times[k] - time, 0.0), part)
-            _free_state(scene, *place_at(work, flight, since), wanted.states, k)
+            _free_state(scene, *state_at(work, flight, since), wanted.states, k)
             k += 1
         for i in range(N):
             since = 0.5 * part * (1.0 + POINTS[i])
-            _free_state(scene, *place_at(work, flight, since), wanted.spare, 0)
+            _free_state(scene, *state_at(work, flight, since), wanted.spare, 0)
             _add_losses(wanted, 0.5 * part * WEIGHTS[i])
         before, time = phi, time + part
         theta, speed, phi, turning = state_after(work, flight, part)

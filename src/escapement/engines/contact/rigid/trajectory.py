@@ -163,10 +163,10 @@ class RigidTrajectory(Trajectory):
 
     @cached_property
     def impacts(self) -> Impacts:
-        """Every blow."""
-        columns, rows = self._events(Event.BLOW)
-        own, wheel = self.escapement, self.escapement.mechanism
-        length, clock, torque = wheel.crank_radius, own.time_unit, own.torque_unit
+        """Every impact."""
+        columns, rows = self._events(Event.IMPACT)
+        escapement, wheel = self.escapement, self.escapement.mechanism
+        length, clock, torque = wheel.crank_radius, escapement.time_unit, escapement.torque_unit
         return Impacts(
             **columns,
             wall=rows["wall"],

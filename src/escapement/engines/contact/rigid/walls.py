@@ -4,7 +4,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from escapement.dynamics.scenes import scene_with
+from escapement.dynamics.altered_scenes import scene_with
 from escapement.dynamics.torque import last_knot, next_knot
 from escapement.dynamics.train_losses import UNKNOWN, flowing, in_flow
 from escapement.mechanisms.path import OFFSET, Path

@@ -1,0 +1,297 @@
+"""`design`: the escapements that satisfy a requirement best."""
+
+from __future__ import annotations
+
+import math
+import warnings
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.optimize import minimize
+from scipy.stats import qmc
+
+from escapement.base.errors import InvalidValue
+from escapement.base.progress import set_stage
+from escapement.base.spoken import as_spoken
+from escapement.base.text import Shown
+from escapement.engines.run_down import rundown
+from escapement.inverse_design.front import spread_out, undominated
+from escapement.inverse_design.requirement import BOUNDS, Requirement
+from escapement.inverse_design.similarity import (
+    UnitWheel,
+    Values,
+    exact,
+    in_si,
+    unit_wheel,
+    wheels_for,
+)
+from escapement.mechanisms import Geneva
+from escapement.mechanisms.protocol import FloatArray
+from escapement.model.escapement import Escapement, Inertia
+
+SAMPLE = 11
+"""Two to this power is the number of points that are tried for each wheel."""
+_MARGIN = 3e-3
+"""Relative margin to the bounds before a design is computed exactly."""
+_STEPS = 150
+"""Number of steps that improve one design."""
+FOIL = 1e-4
+"""Discs and walls that are thinner than this cannot be cut [m]."""
+_VARIED = ("inertia_ratio", "crank_radius", "torque")
+
+
+@dataclass(frozen=True, repr=False)
+class Design(Shown):
+    """A timer that satisfies a requirement.
+
+    timer : the escapement, at the middle of the friction and with pins.
+    values : its figures in SI, by the names of `requirement.BOUNDS`.
+    """
+
+    timer: Escapement
+    values: dict[str, float]
+
+    @property
+    def can_be_cut(self) -> bool:
+        """Whether its discs and their walls are thicker than foil, `FOIL`."""
+        thick = "driver_thickness", "follower_thickness", "thinnest_wall"
+        return min(self.values[name] for name in thick) >= FOIL
+
+
+@dataclass(frozen=True, repr=False)
+class Designs(Shown):
+    """Result of `design`.
+
+    requirement : the given requirement.
+    designs : the Pareto front: no design is better than another in all objectives. They are in
+        the order of the first objective.
+    tried : number of points that were evaluated.
+    message : the reason if there is no design.
+    """
+
+    requirement: Requirement
+    designs: tuple[Design, ...]
+    tried: int
+    message: str
+
+    @property
+    def wish(self) -> Requirement:
+        """The former name of `requirement`, which goes with the next release."""
+        text = "Designs.wish is called Designs.requirement; use this name"
+        warnings.warn(text, DeprecationWarning, stacklevel=2)
+        return self.requirement
+
+
+def design(requirement: Requirement, *, count: int = 40, seed: int = 0) -> Designs:
+    """Find the timers that satisfy a requirement, none of them better in everything than another.
+
+    Every wheel that the requirement allows is evaluated at a Sobol' sequence of inertia ratios,
+    crank radii and torques. The points that satisfy the bounds and are not dominated are improved
+    and then simulated. The follower's inertia follows from the period, by similarity.
+
+    Parameters
+    ----------
+    requirement : Requirement
+    count : int
+        Greatest number of designs, which then lie far apart.
+    seed : int
+        Seed of the sequence.
+
+    Returns
+    -------
+    Designs
+        If no design satisfies all bounds, its message names the bound that prevents it, and by
+        how much.
+
+    Validity: escapements without a load, with pins of the requirement's width and without
+    losses other than friction in the slots.
+    """
+    wheels = wheels_for(requirement)
+    if not wheels:
+        reason = f"no wheel with these slots moves at a friction of {requirement.friction[1]:g}"
+        remedy = "all jam, or their pins do not fit; allow less friction or other slots"
+        return Designs(requirement, (), 0, f"{reason}: {remedy}")
+    tables = []
+    for number, wheel in enumerate(wheels, 1):
+        set_stage(f"wheel {number} of {len(wheels)}")
+        tables.append(_sampled(wheel, requirement, seed))
+    owner = np.repeat(np.arange(len(wheels)), [len(points) for points, _ in tables])
+    points = np.concatenate([points for points, _ in tables])
+    values = {name: np.concatenate([table[name] for _, table in tables]) for name in BOUNDS}
+    good = np.flatnonzero(misses(values, requirement, _MARGIN).sum(axis=0) == 0.0)
+    if not good.size:
+        return Designs(requirement, (), len(points), _reason(values, requirement))
+    costs = np.log(np.column_stack([values[name][good] for name in requirement.objectives]))
+    front = undominated(costs)
+    front = front[spread_out(costs[front], count)]
+    found = []
+    for number, i in enumerate(good[front], 1):
+        set_stage(f"improving design {number} of {front.size}")
+        found.append(_polished(wheels[owner[i]], points[i], requirement))
+    made = [made for wheel, point in found if (made := _made(wheel, point, requirement))]
+    if not made:
+        reason = "designs that seemed to satisfy the bounds do not satisfy them exactly"
+        return Designs(requirement, (), len(points), reason)
+    costs = np.array([[one.values[name] for name in requirement.objectives] for one in made])
+    best = sorted(
+        (made[i] for i in undominated(costs)), key=lambda d: d.values[requirement.objectives[0]]
+    )
+    return Designs(requirement, tuple(best), len(points), "done")
+
+
+def _ends(requirement: Requirement) -> FloatArray:
+    """Logarithms of the ends of the ranges, shape (3, 2)."""
+    return np.log([getattr(requirement, name) for name in _VARIED])
+
+
+def _sampled(wheel: UnitWheel, requirement: Requirement, seed: int) -> tuple[FloatArray, Values]:
+    """Points of a wheel, logarithms of the varied numbers, and the figures there."""
+    shares = qmc.Sobol(len(_VARIED), seed=seed).random_base2(SAMPLE)
+    low, high = _ends(requirement).T
+    points = low + shares * (high - low)
+    return points, _values(wheel, points, requirement)
+
+
+def _values(wheel: UnitWheel, points: FloatArray, requirement: Requirement) -> Values:
+    """Figures in SI at points of a wheel."""
+    ratio, radius, torque = np.exp(points.T)
+    return in_si(
+        wheel.at(ratio),
+        wheel.body,
+        wheel.slots,
+        wheel.internal,
+        requirement,
+        (ratio, radius, torque),
+    )
+
+
+def misses(values: Values, requirement: Requirement, margin: float = 0.0) -> FloatArray:
+    """By how much each bound is missed, as a logarithm, infinite if there is no figure."""
+    rows = []
+    for name, (low, high) in requirement.bounds.items():
+        x = np.asarray(values[name], dtype=float)
+        if name == "jam_margin":
+            rows.append(np.maximum(0.0, np.maximum(low - x, x - high) + margin))
+            continue
+        with np.errstate(divide="ignore", invalid="ignore"):
+            below = np.log(low) - np.log(x) if low > 0.0 else np.full_like(x, -math.inf)
+            rows.append(np.maximum(0.0, np.maximum(below, np.log(x) - np.log(high)) + margin))
+    rows.append(np.where(np.isfinite(values["contact_force_max"]), 0.0, math.inf))
+    found = np.array(rows)
+    return np.where(np.isnan(found), math.inf, found)
+
+
+def _reason(values: Values, requirement: Requirement) -> str:
+    """The bound that prevents a requirement, and by how much."""
+    missed = misses(values, requirement)
+    names = list(requirement.bounds)
+    alone = []
+    for i, name in enumerate(names):
+        others = np.delete(missed, i, axis=0).sum(axis=0) == 0.0
+        if others.any():
+            k = int(np.where(others, missed[i], math.inf).argmin())
+            alone.append(
+                (missed[i, k], _bound_text(name, requirement.bounds[name], float(values[name][k])))
+            )
+    if alone:
+        return f"{min(alone)[1]}, if all other bounds are satisfied"
+    k = int(missed.sum(axis=0).argmin())
+    several = [
+        _bound_text(name, requirement.bounds[name], float(values[name][k]))
+        for i, name in enumerate(names)
+        if missed[i, k] > 0.0
+    ]
+    return "; ".join([*several, "no single bound prevents a design: relax several of them"])
+
+
+def _bound_text(name: str, bound: tuple[float, float], reached: float) -> str:
+    """A bound that is missed, and the value that the nearest design reaches."""
+    kind, (low, high) = BOUNDS[name].unit, bound
+    rule, limit = ("at most", high) if reached > high else ("at least", low)
+    best = "least" if reached > high else "greatest"
+    return (
+        f"{name} must be {rule} {as_spoken(limit, kind)}, and the {best} is "
+        f"{as_spoken(reached, kind)}"
+    )
+
+
+def _polished(
+    wheel: UnitWheel, point: FloatArray, requirement: Requirement
+) -> tuple[UnitWheel, FloatArray]:
+    """A nearby point that is better in every objective, within all bounds."""
+    low, high = _ends(requirement).T
+    free = high > low
+    if not free.any():
+        return wheel, point
+
+    def costs(x: FloatArray) -> FloatArray:
+        whole = point.copy()
+        whole[free] = x
+        found = _values(wheel, whole[None], requirement)
+        penalty = 1e3 * float(misses(found, requirement, _MARGIN).sum())
+        return np.log([float(found[name][0]) for name in requirement.objectives]) + penalty
+
+    start = costs(point[free])
+
+    def worst(x: FloatArray) -> float:
+        gained = costs(np.clip(x, low[free], high[free])) - start
+        value = float(gained.max() + 0.01 * gained.sum())
+        return value if math.isfinite(value) else 1e6
+
+    limits = list(zip(low[free], high[free], strict=True))
+    options = {"maxfev": _STEPS, "xatol": 1e-4, "fatol": 1e-6}
+    found = minimize(worst, point[free], method="Nelder-Mead", bounds=limits, options=options)
+    better = point.copy()
+    if found.fun < 0.0:
+        better[free] = np.clip(found.x, low[free], high[free])
+    return wheel, better
+
+
+def _made(wheel: UnitWheel, point: FloatArray, requirement: Requirement) -> Design | None:
+    """The design at a point, simulated; None where it misses a bound after all."""
+    ratio, radius, torque = np.exp(point).tolist()
+    natural = exact(unit_wheel(wheel.slots, wheel.internal, requirement.pin), ratio, requirement)
+    found = in_si(
+        natural, wheel.body, wheel.slots, wheel.internal, requirement, (ratio, radius, torque)
+    )
+    inertia, driver_angle = found["follower_inertia"], 2.0 * math.pi * (requirement.turns or 0.0)
+    timer = _timer(wheel, requirement, (ratio, radius, torque), float(inertia), driver_angle)
+    if requirement.total_time is not None and requirement.turns is not None:
+        run = rundown(timer, turns=requirement.turns)
+        try:
+            share = (requirement.total_time / run.time_of(requirement.turns)) ** 2
+        except InvalidValue:
+            return None  # it stops on the way
+        timer = _timer(
+            wheel, requirement, (ratio, radius, torque), float(inertia) * share, driver_angle
+        )
+        lasting = ("driver_inertia", "follower_inertia", "mass", "driver_thickness",
+                   "follower_thickness")  # fmt: skip
+        found |= {name: found[name] * share for name in lasting}
+        found["rise_time_98"] *= math.sqrt(share)
+    values = {name: float(x) for name, x in found.items()}
+    missed = misses({name: np.array([x]) for name, x in values.items()}, requirement)
+    return Design(timer, values) if missed.max(initial=0.0) == 0.0 else None
+
+
+def _timer(
+    wheel: UnitWheel,
+    requirement: Requirement,
+    point: tuple[float, float, float],
+    inertia: float,
+    driver_angle: float,
+) -> Escapement:
+    ratio, radius, torque = point
+    mechanism = Geneva(
+        wheel.slots,
+        internal=wheel.internal,
+        crank_radius=radius,
+        pin_radius=requirement.pin * radius,
+    )
+    return Escapement(
+        mechanism,
+        Inertia(ratio * inertia, inertia),
+        torque=torque,
+        friction=0.5 * sum(requirement.friction),
+        spring_rate=requirement.torque_lost * torque / driver_angle if driver_angle else 0.0,
+    )

@@ -1,0 +1,198 @@
+"""Files of parts for cutting: DXF and SVG at 1:1, after a check of the motion."""
+
+import math
+from collections.abc import Callable
+from io import StringIO
+from typing import Any
+
+import numpy as np
+
+from escapement.base import validate
+from escapement.base.errors import InvalidValue
+from escapement.base.files import CUTS, AnyPath, file_format, write_file
+from escapement.base.spoken import on_drawing
+from escapement.outlines.curves import Curve
+from escapement.outlines.fits import Fits
+from escapement.outlines.interference import Nearest, least_gaps
+from escapement.outlines.parts import outline_of, parts_of
+from escapement.outlines.sheet import LAYERS, Sheet, lay_out
+
+_ROUNDING = 1e-12  # gaps of so many units of the outline are 0 except for rounding
+_TOUCH = 1e-6  # bodies that overlap by less count as touching [m]
+_INCH, _MILLIMETRE = 0.0254, 1e-3
+
+
+def motion_check(mechanism: Any, fits: Fits | None = None) -> list[Nearest]:
+    """The least gap of each pair of bodies that move in one plane, over a turn of the driver.
+
+    Parameters
+    ----------
+    mechanism : Geneva, GearDriven or EllipticalPlanetary
+        As for `parts_of`.
+    fits : Fits, optional
+        As for `parts_of`.
+
+    Returns
+    -------
+    list of Nearest
+        Gaps and points in m, the smallest gap first. Negative gaps are overlaps. The parts have
+        their nominal positions: the pin in the middle of its slot, the locked wheel in the middle
+        of its clearance.
+    """
+    parts_of(mechanism, fits)  # this refuses a mechanism without parts
+    outline = outline_of(mechanism, fits or Fits())
+    # the outlines of elliptical gears are in mm
+    unit = mechanism.crank_radius or 1e-3
+    return [
+        pair._replace(gap=unit * gap, point=unit * pair.point)
+        for pair in least_gaps(outline)
+        for gap in (pair.gap if abs(pair.gap) > _ROUNDING else 0.0,)
+    ]
+
+
+def export(
+    mechanism: Any,
+    path: AnyPath,
+    fits: Fits | None = None,
+    *,
+    inches: bool = False,
+    segments: bool = False,
+    r12: bool = False,
+    force: bool = False,
+) -> list[Nearest]:
+    """Write the parts of a mechanism to a DXF or SVG file at 1:1.
+
+    Parameters
+    ----------
+    mechanism : Geneva, GearDriven or EllipticalPlanetary
+        As for `parts_of`.
+    path : path
+        FILE.dxf, which needs the extra `cad`, or FILE.svg.
+    fits : Fits, optional
+        Allowances of holes, shafts, and the kerf.
+    inches : bool
+        Whether the file's unit is the inch. Default: the millimetre.
+    segments : bool
+        Whether arcs are replaced by chords at most 5 um from them, for machines that can only cut
+        lines.
+    r12 : bool
+        Whether to write DXF release 12, which old programs read. It has no units.
+    force : bool
+        Whether an existing file may be replaced.
+
+    Returns
+    -------
+    list of Nearest
+        As `motion_check`.
+
+    Raises
+    ------
+    InvalidValue
+        If the mechanism has no size, a hole leaves no wall, or two bodies overlap by more than 1
+        um anywhere in a turn.
+    MissingPackage
+        Where ezdxf is not installed.
+    CannotCreate, StorageError
+        As `escapement.base.files.write_file`.
+    """
+    how = {"inches": inches, "segments": segments, "r12": r12}
+    data, gaps = drawn(mechanism, file_format(path, CUTS), fits or Fits(), **how)
+    write_file(path, [data], force)
+    return gaps
+
+
+def drawn(
+    mechanism: Any, suffix: str, fits: Fits, *, inches: bool, segments: bool, r12: bool
+) -> tuple[bytes, list[Nearest]]:
+    """The content of a file of this suffix, and the least gaps; arguments as of `export`."""
+    gaps = motion_check(mechanism, fits)
+    for pair in gaps[:1]:
+        if pair.gap < -_TOUCH:
+            raise InvalidValue(
+                f"{pair.names[0]} and {pair.names[1]} must not overlap, got "
+                f"{on_drawing(-pair.gap)} at a driver angle of {math.degrees(pair.theta):.3f} "
+                f"degrees, at ({on_drawing(pair.point.real)}, {on_drawing(pair.point.imag)}) from "
+                "the follower's axis; choose another clearance, thinner pins or thinner shafts"
+            )
+    unit = _INCH if inches else _MILLIMETRE
+    sheet = lay_out(parts_of(mechanism, fits), fits.kerf, 1.0 / unit, segments)
+    return _WRITERS[suffix](sheet, inches, r12), gaps
+
+
+def _dxf(sheet: Sheet, inches: bool, r12: bool) -> bytes:
+    """The sheet as DXF."""
+    ezdxf = validate.package("ezdxf", "a DXF file", "cad")
+    drawing = ezdxf.document.Drawing.new("AC1009" if r12 else "AC1024")
+    if not r12:
+        drawing.header["$MEASUREMENT"] = 0 if inches else 1
+        drawing.units = 1 if inches else 4  # the codes of $INSUNITS
+    for name, (colour, _) in LAYERS.items():
+        drawing.layers.add(name, color=colour)
+    space = drawing.modelspace()
+    add: Callable[..., Any] = space.add_polyline2d if r12 else space.add_lwpolyline
+    for layer, curve in sheet.curves:
+        if (circle := _circle(curve)) is not None:
+            centre, radius = circle
+            space.add_circle((centre.real, centre.imag), radius, dxfattribs={"layer": layer})
+            continue
+        z = curve.corners
+        points = np.column_stack([z.real, z.imag, curve.bulges]).tolist()
+        add(points, format="xyb", close=True, dxfattribs={"layer": layer})
+    look = {"layer": "CENTRE"}
+    for a, b in sheet.lines:
+        space.add_line((a.real, a.imag), (b.real, b.imag), dxfattribs=look)
+    for at, name in sheet.names:
+        space.add_text(name, height=sheet.height, dxfattribs=look | {"insert": (at.real, at.imag)})
+    text = StringIO()
+    drawing.write(text)
+    return text.getvalue().encode(drawing.output_encoding, errors="dxfreplace")
+
+
+def _circle(curve: Curve) -> tuple[complex, float] | None:
+    """Centre and radius of a whole circle made of two halves."""
+    if curve.corners.size != 2 or not np.all(np.abs(curve.bulges) == 1.0):
+        return None
+    a, b = curve.corners.tolist()
+    return 0.5 * (a + b), 0.5 * abs(a - b)
+
+
+def _svg(sheet: Sheet, inches: bool, _r12: bool) -> bytes:
+    """The sheet as SVG, of which the y axis points down."""
+    unit, (wide, high) = "in" if inches else "mm", (sheet.size.real, sheet.size.imag)
+
+    def at(point: complex) -> str:
+        return f"{point.real:.9f} {high - point.imag:.9f}"
+
+    def path(curve: Curve) -> str:
+        words = [f"M {at(complex(curve.corners[0]))}"]
+        radii = (
+            0.5 * np.abs(curve.ends - curve.corners) / np.sin(0.5 * np.abs(curve.turns) + 1e-300)
+        )
+        # readers widen a radius that is too small for half a circle, and so find its centre
+        radii *= np.where(np.abs(curve.turns) > 3.14, 1.0 - 1e-9, 1.0)
+        for end, turn, radius in zip(curve.ends.tolist(), curve.turns, radii, strict=True):
+            flags = f"{int(abs(turn) > math.pi)} {int(turn < 0.0)}"
+            command = f"A {radius:.9f} {radius:.9f} 0 {flags}" if turn else "L"
+            words.append(f"{command} {at(end)}")
+        return f'<path d="{" ".join(words)} Z"/>'
+
+    style = f'fill="none" stroke-width="{0.04 * sheet.height:.4f}"'
+    rows = [
+        '<?xml version="1.0" encoding="UTF-8"?>',
+        f'<svg xmlns="http://www.w3.org/2000/svg" width="{wide:.9f}{unit}" '
+        f'height="{high:.9f}{unit}" viewBox="0 0 {wide:.9f} {high:.9f}">',
+    ]
+    for layer, (_, colour) in LAYERS.items():
+        rows.append(f'<g id="{layer}" stroke="{colour}" {style}>')
+        rows += [path(curve) for name, curve in sheet.curves if name == layer]
+        if layer == "CENTRE":
+            rows += [f'<path d="M {at(a)} L {at(b)}"/>' for a, b in sheet.lines]
+            for point, name in sheet.names:
+                x, y = at(point).split()
+                size = f'font-size="{sheet.height:.4f}" stroke="none" fill="{colour}"'
+                rows.append(f'<text x="{x}" y="{y}" {size}>{name}</text>')
+        rows.append("</g>")
+    return "\n".join([*rows, "</svg>\n"]).encode()
+
+
+_WRITERS = {".dxf": _dxf, ".svg": _svg}
