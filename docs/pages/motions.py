@@ -2,12 +2,18 @@
 
 import numpy as np
 from matplotlib.animation import FuncAnimation
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.patches import Circle
 
 import escapement as esc
 from escapement import plots
+from escapement.numerics.gauss import POINTS
 from escapement.plots import style
 from pages import FIGURES, LINES, drawn, panels, timer
+
+_PLAIN = {"facecolor": "w", "edgecolor": "none", "pad": 1.0}
+"""Background of a word that stands on a line."""
 
 
 @drawn
@@ -110,3 +116,59 @@ def timer_film() -> FuncAnimation:
 
 
 FIGURES["timer.gif"] = timer_film
+
+
+@drawn
+def pieces_and_walls() -> Figure:
+    """The pieces of an engagement and the points of their panels; the two walls of a slot."""
+    figure, (left, right) = panels(2, 3.3)
+    design = timer(4, 0.35, 0.10)
+    motion = esc.simulate(design, 1, initial_speed=esc.terminal(design).handoff_velocity)
+    table = motion.at(np.linspace(0.0, motion.end_time, 2000))
+    ends = np.array([-np.pi / 4, 0.0, motion.reversals.theta[0], np.pi / 4])
+    rho = design.inertia.driver / design.inertia.follower
+    g = design.mechanism.transmission(table.theta).g
+    energy = (rho + g**2) * table.theta_dot**2 / 1e3
+    degrees = np.degrees(table.theta)
+    names = ("pin on the front wall", None, "pin on the rear wall")
+    colors = (style.BLUE, style.BLUE, style.VERMILLION)
+    for start, end, name, color in zip(ends, ends[1:], names, colors, strict=False):
+        part = (table.theta >= start) & (table.theta <= end)
+        left.plot(degrees[part], energy[part], color=color, label=name)
+        points = np.degrees((start + end) / 2 + (end - start) / 2 * np.array(POINTS))
+        left.plot(points, np.interp(points, degrees, energy), "o", ms=3, color=color)
+    top = 1.25 * energy.max()
+    events = ("entry", "dead\ncentre", "reversal", "exit")
+    sides = ("left", "center", "center", "right")
+    for angle, event, side in zip(np.degrees(ends), events, sides, strict=True):
+        left.axvline(angle, color=style.GREY, lw=0.8)
+        left.text(angle, 0.98 * top, event, ha=side, va="top", fontsize=8, bbox=_PLAIN)
+    left.set(xlabel="Driver angle from dead centre (°)", ylim=(0.0, top))
+    left.set_ylabel("$E = (\\rho + g^2)\\,\\dot\\theta^2$ (1000 rad²/s²)")
+    left.legend(frameon=False, loc="lower center", fontsize=8)
+    _draw_walls(right)
+    return figure
+
+
+def _draw_walls(ax: Axes) -> None:
+    """A slot with the pin on its front wall, and where the pin may be between the walls."""
+    for height, name in ((1.0, "front wall, $s = +1$"), (-1.0, "rear wall, $s = -1$")):
+        ax.plot([-2.2, 2.2], [height, height], color=style.BLACK, lw=1.6)
+        ax.text(-2.1, 1.17 * height, name, ha="left", va="center", fontsize=9)
+    ax.axhline(0.0, color=style.GREY, lw=0.8, ls="-.")
+    ax.text(2.15, -0.04, "centre line", ha="right", va="top", fontsize=8)
+    ax.add_patch(Circle((0.0, 0.4), 0.6, fc=style.LIGHT_GREY, ec=style.BLACK))
+    ax.plot(0.0, 0.4, "+", color=style.BLACK)
+    arrows = (
+        ((0.0, 0.4), (0.0, 1.75), style.BLUE, "force of the pin\non the wheel", (0.12, 1.62)),
+        ((1.0, 0.0), (1.0, 0.4), style.VERMILLION, "$\\delta = s\\,c$", (1.08, 0.2)),
+        ((-1.35, -0.4), (-1.35, 0.4), style.GREY, "$2c$", (-1.27, 0.2)),
+    )
+    for start, end, color, words, at in arrows:
+        looks = {"arrowstyle": "<->" if words == "$2c$" else "->", "color": color, "lw": 1.4}
+        ax.annotate("", end, start, arrowprops=looks | {"shrinkA": 0, "shrinkB": 0})
+        ax.text(*at, words, color=color, ha="left", va="center", fontsize=9)
+    for height in (-0.4, 0.4):
+        ax.plot([-1.6, 1.6], [height, height], color=style.GREY, lw=0.6, ls=":")
+    ax.set(xlim=(-2.4, 2.4), ylim=(-1.5, 2.0), aspect="equal")
+    ax.axis("off")
