@@ -9,6 +9,7 @@ from escapement.constant_speed import drive_torque as drive_torque
 from escapement.constant_speed import fewest_slots as fewest_slots
 from escapement.constant_speed import greatest_follower_inertia as greatest_follower_inertia
 from escapement.constant_speed import greatest_speed as greatest_speed
+from escapement.constant_speed import index as index
 from escapement.constant_speed import least_load_torque as least_load_torque
 from escapement.constant_speed import reversal_study as reversal_study
 from escapement.constant_speed import transmission_extrema as transmission_extrema

@@ -33,10 +33,11 @@ _NAMES = {
     "impulse": ("N s", "lbf s"),
     "mass": ("kg", "lbf s2 in-1"),
     "energy": ("J", "in lbf"),
+    "pressure": ("Pa", "lbf in-2"),
 }
 _COMMON = {
     "speed": "rad s-1", "acceleration": "rad s-2", "time": "s", "angle": "rad",
-    "degrees": "degree", "ratio": "1",
+    "degrees": "degree", "ratio": "1", "frequency": "Hz",
 }  # fmt: skip
 
 _BASE = ("g", "m", "s", "rad")
@@ -46,7 +47,8 @@ _RAISED = "⁰¹²³⁴⁵⁶⁷⁸⁹"
 # unit: how many of which others it is; the first take prefixes
 _METRIC: dict[str, tuple[Any, str]] = {
     "g": (1, ""), "m": (1, ""), "s": (1, ""), "rad": (1, ""),
-    "N": (1, "kg m s-2"), "J": (1, "N m"), "W": (1, "J s-1"), "gf": ("9.80665", "g m s-2"),
+    "N": (1, "kg m s-2"), "J": (1, "N m"), "W": (1, "J s-1"), "Pa": (1, "N m-2"), "Hz": (1, "s-1"),
+    "gf": ("9.80665", "g m s-2"),
 }  # fmt: skip
 _OTHERS: dict[str, tuple[Any, str]] = {
     "in": ("0.0254", "m"), "lb": ("0.45359237", "kg"), "lbf": ("9.80665", "lb m s-2"),

@@ -25,14 +25,15 @@ if TYPE_CHECKING:
         transmission_extrema,
     )
     from escapement.constant_speed.geneva import ReversalStudy, reversal_study
+    from escapement.constant_speed.indexing import IndexingDrive, IndexState, index
     from escapement.constant_speed.input_torque import DriveTorque, drive_torque, inertia_ratio
     from escapement.numerics.chebyshev import Extremum
 
 __all__ = [
-    "DriveTorque", "Extremum", "ReversalStudy", "TorqueState", "TransmissionExtrema",
-    "contact_moment", "drive_torque", "fewest_slots", "greatest_follower_inertia",
-    "greatest_speed", "inertia_ratio", "jerk_function", "least_load_torque", "reversal_study",
-    "transmission_extrema",
+    "DriveTorque", "Extremum", "IndexState", "IndexingDrive", "ReversalStudy", "TorqueState",
+    "TransmissionExtrema", "contact_moment", "drive_torque", "fewest_slots",
+    "greatest_follower_inertia", "greatest_speed", "index", "inertia_ratio", "jerk_function",
+    "least_load_torque", "reversal_study", "transmission_extrema",
 ]  # fmt: skip
 
 
@@ -55,13 +56,8 @@ class Case(Declared):
     friction: float = field(metadata=like(Escapement, "friction"))
 
     def __post_init__(self) -> None:
-        tight(self.mechanism)
         self.check_fields()
-        check_losses(self, self.mechanism.path.table)
-        width = self.mechanism.pin_radius
-        if self.friction > 0.0 and width:
-            rule = "0 at constant speed with friction, whose torque is that of thin pins"
-            raise validate.fail("pin_radius", rule, width, "leave pin_radius or friction out")
+        check_losses(self, checked(self.mechanism).path.table)
 
     @property
     def inertial(self) -> float:
@@ -89,4 +85,6 @@ def tight(mechanism: Any) -> Any:
 
 
 def __getattr__(name: str) -> Any:
-    return offered(__name__, __all__, ("input_torque", "contact", "extrema", "geneva"), name)
+    return offered(
+        __name__, __all__, ("input_torque", "contact", "extrema", "geneva", "indexing"), name
+    )

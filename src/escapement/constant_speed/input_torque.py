@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from escapement.base import validate
-from escapement.constant_speed import Case, extrema
+from escapement.constant_speed import Case, extrema, tight
 from escapement.constant_speed.contact import Load, TorqueState, engaged_state, within_cell
 from escapement.mechanisms.protocol import FloatArray, Mechanism
 from escapement.mechanisms.slotted import transmission
@@ -60,7 +60,11 @@ class DriveTorque(Case):
     reversal_limits: tuple[float, float] = field(init=False)
 
     def __post_init__(self) -> None:
+        width = tight(self.mechanism).pin_radius
         super().__post_init__()
+        if self.friction > 0.0 and width:
+            rule = "0 with friction, whose torque is that of thin pins"
+            raise validate.fail("pin_radius", rule, width, "leave one out, or call esc.index")
         limits = extrema.transmission_extrema(self.mechanism).reversal_limits
         vars(self).update(_find_reversals(self), reversal_limits=limits)
         vars(self).update(_torque_figures(self, self.reversals))
