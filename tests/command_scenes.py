@@ -26,7 +26,10 @@ WHEELS = {
     },
     "elliptical-planetary": {"sun_radius": 0.016, "planet_radius": 0.009},
     "tabulated": {"table": "cells.csv", "measured": True, "cell_angle": 120, "follower_step": 60},
+    "cam-indexer": {"stations": 8, "index_angle": 120, "law": "cycloidal"},
 }
+WITHOUT_PARTS = ("tabulated", "cam-indexer")
+"""Kinds of which only the transmission is known."""
 """A mechanism of each kind."""
 EXACT = {"table": "cell.csv"}
 """Another table, of one whole cell without scatter."""
@@ -45,7 +48,7 @@ FRICTION = {
     "geneva": {"friction": 0.2, **_DRIVER, **_FOLLOWER},
     "gear-driven": {"friction": 0.1, **_FOLLOWER},
     "elliptical-planetary": {"efficiency": 0.9},
-    "tabulated": {"efficiency": 0.9},
+    **dict.fromkeys(WITHOUT_PARTS, {"efficiency": 0.9}),
 }
 """What each kind may lose where driver and follower meet."""
 PLAY = {"clearance": 1e-4, "restitution": 0.3}
@@ -71,7 +74,7 @@ SIZES = {
          "pin_diameter": 0.0032, "roller_diameter": 0.0036},
     ],
     "elliptical-planetary": [{"sun_diameter": 0.032, "planet_diameter": 0.018}],
-    "tabulated": [],
+    **dict.fromkeys(WITHOUT_PARTS, []),
 }  # fmt: skip
 """The same sizes as drawings give them."""
 
@@ -150,13 +153,13 @@ def _mechanism(kind):
         second = {"stations": 12, "lobes": 4, "curve": "epicycloid", "solution": 1}
         found.append({**second, "tried": ["solution"]})
     found += sized(kind, **bodies)
-    if kind != "tabulated":  # a table has no bodies to turn
+    if kind not in WITHOUT_PARTS:  # there are no bodies to turn
         found.append({**WHEELS[kind], "angle": 10, "plot": "out.svg", "tried": ["angle"]})
     return found
 
 
 def _export(kind):
-    if kind == "tabulated":  # it has no parts
+    if kind in WITHOUT_PARTS:
         return []
     thick = {"pin_radius": 0.001, "clearance": 1e-4} if kind in ERRORS else {}
     wheel = {name: x for name, x in WHEELS[kind].items() if name != "unused_lobes"}
@@ -367,4 +370,5 @@ MACHINES = {
     "gear-driven": lambda: esc.GearDriven(6, 0, curve="epicycloid"),
     "elliptical-planetary": lambda: esc.EllipticalPlanetary(0.016, 0.009),
     "tabulated": lambda: esc.Tabulated.from_csv("cell.csv"),
+    "cam-indexer": lambda: esc.CamIndexer(8, math.radians(120.0), "cycloidal"),
 }

@@ -29,6 +29,7 @@ MECHANISMS = [
     esc.EllipticalPlanetary(0.02, 0.0019),
     esc.Tabulated(_ROWS, -_OVALS.follower_angle(_ROWS)),
     esc.Tabulated(_ROWS + 2.0, _OVALS.follower_angle(_ROWS) + 1.0),
+    esc.CamIndexer(8, 2.0, "modified-trapezoid"),
     esc.Tabulated(_ANY, _OVALS.follower_angle(_ANY), measured=True, **_CELL),
 ]
 

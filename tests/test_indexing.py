@@ -180,10 +180,11 @@ def test_without_damping_the_amplitude_is_a_fourier_integral():
     drive = fast_drive()
     ratio = 2.0 * math.pi * 20.0 / drive.speed
     wheel = drive.mechanism
+    ends = wheel.breaks[0], wheel.breaks[-1]
 
     def part(function):
         return quad(
-            lambda x: wheel.transmission(x).dg * function(ratio * x), wheel.breaks[0], wheel.breaks[-1],
+            lambda x: wheel.transmission(x).dg * function(ratio * x), *ends,
             epsabs=1e-13, epsrel=1e-13, limit=200,
         )[0]  # fmt: skip
 

@@ -251,7 +251,11 @@ def test_every_kind_is_exported_or_refused_in_one_line(kind, tmp_path, capsys):
         assert "warning" not in err
         return
     (tmp_path / "a.csv").write_text("".join(f"{x},{0.7 * x}\n" for x in range(0, 91, 3)))
-    assert main(["export", kind, "--table", str(tmp_path / "a.csv"), "-o", str(path)]) == 2
+    given = {
+        "tabulated": ["--table", str(tmp_path / "a.csv")],
+        "cam-indexer": ["--stations", "8", "--index-angle", "120"],
+    }
+    assert main(["export", kind, *given[kind], "-o", str(path)]) == 2
     assert "has no parts that could be drawn" in capsys.readouterr().err
     assert not path.exists()
 

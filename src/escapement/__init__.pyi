@@ -40,6 +40,7 @@ from escapement.measurement import measure as measure
 from escapement.measurement import read_readings as read_readings
 from escapement.measurement import synthetic_readings as synthetic_readings
 from escapement.measurement import write_readings as write_readings
+from escapement.mechanisms import CamIndexer as CamIndexer
 from escapement.mechanisms import EllipticalPlanetary as EllipticalPlanetary
 from escapement.mechanisms import GearDriven as GearDriven
 from escapement.mechanisms import Geneva as Geneva

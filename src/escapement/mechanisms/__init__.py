@@ -9,7 +9,7 @@ Read `protocol` first, then `geneva`.
   lengths
 - `other_sizes`: diameters and distances in place of a mechanism's own numbers
 - `kind`: the base of the kinds, with what files and the command line need
-- `geneva`, `gear_driven`, `elliptical_planetary`, `tabulated`: the kinds
+- `geneva`, `gear_driven`, `elliptical_planetary`, `tabulated`, `cam_indexer`: the kinds
 - `slotted`, `table`: kernels that evaluate a pin path, and a tabulated transmission
 - `imperfect`, `pattern`: wheels with errors of their parts, and the path of every pair of pin and
   slot
@@ -23,19 +23,21 @@ from typing import TYPE_CHECKING, Any
 from escapement.base.lazy import offered
 
 if TYPE_CHECKING:
+    from escapement.mechanisms.cam_indexer import CamIndexer
     from escapement.mechanisms.elliptical_planetary import EllipticalPlanetary
     from escapement.mechanisms.gear_driven import GearDriven
     from escapement.mechanisms.geneva import Geneva
     from escapement.mechanisms.kind import Kind
     from escapement.mechanisms.tabulated import Tabulated
 
-__all__ = ["EllipticalPlanetary", "GearDriven", "Geneva", "Tabulated"]
+__all__ = ["CamIndexer", "EllipticalPlanetary", "GearDriven", "Geneva", "Tabulated"]
 
 KINDS = {
     "geneva": "geneva:Geneva",
     "gear-driven": "gear_driven:GearDriven",
     "elliptical-planetary": "elliptical_planetary:EllipticalPlanetary",
     "tabulated": "tabulated:Tabulated",
+    "cam-indexer": "cam_indexer:CamIndexer",
 }
 """Module and class of each kind, by the name that files and the command line give it."""
 DEFAULT_KIND = "geneva"

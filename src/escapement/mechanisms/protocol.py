@@ -68,6 +68,9 @@ class Mechanism:
     plain_crank: ClassVar[bool] = True
     """Whether the driver's bearing carries only the contact force, and so may have friction."""
 
+    without_parts: ClassVar[bool] = False
+    """Whether only its transmission is known, and there are no bodies to draw."""
+
     # its size
     crank_radius: Any = None
     """Unit of length of its path [m]; None where it has no size."""

@@ -65,6 +65,7 @@ class Tabulated(Rows):
     kind = "tabulated"
     summary = "any drive that is always in mesh, from a table of its angles"
     meshed = True
+    without_parts = True
 
     def _shown(self) -> list[tuple[str, Any, str]]:
         # a study file identifies such a mechanism by its repr, so different tables must have

@@ -8,7 +8,8 @@ Functions for one panel draw into given axes, or into a new figure; nothing is s
 - `drawing`, `geneva`, `gear_driven`, `planetary`: mechanisms to scale
 - `study`, `study_panels`, `study_table`, `sample`, `budget_bars`, `designs`: studies, budgets and
   designs
-- `measurement`, `beat_plots`, `drive_torque_curve`: readings, beats, and drives at constant speed
+- `measurement`, `beat_plots`: readings and beats
+- `drive_torque_curve`, `index_figure`: drives at constant speed
 """
 
 from escapement.explorer.widget import explore as explore
@@ -22,6 +23,7 @@ from escapement.plots.drawing import plot_table as plot_table
 from escapement.plots.drive_torque_curve import plot_drive_torque as plot_drive_torque
 from escapement.plots.gear_driven import plot_gear_driven as plot_gear_driven
 from escapement.plots.geneva import plot_configurations as plot_configurations
+from escapement.plots.index_figure import plot_index as plot_index
 from escapement.plots.measurement import plot_error_histogram as plot_error_histogram
 from escapement.plots.measurement import plot_errors as plot_errors
 from escapement.plots.measurement import plot_frequencies as plot_frequencies

@@ -1,0 +1,213 @@
+"""An indexer with a cam: the follower moves by a law of motion, and rests on a circle."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from typing import ClassVar, NamedTuple
+
+from escapement.base import validate
+from escapement.base.quantity import Choice, Setting, declared, quantity, setting
+from escapement.mechanisms.kind import CELL, ArrayLike, Kind, cells_of, np, slotted, table
+from escapement.mechanisms.path import Path
+from escapement.mechanisms.protocol import FloatArray
+
+_SINE = 4.0 * math.pi**2 / (4.0 + math.pi)
+"""Greatest y'' of the modified sine."""
+_TRAPEZOID = 8.0 * math.pi / (2.0 + math.pi)
+"""Greatest y'' of the modified trapezoid."""
+_QUARTER = 4.0 * math.pi
+_ABOVE = 1e-15  # share of the greatest g, more than the rounding error of its series
+
+
+class Law(NamedTuple):
+    """A law of motion y(s), from 0 to 1 over s from 0 to 1, with y(1 - s) = 1 - y(s).
+
+    corners : where it is not analytic, in the first half.
+    position, slope : y and y' in the first half, 0 <= s <= 1/2.
+    """
+
+    corners: tuple[float, ...]
+    position: Callable[[FloatArray], FloatArray]
+    slope: Callable[[FloatArray], FloatArray]
+
+
+def _cycloidal(s: FloatArray) -> FloatArray:
+    return s - np.sin(2.0 * math.pi * s) / (2.0 * math.pi)
+
+
+def _cycloidal_slope(s: FloatArray) -> FloatArray:
+    return 2.0 * np.sin(math.pi * s) ** 2
+
+
+def _polynomial(s: FloatArray) -> FloatArray:
+    return s**3 * (10.0 + s * (-15.0 + 6.0 * s))
+
+
+def _polynomial_slope(s: FloatArray) -> FloatArray:
+    return 30.0 * (s * (1.0 - s)) ** 2
+
+
+def _start(s: FloatArray, most: float) -> FloatArray:
+    """y where y'' is a quarter of a sine, most sin(4 pi s), up to s = 1/8."""
+    return most / _QUARTER * (s - np.sin(_QUARTER * s) / _QUARTER)
+
+
+def _start_slope(s: FloatArray, most: float) -> FloatArray:
+    return 2.0 * most / _QUARTER * np.sin(0.5 * _QUARTER * s) ** 2
+
+
+def _modified_sine(s: FloatArray) -> FloatArray:
+    begun, after = _start(np.minimum(s, 0.125), _SINE), np.maximum(s - 0.125, 0.0)
+    slow = _QUARTER / 3.0
+    # y'' is most cos(slow after), so y' grows from that at 1/8 by its integral
+    speed = _SINE / _QUARTER
+    return begun + speed * after + _SINE / slow**2 * (1.0 - np.cos(slow * after))
+
+
+def _modified_sine_slope(s: FloatArray) -> FloatArray:
+    begun, after = _start_slope(np.minimum(s, 0.125), _SINE), np.maximum(s - 0.125, 0.0)
+    slow = _QUARTER / 3.0
+    return begun + _SINE / slow * np.sin(slow * after)
+
+
+def _modified_trapezoid(s: FloatArray) -> FloatArray:
+    even, last = np.clip(s - 0.125, 0.0, 0.25), np.maximum(s - 0.375, 0.0)
+    speed = _TRAPEZOID / _QUARTER
+    begun = _start(np.minimum(s, 0.125), _TRAPEZOID) + (speed + 0.5 * _TRAPEZOID * even) * even
+    swing = speed / _QUARTER * (1.0 - np.cos(_QUARTER * last))
+    return begun + (speed + 0.25 * _TRAPEZOID) * last + swing
+
+
+def _modified_trapezoid_slope(s: FloatArray) -> FloatArray:
+    even, last = np.clip(s - 0.125, 0.0, 0.25), np.maximum(s - 0.375, 0.0)
+    begun = _start_slope(np.minimum(s, 0.125), _TRAPEZOID) + _TRAPEZOID * even
+    return begun + _TRAPEZOID / _QUARTER * np.sin(_QUARTER * last)
+
+
+LAWS = {
+    "cycloidal": Law((), _cycloidal, _cycloidal_slope),
+    "modified-sine": Law((0.125,), _modified_sine, _modified_sine_slope),
+    "modified-trapezoid": Law((0.125, 0.375), _modified_trapezoid, _modified_trapezoid_slope),
+    "polynomial-345": Law((), _polynomial, _polynomial_slope),
+}
+"""Laws of motion by name."""
+
+
+@dataclass(frozen=True, repr=False)
+class CamIndexer(Kind):
+    """A cam that turns the follower by one station in each of its turns.
+
+    The follower moves by the law within `index_angle` and rests for the remainder of the turn. Its
+    losses are given by an efficiency.
+
+    Parameters
+    ----------
+    stations : int
+        Steps in a turn of the follower, >= 1.
+    index_angle : float
+        Driver angle in which it moves [rad], > 0 and at most 2 pi.
+    law : str
+        One of `LAWS`.
+
+    Raises
+    ------
+    InvalidValue
+        When an argument breaks its rule.
+
+    Source of the laws: R. L. Norton, *Cam Design and Manufacturing Handbook*, chapter 3.
+    """
+
+    kind: ClassVar[str] = "cam-indexer"
+    summary: ClassVar[str] = "indexer with a cam, by a law of motion"
+    meshed: ClassVar[bool] = True
+    without_parts: ClassVar[bool] = True
+    reported: ClassVar[tuple[str, ...]] = (*CELL, "stations", "transmission_max")
+
+    stations: int = field(metadata=quantity(
+        "stations of the follower", minimum=1, maximum=1e6, whole=True, metavar="N",
+        remedy="give the number of steps in a turn",
+    ))  # fmt: skip
+    index_angle: float = field(metadata=quantity(
+        "driver angle in which the follower moves", "angle", exclusive=True, metavar="DEG",
+        remedy="give the angle",
+    ))  # fmt: skip
+    law: str = field(default="modified-sine", metadata=setting(Choice(
+        long_name=f"law of motion: {', '.join(LAWS)}", allowed=tuple(LAWS), metavar="NAME",
+    )))  # fmt: skip
+
+    @classmethod
+    def options(cls) -> dict[str, Setting]:
+        """The options of the command line, where the angle is in degrees."""
+        known = declared(cls)
+        return known | {"index_angle": replace(known["index_angle"], unit="degrees")}
+
+    def __post_init__(self) -> None:
+        self.check_fields()
+        if not self.index_angle <= 2.0 * math.pi * (1.0 + 1e-12):
+            raise validate.fail(
+                "index_angle", "at most a turn, 2 pi rad", self.index_angle, "give a smaller angle"
+            )
+
+    @property
+    def cell_angle(self) -> float:
+        """One turn of the cam [rad]."""
+        return 2.0 * math.pi
+
+    @property
+    def follower_step(self) -> float:
+        """Angle of one step of the follower [rad]."""
+        return 2.0 * math.pi / self.stations
+
+    @property
+    def motion_ratio(self) -> float:  # type: ignore[override]
+        """Share of the turn in which the follower moves [-]."""
+        return min(self.index_angle / self.cell_angle, 1.0)
+
+    @cached_property
+    def breaks(self) -> tuple[float, ...]:
+        """Begin of the index, corners of the law, and its end, from its middle [rad]."""
+        corners = LAWS[self.law].corners
+        shares = (0.0, *corners, *(1.0 - share for share in reversed(corners)), 1.0)
+        return tuple(self.index_angle * (share - 0.5) for share in shares)
+
+    def _share(self, theta: ArrayLike) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Cells, and share s of the index at driver angles; and the distance of s to an end."""
+        cells, local = cells_of(self, theta)
+        share = np.clip(local / self.index_angle + 0.5, 0.0, 1.0)
+        return cells, share, np.minimum(share, 1.0 - share)
+
+    def follower_angle(self, theta: ArrayLike) -> FloatArray:
+        """Follower angle at driver angles of any size [rad], zero in the middle of an index."""
+        cells, share, near = self._share(theta)
+        position = LAWS[self.law].position(near)
+        moved = np.where(share <= 0.5, position, 1.0 - position)
+        return np.asarray(self.follower_step * (cells + moved - 0.5))
+
+    def _ratio(self, theta: ArrayLike) -> FloatArray:
+        slope = LAWS[self.law].slope(self._share(theta)[2])
+        return np.asarray(self.follower_step / self.index_angle * slope)
+
+    @cached_property
+    def path(self) -> Path:
+        """The law as Chebyshev series, as kernels evaluate it."""
+        edges, rows = table.resolved(self._ratio, self.breaks)
+        # g is zero at both ends, with its slope; rounding must not make it negative near them
+        rows[:, 0] += _ABOVE * self.transmission_max
+        return table.table_path(edges, rows)
+
+    def transmission(self, theta: ArrayLike) -> slotted.Transmission:
+        """Transmission at driver angles of any size [rad]; u is 0, nothing slides."""
+        _cells, local = cells_of(self, theta)
+        entry, exit_ = self.breaks[0], self.breaks[-1]
+        found = slotted.transmission(self.path, np.clip(local, entry, exit_))
+        moves = (local >= entry) & (local <= exit_)
+        g, dg = (np.where(moves, values, 0.0) for values in (found.g, found.dg))
+        return slotted.Transmission(g, np.zeros_like(g), dg)
+
+    @property
+    def transmission_max(self) -> float:
+        """Greatest transmission, in the middle of the index [-]."""
+        return float(self._ratio(0.0))
