@@ -71,7 +71,7 @@ WRONG = {
     "plot too long": ("RUN --engagements 10001 --plot m.png", 2, "at most 10000 engagements"),
     "two lengths": ("RUN --engagements 3 --duration 1", 2, "and duration must", "3", "1.0"),
     "force without output": ("RUN --force", 2, "--force", "--output"),
-    "one inertia": ("mechanism --driver-inertia 1", 2, "both or none: --follower-inertia"),
+    "one inertia": ("mechanism --driver-inertia 1", 2, "must come with --follower-inertia I"),
     "angle without drawing": ("mechanism --angle 3", 2, "--angle", "--plot"),
     "negative word": ("mechanism -- -5", 2, "KIND", "'-5'"),
     "no study": ("sweep", 2, "CONFIG.toml", "sweep --help"),
