@@ -103,6 +103,7 @@ WRONG = {
     "study of no format": ("sweep good.toml -o good.toml --force", 2, ".parquet, got '.toml'"),
     "figure in the place of its data": ("plot data.png", 73, "data.png", "own"),
     "motion over its study": ("run --from text.h5 -o ./text.h5 --force", 73, "text.h5", "own"),
+    "sample over its study": ("budget good.toml -o good.toml --force", 73, "not be good.toml too"),
     "over its table": ("RUN tabulated --table t.csv -o link.csv --force", 73, "link.csv", "t.csv"),
     "errors over it": ("measure text.h5 tabulated --table t.csv -o t.csv --force", 73, "own"),
     "figure of this folder": ("plot .", 65, "ordinary file"),
