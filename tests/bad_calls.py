@@ -6,6 +6,7 @@ import numpy as np
 
 import escapement as esc
 from escapement.base.quantity import Choice, Quantity, Truth, declared
+from escapement.base.units import printed
 from escapement.engines.solver import Solver
 from escapement.mechanisms import kind_of
 from escapement.model.escapement import Run
@@ -82,6 +83,43 @@ def wrong_values(entry):
         return ["nonsense", "", 4, True]
     more = [2.5, "4"] if entry.whole else [] if entry.fraction else ["0.1", b"1", 1j]
     return [math.nan, math.inf, -math.inf, True, "x", np.True_, *more, *outside(entry)]
+
+
+def rules_of(entry):
+    """What a message may call the rule that a value breaks."""
+    if isinstance(entry, Truth):
+        return {"true or false"}
+    if isinstance(entry, Choice):
+        return {"one of " + ", ".join(entry.allowed)}
+    low, high = entry.minimum, entry.maximum
+    if entry.whole:
+        return {f"a whole number of at least {low:.0f}", f"a whole number of at most {high:.0f}"}
+    if entry.fraction:
+        known = "a rational number of at least 0, its denominator at most 1000"
+        return {known, f"at most {high:g}"}
+    below = f" and {'below' if entry.below else 'at most'} {high:g}"
+    words = f"{'greater than' if entry.exclusive else 'at least'} {low:g}"
+    return {"a finite number", words + below * math.isfinite(high)}
+
+
+def remedy_of(entry, system="SI"):
+    """The remedy of a declaration, with its unit behind the first words."""
+    unit = printed(entry.unit, system) if isinstance(entry, Quantity) else ""
+    if not unit or entry.whole or entry.fraction:
+        return entry.remedy
+    first, comma, rest = entry.remedy.partition(",")
+    return f"{first} in {unit}{comma}{rest}"
+
+
+def fault(message, label, entry, value):
+    """What is wrong with a message about a value, "" if it is that of the declaration."""
+    said, _, remedy = message.partition("; ")
+    # a word of the command line may be read as a number, and a fraction is shown as typed
+    shown = {" ".join(text.split()) for text in (repr(value), str(value), repr(str(value)))}
+    right = {f"{label} must be {rule}, got {text}" for rule in rules_of(entry) for text in shown}
+    # a misspelt word is answered by the nearest
+    known = remedy == remedy_of(entry) if isinstance(entry, Quantity) else remedy
+    return "" if said in right and known else f"{label}: {message}"
 
 
 BAD = [

@@ -10,8 +10,8 @@ import pytest
 import xarray
 
 import escapement as esc
+from escapement.base.text import plain
 from escapement.base.units import INCH, INCH_POUND, POUND_FORCE
-from escapement.cli._output import plain
 from escapement.engines.solver import DEFAULT_RTOL, ENGINES, METHODS
 from escapement.motion_file import read_motion
 
@@ -31,6 +31,7 @@ RUN_KEYS = {
     *("contraction", "critical_friction", "uniqueness_friction", "jam_margin"),
     "last_reversal_angle",
     *("acceleration_max", "follower_acceleration_max", "contact_moment_max", "energy_residual"),
+    *("handoffs", "last_handoff", "last_handoff_velocity"),
     *("handoff_times", "handoff_velocities", "status", "message", "engine", "inputs"),
 }
 

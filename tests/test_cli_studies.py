@@ -8,8 +8,8 @@ import pytest
 
 import escapement as esc
 from escapement.base.units import INCH_POUND
-from escapement.cli.sweep import load_case, spread
 from escapement.study.reader import read_study
+from escapement.study.selection import load_case, spread
 from escapement.study.stored import SCHEMA_VERSION
 
 STUDY = """

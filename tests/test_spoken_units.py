@@ -49,7 +49,7 @@ TRIED = [
 
 
 @pytest.mark.parametrize(("name", "kind", "units"), TRIED, ids=map("-".join, TRIED))
-def test_no_output_has_a_unit_of_the_other_system(command, name, kind, units):
+def test_no_output_has_a_unit_of_the_other_system(command, few_angles, name, kind, units):
     write_inputs(name, kind)
     scene = FILES.get(name) or scenes_of(name, kind)[0]
     scene = {key: x for key, x in scene.items() if key != "tried"} | {"units": units}

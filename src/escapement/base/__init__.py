@@ -4,6 +4,7 @@
   single values
 - `units`, `spoken`, `quantity`: unit factors, numbers in the user's units, and declarations of
   numbers
+- `results`, `records`: declarations of what is computed, and records that print themselves
 - `columns`, `headings`, `lines`, `clock`: the reader of files with columns, and of headings, lines
   and times as loggers write them
 - `text`, `files`, `toml_file`: tables and JSON, files that appear only when they are complete, TOML

@@ -61,16 +61,16 @@ def print_columns(header: Iterable[Sequence[str]], rows: Iterable[Sequence[Any]]
         print("  ".join(padded).rstrip())
 
 
-def show(value: Any) -> str:
-    """A value in a table: six significant figures, or a dash where there is none."""
+def show(value: Any, digits: int = 6) -> str:
+    """A value in a table, to some significant figures, or a dash where there is none."""
     value = plain(value)
     if isinstance(value, list):
-        return ", ".join(map(show, value)) or "none"
+        return ", ".join(show(one, digits) for one in value) or "none"
     if isinstance(value, bool):
         return "yes" if value else "no"
     if value is None:
         return "-"
-    return f"{value:.6g}" if isinstance(value, float) else str(value)
+    return f"{value:.{digits}g}" if isinstance(value, float) else str(value)
 
 
 def words(key: str) -> str:

@@ -11,7 +11,7 @@ Each command is a file of its name: `run`, `rundown`, `sweep`, `budget`, `design
 example.
 
 - `_arguments`: the parser, options that several commands share, and the objects they describe
-- `_inputs`, `_output`: what went in; JSON, tables, notes, and checks of the files to write
+- `_inputs`, `_output`: what went in; JSON and tables, which are those of a `Record`, notes, files
 - `_waiting`, `_log`: the time at work on the terminal, and the file of `--log`
 """
 
@@ -143,12 +143,13 @@ def _dispatch(argv: Sequence[str]) -> int:
     """Understand the command and its arguments, then run the module that has it."""
     from escapement.base import spoken
     from escapement.base.units import SYSTEMS
-    from escapement.cli import _log, _waiting
+    from escapement.cli import _log, _output, _waiting
     from escapement.cli._arguments import parser_of, understand_command
 
     try:
         command, parser = parser_of(understand_command(argv, COMMANDS))
         args = parser.understand(argv[1:])
+        _output.check_files(args)
         if args.log is not None:
             _log.start(args.log, argv)
         with _waiting.shown(argv[0], quiet=getattr(args, "quiet", False)):

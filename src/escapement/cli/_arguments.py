@@ -19,7 +19,7 @@ from typing import Any, NoReturn
 from escapement import __version__
 from escapement.base import spoken, validate
 from escapement.base.errors import EscapementError, InvalidValue
-from escapement.base.files import FILMS, FORMATS
+from escapement.base.files import FILMS, FORMATS, REPORTS
 from escapement.base.quantity import Choice, Numbers, Quantity, Setting, Truth
 from escapement.base.units import SYSTEMS
 from escapement.mechanisms import DEFAULT_KIND, KINDS, kind_of
@@ -61,8 +61,26 @@ class Parser(argparse.ArgumentParser):
     @property
     def settings(self) -> dict[str, Setting]:
         """The declarations of its options, by name."""
-        types = {action.dest: action.type for action in self._actions}
-        return {name: read.entry for name, read in types.items() if isinstance(read, Reader)}
+        declared = {action.dest: getattr(action, "entry", None) for action in self._actions}
+        return {name: entry for name, entry in declared.items() if entry is not None}
+
+    def _spelling(self, name: str) -> str:
+        """An option with its value, as in the help: "--output FILE"."""
+        (action,) = (action for action in self._actions if action.dest == name)
+        return " ".join(filter(None, (action.option_strings[-1], action.metavar)))  # type: ignore[arg-type]
+
+    def _refuse_idle(self, args: Arguments) -> None:
+        """Raise UsageError if a setting was typed without one that it needs."""
+        for name, entry in self.settings.items():
+            # compliant walls have impacts without clearance, too
+            partners = (entry.needs, "stiffness") if entry.needs == "clearance" else (entry.needs,)
+            value = getattr(args, name)
+            given = value is not None and value is not False and hasattr(args, entry.needs)
+            if given and all(getattr(args, partner) is None for partner in partners):
+                needed = " or ".join(map(self._spelling, partners))
+                raise UsageError(
+                    f"{option(name)} must come with {needed}, got none; it has no effect alone"
+                )
 
     def understand(self, argv: Sequence[str]) -> Arguments:
         """Parsed arguments, and as `settings` their declarations.
@@ -85,6 +103,7 @@ class Parser(argparse.ArgumentParser):
         for name, value in vars(args).items():
             if callable(value):
                 setattr(args, name, value(args.units or SYSTEMS[0]))
+        self._refuse_idle(args)
         return args
 
 
@@ -151,19 +170,47 @@ class Reader:
             raise UsageError(str(error)) from None
 
 
+@dataclass(frozen=True, kw_only=True)
+class OutputFile(Setting):
+    """A file to write, which `_output.check_files` checks before anything is computed.
+
+    formats : suffixes that it may have; none for any.
+    drawn : whether it replaces another without --force, since it is only a picture of data.
+    """
+
+    formats: tuple[str, ...] = ()
+    drawn: bool = False
+
+    def parse(self, label: str, text: str) -> Path:
+        """The path."""
+        return Path(text)
+
+
 def one_of(label: str, allowed: Sequence[str]) -> Callable[[str], Any]:
     """Type of an argument with a few values."""
     return Reader(label, Choice(long_name=label, allowed=tuple(allowed)))
 
 
-def add_setting(group: ArgumentGroup, entry: Setting, **keywords: Any) -> None:
+def add_setting(
+    group: ArgumentGroup, entry: Setting, short: str | None = None, **keywords: Any
+) -> None:
     """Add the option of a declaration; by default an option that is not typed is None."""
     keywords = {"default": None, "help": entry.help} | keywords
     if isinstance(entry, Truth):
         keywords["action"] = "store_true"
     else:
         keywords |= {"type": Reader(option(entry.name), entry), "metavar": entry.metavar}
-    group.add_argument(option(entry.name), **keywords)
+    names = filter(None, (short, option(entry.name)))
+    action = group.add_argument(*names, **keywords)
+    action.entry = entry  # type: ignore[attr-defined]
+
+
+def add_choice(
+    group: ArgumentGroup, name: str, text: str, allowed: Sequence[str], needs: str = ""
+) -> None:
+    """Add an option with a few values."""
+    choice = Choice(name=name, long_name=text, allowed=tuple(allowed), needs=needs)
+    add_setting(group, replace(choice, metavar="|".join(allowed)))
 
 
 def add_number(group: ArgumentGroup, name: str, text: str, metavar: str, **rule: Any) -> None:
@@ -176,6 +223,13 @@ def add_group(parser: Parser, title: str, settings: Mapping[str, Setting]) -> No
     group = parser.add_argument_group(title)
     for entry in settings.values():
         add_setting(group, entry)
+
+
+def together(settings: Mapping[str, Setting]) -> dict[str, Setting]:
+    """Two settings, of which each needs the other."""
+    first, second = settings
+    partners = {first: second, second: first}
+    return {name: replace(entry, needs=partners[name]) for name, entry in settings.items()}
 
 
 def typed(args: Arguments, settings: Mapping[str, Setting]) -> dict[str, Any]:
@@ -200,7 +254,6 @@ def read_escapement(args: Arguments) -> Any:
     from escapement.model.escapement import escapement_of, model_settings
 
     require(args, model_settings())
-    refuse_idle(args, model_settings())
     return escapement_of(read_mechanism(args), typed_by_name(args, model_settings()))
 
 
@@ -261,10 +314,18 @@ def owners() -> dict[str, list[str]]:
     return found
 
 
-def add_output(group: ArgumentGroup, file: str, text: str) -> None:
-    """Add a file to write; `_output.check_wanted` checks whether it may replace another."""
-    group.add_argument("-o", "--output", type=Path, metavar=file, help=text)
-    group.add_argument("--force", action="store_true", help=f"replace {file} if it exists")
+def add_output(group: ArgumentGroup, file: str, text: str, formats: tuple[str, ...] = ()) -> None:
+    """Add a file to write, and whether it may replace another."""
+    add_setting(
+        group, OutputFile(name="output", long_name=text, metavar=file, formats=formats), short="-o"
+    )
+    add_force(group, file, "output")
+
+
+def add_force(group: ArgumentGroup, file: str, needs: str = "") -> None:
+    """Add whether a file may replace another; `needs` is the option that names it."""
+    entry = Truth(name="force", long_name=f"replace {file} if it exists", needs=needs)
+    add_setting(group, entry, default=False)
 
 
 def add_folder(parser: Parser, what: str) -> None:
@@ -274,32 +335,24 @@ def add_folder(parser: Parser, what: str) -> None:
 
 
 def add_plot(group: ArgumentGroup, text: str, film: str = "") -> None:
-    """Add a figure to draw; `_output.check_wanted` checks its path."""
+    """Add a figure to draw."""
     text += f"; {', '.join(FORMATS[:-1])} or {FORMATS[-1]}"
     if film:
         text += f"; {film}: {', '.join(FILMS[:-1])} or {FILMS[-1]}"
-    text += "; replaced if it exists"
-    group.add_argument("--plot", type=Path, metavar="FILE", help=text)
+    _add_drawn(group, "plot", text, "FILE", FORMATS + FILMS if film else FORMATS)
 
 
 def add_report(group: ArgumentGroup) -> None:
-    """Add a report to write; `_output.check_wanted` checks its path."""
-    text = "write a report that needs no other file; replaced if it exists"
-    group.add_argument("--report", type=Path, metavar="FILE.html", help=text)
+    """Add a report to write."""
+    _add_drawn(group, "report", "write a report that needs no other file", "FILE.html", REPORTS)
 
 
-def refuse_idle(args: Arguments, settings: Mapping[str, Setting]) -> None:
-    """Raise UsageError if a setting was typed without the one without which it has no effect."""
-    for name, entry in settings.items():
-        if getattr(args, name) is None or not entry.needs:
-            continue
-        # compliant walls have impacts without clearance, too
-        partners = (entry.needs, "stiffness") if entry.needs == "clearance" else (entry.needs,)
-        if all(getattr(args, partner) is None for partner in partners):
-            raise UsageError(
-                f"{option(name)} must come with {' or '.join(map(option, partners))}, got none; "
-                "it has no effect alone"
-            )
+def _add_drawn(
+    group: ArgumentGroup, name: str, text: str, file: str, formats: tuple[str, ...]
+) -> None:
+    text += "; replaced if it exists"
+    entry = OutputFile(name=name, long_name=text, metavar=file, formats=formats, drawn=True)
+    add_setting(group, entry)
 
 
 def require(args: Arguments, settings: Mapping[str, Setting], where: str = "") -> None:

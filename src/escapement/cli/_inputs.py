@@ -6,12 +6,14 @@ else was typed is added from its arguments. Nobody then takes inches for metres 
 
 import math
 from collections.abc import Iterable
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
+from escapement.base.records import in_units
 from escapement.base.text import print_values, show, words
-from escapement.base.units import SYSTEMS, factor, printed
+from escapement.base.units import SYSTEMS, printed
 from escapement.cli._arguments import Arguments
-from escapement.model.inputs import Input, in_unit, in_words, inputs_of_curve, shortened
+from escapement.model.inputs import Input, in_words, inputs_of_curve, shortened
 
 if TYPE_CHECKING:
     from escapement.study.plan import StudyPlan
@@ -37,10 +39,10 @@ def inputs_of_command(args: Arguments, known: Iterable[Input] = ()) -> list[Inpu
             found.pop(name, None)
             found[f"{name}_deg"] = value, "degrees"
         elif name not in found:
-            given = value if isinstance(value, bool | int | float | list | tuple) else str(value)
-            kind = "ratio" if entry is None else entry.unit
-            scale = factor(kind, args.units or SYSTEMS[0])
-            found[name] = in_unit(given, 1.0 / scale), kind
+            system = args.units or SYSTEMS[0]
+            in_si = value if entry is None else replace(entry, system=system).to_si(value)
+            plain = isinstance(value, bool | int | float | list | tuple)
+            found[name] = in_si if plain else str(value), entry.unit if entry else "ratio"
     return [(name, *rest) for name, rest in found.items()]
 
 
@@ -49,24 +51,25 @@ def as_record(inputs: Iterable[Input], system: str) -> dict[str, Any]:
     record: dict[str, Any] = {"units": system}
     for name, value, kind in inputs:
         alike = len({printed(kind, one) for one in SYSTEMS}) == 1
-        each = {one: in_unit(value, factor(kind, one)) for one in SYSTEMS}
+        each = {one: in_units(value, kind, one) for one in SYSTEMS}
         record[name] = value if alike or isinstance(value, str) else each
     return record
 
 
 def print_inputs(inputs: Iterable[Input], system: str) -> None:
     """Inputs as a table, then an empty line."""
-    others = [one for one in SYSTEMS if one != system]
     rows = []
     for name, value, kind in inputs:
-        shown = "" if isinstance(value, str) else printed(kind, system)
-        for other in others:
-            # a number of another unit shows at once that it was typed in the wrong system
-            if shown != printed(kind, other) and not isinstance(value, str):
-                there = in_words(in_unit(value, factor(kind, other)))
-                shown += f" = {show(there)} {printed(kind, other)}"
-        unit = 1.0 if kind == "degrees" else factor(kind, system)
-        rows.append((words(name), in_words(in_unit(value, unit)), shown))
+        each = {one: in_words(in_units(value, kind, one)) for one in SYSTEMS}
+        unit = printed(kind, system)
+        # a number of another unit shows at once that it was typed in the wrong system
+        others = (
+            f" = {show(each[one])} {printed(kind, one)}"
+            for one in SYSTEMS
+            if printed(kind, one) != unit
+        )
+        shown = "" if isinstance(value, str) else unit + "".join(others)
+        rows.append((words(name), each[system], shown))
     if rows:
         print_values(rows)
         print()

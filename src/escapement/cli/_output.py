@@ -8,6 +8,7 @@ import sys
 import tempfile
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager, suppress
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -16,79 +17,62 @@ import escapement as esc
 from escapement.base.errors import CannotCreate
 from escapement.base.files import (
     FILMS,
-    FORMATS,
-    REPORTS,
     check_target,
     creating,
     file_format,
     write_file,
 )
+from escapement.base.records import Record
 from escapement.base.spoken import speak
-from escapement.base.text import as_json, plain, print_columns, print_values, words
+from escapement.base.status import MESSAGES, Status
+from escapement.base.text import as_json
 from escapement.base.toml_file import read_toml
-from escapement.base.units import SYSTEMS, factor, printed
+from escapement.base.units import SYSTEMS
 from escapement.cli import _log, _waiting
-from escapement.cli._arguments import Arguments, UsageError
+from escapement.cli._arguments import Arguments, OutputFile, UsageError
 from escapement.cli._inputs import as_record, inputs_of_command, print_inputs
 from escapement.model.inputs import Input
 
-Record = Mapping[str, Any]
-"""What a command found, by JSON key."""
-Save = Callable[[], None]
-"""Saves a file whose content is complete: a command makes every file before it saves the first,
-so that a number that is refused leaves nothing on disk."""
-Kinds = Mapping[str, str]
-"""Kind of unit, see `escapement.base.units`, of those that have one, by JSON key."""
-
-_INPUTS = ("data", "study", "table", "log")
-_PICTURES, _LONGEST_FILM = 40, 50  # pictures of an engagement in a film, and engagements
-_LABELS = {
-    "inertia_ratio": "inertia ratio F",
-    "reversal_limits": "reversal limits F12, F23",
-    "torque_max_deg": "torque max at",
-    "torque_mean": "torque mean to dead centre",
-    "greatest_speed": "greatest speed without reversal",
-    "greatest_follower_inertia": "greatest follower inertia without reversal",
-    "least_load_torque": "least load torque without reversal",
-}
-"""Names of keys in tables, where a name is not the key in words."""
-_NO_LIMIT = "no finite value makes the pin reverse"
-_REASONS = {
-    "stations": "R2/R1 is not a fraction with a denominator of at most 1000, so the output never "
-    "stops in the same direction again",
-    "critical_friction": "no friction in slots can jam it",
-    "last_reversal_angle": "the pin does not reverse",
-    "inertia_ratio": "F is not defined without a load",
-    "reversal_limits": "the follower's deceleration ends at zero, so no inertia ratio lets it "
-    "drive up to the end",
-    "torque_max_over_mean": "the mean torque is not above zero",
-    "greatest_speed": _NO_LIMIT,
-    "greatest_follower_inertia": _NO_LIMIT,
-    "least_load_torque": _NO_LIMIT,
-}
-"""Why a number is missing, for numbers with only one possible reason."""
+Content = Any
+"""Of a file: a text, a picture, or a function that saves it."""
+_PICTURES, _FEWER, _MANY = 40, 10, 320  # pictures of an engagement in a film, fewer beyond many
+_LONGEST_FILM = 50  # engagements
 
 
 def tell(
     args: Arguments,
-    record: Record,
-    table: Callable[[], None],
-    message: str = "",
+    record: Record | Mapping[str, Any],
     known: Iterable[Input] = (),
+    table: Callable[[], None] | None = None,
 ) -> None:
-    """Print what went in and what a command found, and what to know of it on stderr.
+    """Print what went in and what a command found, as a JSON object or as tables.
 
-    The output is a JSON object, or a table. `known` are the numbers that went in, with their
-    defaults; whatever else was typed is listed, too.
+    The message of the record is shown on stderr, too, and its tables do not have it.
+
+    Parameters
+    ----------
+    args : Arguments
+        What was typed.
+    record : Record or mapping
+        What was found, in SI.
+    known : iterable of Input
+        Numbers that went in, with their defaults; whatever else was typed is listed, too.
+    table : callable, optional
+        Prints what was found, where its own tables are not what a reader needs.
     """
     _waiting.end()
+    found = record if isinstance(record, Record) else Record(record)
     inputs, system = inputs_of_command(args, known), args.units or SYSTEMS[0]
+    message = found.values.get("message", "")
     if args.json:
-        print_json({"inputs": as_record(inputs, system)} | {**record})
+        print_json({"inputs": as_record(inputs, system)} | found.in_units(system))
     else:
         print_inputs(inputs, system)
-        table()
-    if message:
+        if table is not None:
+            table()
+        else:
+            found.without("message").show(system)
+    if message not in ("", MESSAGES[Status.OK]):
         note(message)
 
 
@@ -100,80 +84,15 @@ def speak_as(args: Arguments, path: Path, what: str) -> None:
         speak(args.units)
 
 
-def print_json(record: Record) -> None:
+def print_json(record: Mapping[str, Any]) -> None:
     """One object on stdout."""
     print(as_json(record), end="")
 
 
-def report(
-    args: Arguments,
-    record: Record,
-    kinds: Kinds,
-    warning: str = "",
-    known: Iterable[Input] = (),
-) -> None:
-    """Print numbers in SI in the user's units; a list of objects becomes a table of its own.
-
-    If there is a warning about the numbers, or a number is missing, a `message` is added, which
-    is also shown on stderr. `known` is as of `tell`.
-    """
-    shown = _shown(record, kinds, args.units)
-    message = "; ".join([*filter(None, [warning]), *not_given(record)])
-
-    def table() -> None:
-        several = [key for key, x in shown.items() if isinstance(x, list) and dict in map(type, x)]
-        single = {key: value for key, value in shown.items() if key not in several}
-        print_values(rows(single, kinds, args.units))
-        for key in several:
-            # a single row repeats what stands above
-            if len(shown[key]) > 1:
-                print(f"\n{words(key)}")
-                columns = rows(dict.fromkeys(shown[key][0]), kinds, args.units)
-                header = [
-                    name + f" ({unit})" * (unit not in ("", "1")) for name, _, unit in columns
-                ]
-                print_columns([header], [line.values() for line in shown[key]])
-
-    tell(args, shown | ({"message": message} if message else {}), table, message, known)
-
-
-def rows(record: Record, kinds: Kinds, system: str) -> list[tuple[str, Any, str]]:
-    """Name, value and unit for a table of numbers in the user's units, angles in degrees."""
-
-    def unit(key: str) -> str:
-        kind = "degrees" if key.endswith("_deg") else kinds.get(key, "ratio")
-        return printed(kind, system)
-
-    return [(_LABELS.get(key, words(key)), value, unit(key)) for key, value in record.items()]
-
-
-def _shown(record: Record, kinds: Kinds, system: str) -> dict[str, Any]:
-    """Numbers in SI in the user's units, those of objects in a list too."""
-    return {
-        key: [_shown(line, kinds, system) for line in value]
-        if isinstance(value, list) and dict in map(type, value)
-        else in_units(value, kinds.get(key, "ratio"), system)
-        for key, value in record.items()
-    }
-
-
-def not_given(record: Mapping[str, Any]) -> list[str]:
-    """Why numbers are missing from what a command found."""
-    # values that are not finite numbers become None, as in JSON
-    found = {key: plain(value) for key, value in record.items() if key in _REASONS}
-    return [
-        f"{key} is not given: {_REASONS[key]}"
-        for key, value in found.items()
-        if value is None or (isinstance(value, list) and None in value)
-    ]
-
-
-def in_units(value: Any, quantity: str, system: str) -> Any:
-    """An SI value in the user's units; a value without a unit, or None, stays as it is."""
-    scale = factor(quantity, system)
-    if isinstance(value, list):
-        return [in_units(one, quantity, system) for one in value]
-    return value if scale == 1.0 or value is None else value / scale
+def with_reasons(record: Record, warning: str = "") -> Record:
+    """A record with a message, if there is a warning or a number is missing."""
+    message = "; ".join([*filter(None, [warning]), *record.reasons()])
+    return replace(record, values={**record.values, "message": message}) if message else record
 
 
 def note(message: str) -> None:
@@ -183,109 +102,94 @@ def note(message: str) -> None:
     print(f"escapement: {message}", file=sys.stderr)
 
 
-def draw(path: Path | None, plot: Callable[[Any], Any]) -> None:
-    """Save a figure, which `plot` makes with `escapement.plots`, where one was asked for."""
-    drawn(path, plot)()
+def save(
+    args: Arguments,
+    output: Callable[[], Content] | None = None,
+    plot: Callable[[Any], Content] | None = None,
+    report: Callable[[], Content] | None = None,
+) -> None:
+    """Make all files that were asked for, then save them.
+
+    A number that is refused while one of them is made leaves nothing on disk.
+
+    Parameters
+    ----------
+    args : Arguments
+        With the paths of the files.
+    output, report : callable, optional
+        Make the content of --output and of --report.
+    plot : callable, optional
+        Makes that of --plot, with `escapement.plots`.
+    """
+    makers = {"output": output, "plot": plot and partial(picture, plot), "report": report}
+    asked = {n: x for n, x in makers.items() if x and getattr(args, n, None) is not None}
+    for name, content in {name: make() for name, make in asked.items()}.items():
+        save_as(getattr(args, name), content, force=name != "output" or args.force)
 
 
-def drawn(path: Path | None, plot: Callable[[Any], Any]) -> Save:
-    """As `draw`, but the figure is only made; the result saves it."""
-    if path is None:
-        return _nothing
-    # the plotting library is loaded only for a figure
-    return partial(_save_picture, path, plot(esc.plots))
+def save_as(path: Path, content: Content, force: bool = True) -> None:
+    """Save content, of which a picture is saved by Matplotlib, and a function saves itself."""
+    if isinstance(content, str):
+        write_file(path, [content.encode()], force)
+    elif callable(content):
+        content()
+    else:
+        esc.plots.save(content, path)
+    _log.record("saved", file=str(path))
 
 
-def drawn_motion(path: Path | None, motion: Any, plot: Callable[[Any], Any]) -> Save:
-    """Make a page that plays a motion, a film of it, or what `plot` makes, by the suffix."""
+def picture(plot: Callable[[Any], Content]) -> Content:
+    """What `plot` makes; the plotting library is loaded only for that."""
+    return plot(esc.plots)
+
+
+def page_of(escapement: Any, budget: Any = None, speed: float = 0.0) -> str:
+    """A report of a design; `speed` is that of the driver at the first pin entry [rad/s]."""
+    from escapement.reports import page
+
+    return page(escapement, budget, "", speed)
+
+
+def moving(path: Path | None, motion: Any, still: Callable[[Any], Content]) -> Any:
+    """What makes a film of a motion, or a page that plays it, or a picture, by the suffix.
+
+    still : makes the picture, with `escapement.plots`.
+    """
     if path is None or path.suffix.lower() not in FILMS:
-        return drawn(path, plot)
+        return still
     if path.suffix.lower() == ".html":
         from escapement.explorer import player
 
-        return partial(_save_text, path, player(motion))
+        return lambda _: player(motion)
     engagements = max(1, motion.handoff_times.size)
     if engagements > _LONGEST_FILM:
         raise UsageError(
             f"a film must show at most {_LONGEST_FILM} engagements, got {engagements}; run fewer, "
             "as with --engagements 3"
         )
-    return drawn(path, lambda plots: plots.animate(motion, frames=_PICTURES * engagements))
+    frames = max(min(_PICTURES * engagements, _MANY), _FEWER * engagements)
+    return lambda plots: plots.animate(motion, frames=frames)
 
 
-def reported(args: Arguments, escapement: Any, budget: Any = None, speed: float = 0.0) -> Save:
-    """Make a report of a design where one was asked for; the result saves it.
-
-    `speed` is that of the driver at the first pin entry [rad/s].
-    """
-    if args.report is None:
-        return _nothing
-    from escapement.reports import page
-
-    return partial(_save_text, args.report, page(escapement, budget, "", speed))
-
-
-def _save_picture(path: Path, picture: Any) -> None:
-    esc.plots.save(picture, path)
-    _log.record("saved", file=str(path))
-
-
-def _save_text(path: Path, text: str) -> None:
-    write_file(path, [text.encode()], force=True)
-    _log.record("saved", file=str(path))
-
-
-def _nothing() -> None:
-    """No file was asked for."""
-
-
-def check_wanted(
-    args: Arguments,
-    file: str = "FILE",
-    formats: tuple[str, ...] | None = None,
-    pictures: tuple[str, ...] = FORMATS,
-) -> None:
-    """Check the paths that --output with --force, and --plot, name.
-
-    None of them may be an input of the command.
-
-    Parameters
-    ----------
-    args : Arguments
-        With `_arguments.add_plot`, and `_arguments.add_output` or without it.
-    file : str
-        What the command's help calls its output.
-    formats : tuple of str, optional
-        Suffixes that the output may have.
-    pictures : tuple of str
-        Suffixes that the figure may have.
+def check_files(args: Arguments) -> None:
+    """Check the paths of all files to write; none of them may be an input of the command.
 
     Raises
     ------
-    UsageError
-        When there is nothing that --force could replace.
     InvalidValue, CannotCreate
-        As `check_output`.
+        When the suffix is unknown, or as `check_output`.
     """
-    given = vars(args)
-    inputs = [given[name] for name in _INPUTS if given.get(name) is not None]
-    if given.get("output") is not None:
-        if formats:
-            file_format(args.output, formats)
-        check_output(args.output, *inputs, force=args.force)
-        inputs.append(args.output)
-    elif given.get("force"):
-        raise UsageError(f"--force must come with --output {file}, got none; leave it out")
-    if args.plot is not None:
-        check_output(args.plot, *inputs, pictures=pictures)
-    if given.get("report") is not None:
-        file_format(args.report, REPORTS)
-        check_output(args.report, *inputs, force=True)
+    files = {n: x for n, x in args.settings.items() if isinstance(x, OutputFile)}
+    known = [x for name, x in vars(args).items() if isinstance(x, Path) and name not in files]
+    for name, entry in files.items():
+        if (path := getattr(args, name)) is not None:
+            if entry.formats:
+                file_format(path, entry.formats)
+            check_output(path, *known, force=getattr(args, "force", False), drawn=entry.drawn)
+            known.append(path)
 
 
-def check_output(
-    path: Path, *others: Path, force: bool = False, pictures: tuple[str, ...] = ()
-) -> None:
+def check_output(path: Path, *others: Path, force: bool = False, drawn: bool = False) -> None:
     """Look whether a file can be put at `path`.
 
     Parameters
@@ -296,20 +200,16 @@ def check_output(
         Inputs and other outputs, which it must not be.
     force : bool
         Whether an existing file may be replaced.
-    pictures : tuple of str
-        Suffixes that a picture may have, where it is one. Pictures are made from data: one that
-        is not read-only is replaced without asking.
+    drawn : bool
+        Whether it is made from data, as a picture: one that is not read-only is replaced without
+        asking.
 
     Raises
     ------
     CannotCreate
         When it cannot be written there.
-    InvalidValue
-        When the suffix is not that of a picture.
     """
-    if pictures:
-        file_format(path, pictures)
-    folder = check_target(path, force or bool(pictures), writable=bool(pictures)).parent
+    folder = check_target(path, force or drawn, writable=drawn).parent
     for other in others:
         # links are followed; otherwise a result could replace its own input
         if os.path.realpath(path) == os.path.realpath(other):

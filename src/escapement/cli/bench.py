@@ -24,7 +24,7 @@ def execute(args: Arguments) -> int:
     with _output.folder(args.output):
         results = work_precision.run(quick=args.quick, note=_output.note)
         try:
-            _output.tell(args, results.as_dict(), lambda: print_tables(results))
+            _output.tell(args, results.as_dict(), table=lambda: print_tables(results))
             sys.stdout.flush()
         finally:  # neither a full disk nor a reader that left may cost many minutes of work
             for path in work_precision.write(results, args.output) if args.output else []:

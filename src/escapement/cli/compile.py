@@ -21,21 +21,21 @@ def execute(args: Arguments) -> int:
     compile_all()
     found = {"functions": notice.done, "time": notice.spent}
     lines = f"functions compiled  {notice.done}\ntime                {notice.spent:.0f} s"
-    _output.tell(args, found, lambda: print(lines))
+    _output.tell(args, found, table=lambda: print(lines))
     return 0
 
 
 def compile_all() -> None:
     """Solve a small case of each kind, and note that all is compiled."""
+    from escapement.numerics import jit
     from escapement.numerics.interpreted import compile_from_now_on
-    from escapement.numerics.jit import note_all_compiled
 
     compile_from_now_on()
     timers = [*_timers()]
     for timer, engines in timers:
         _solve(timer, engines)
     _solve_others(timers[0][0])
-    note_all_compiled()
+    jit.note_all_compiled()
 
 
 def _timers() -> Iterator[tuple["Escapement", tuple[str, ...]]]:

@@ -4,18 +4,19 @@ from pathlib import Path
 from typing import Any
 
 import escapement as esc
-from escapement.base.files import write_file
+from escapement.base.records import Record
+from escapement.base.results import Result
 from escapement.base.spoken import on_drawing
-from escapement.base.text import as_csv, print_columns, words
-from escapement.base.units import printed
+from escapement.base.text import as_csv
 from escapement.cli import SOME_FAILED, _arguments, _inputs, _output
 from escapement.cli._arguments import Arguments, Parser
 
 UNITS = "units of the printed figures (default: those of the wish)"
 _CHOSEN = {
-    "slots": "ratio", "pins": "ratio", "internal": "ratio", "crank_radius": "length",
-    "pin_radius": "length", "torque": "torque", "friction": "ratio", "spring_rate": "rate",
-    "can_be_cut": "ratio",
+    name: Result(kind) for name, kind in {
+        "slots": "ratio", "pins": "ratio", "internal": "ratio", "crank_radius": "length",
+        "pin_radius": "length", "torque": "torque", "friction": "ratio", "spring_rate": "rate",
+    }.items()
 }  # fmt: skip
 
 
@@ -36,48 +37,36 @@ def execute(args: Arguments) -> int:
     from escapement.inverse_design.requirement import BOUNDS, load_requirement
     from escapement.inverse_design.timer_search import FOIL
 
-    _output.check_wanted(args, file="FILE.csv")
     _output.speak_as(args, args.wish, "wish")
-    requirement, shown = load_requirement(args.wish)[0], args.units
+    requirement = load_requirement(args.wish)[0]
     found = esc.design(requirement, count=args.count or 40)
     known = [*_inputs.of_requirement(requirement), ("count", args.count or 40, "ratio")]
-    kinds = {**_CHOSEN, **{name: entry.unit for name, entry in BOUNDS.items()}}
+    results = _CHOSEN | {name: Result(entry.unit) for name, entry in BOUNDS.items()}
     lines = [_line(one) for one in found.designs]
-    record = [
-        {name: _output.in_units(value, kinds[name], shown) for name, value in line.items()}
-        for line in lines
-    ]
     if not lines:
-        _output.tell(
-            args, {"designs": [], "message": found.message}, lambda: None, found.message, known
-        )
+        _output.tell(args, {"designs": [], "message": found.message}, known, lambda: None)
         return SOME_FAILED
-    picture = _output.drawn(args.plot, lambda plots: plots.plot_designs(found))
-    report = _output.reported(args, found.designs[0].timer)
-    if args.output is not None:
-        table = as_csv([[*lines[0]], *([*line.values()] for line in lines)])
-        write_file(args.output, [table.encode()], args.force)
-    picture()
-    report()
-
-    def table_of_designs() -> None:
-        names = ("slots", "internal", "crank_radius", "torque", "driver_inertia",
-                 "follower_inertia", *dict.fromkeys((*requirement.objectives, *requirement.bounds)),
-                 "can_be_cut")  # fmt: skip
-        units = [printed(kinds[name], shown) for name in names]
-        header = [words(n) + f" ({u})" * (u != "") for n, u in zip(names, units, strict=True)]
-        print_columns([header], [[line[name] for name in names] for line in record])
-
+    _output.save(
+        args,
+        lambda: as_csv([[*lines[0]], *([*line.values()] for line in lines)]),
+        lambda plots: plots.plot_designs(found),
+        lambda: _output.page_of(found.designs[0].timer),
+    )
     message = f"{len(lines)} designs, from {found.tried} points tried"
     if foil := sum(not one.can_be_cut for one in found.designs):
         thin = f"a disc or a wall is thinner than {on_drawing(FOIL)}"
         message += f"; {foil} of them cannot be cut: {thin}"
-    _output.tell(args, {"designs": record, "message": message}, table_of_designs, message, known)
+    wanted = dict.fromkeys((*requirement.objectives, *requirement.bounds))
+    chosen = "slots", "internal", "crank_radius", "torque", "driver_inertia", "follower_inertia"
+    names = (*chosen, *wanted, "can_be_cut")
+    short = Record({"designs": [{name: line[name] for name in names} for line in lines]}, results)
+    record = Record({"designs": lines, "message": message}, results)
+    _output.tell(args, record, known, lambda: short.show(args.units))
     return 0
 
 
 def _line(one: "esc.Design") -> dict[str, Any]:
     """The chosen numbers of a design, and its figures, in SI."""
     given = one.timer.mechanism.settings | one.timer.settings
-    chosen = {name: given[name] for name in _CHOSEN if name != "can_be_cut"}
+    chosen = {name: given[name] for name in _CHOSEN}
     return chosen | one.values | {"can_be_cut": one.can_be_cut}

@@ -1,12 +1,10 @@
 """Drive torque, power and pin reversals at constant driver speed."""
 
-import math
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import escapement as esc
-from escapement.base.errors import InvalidValue
 from escapement.base.quantity import declared
-from escapement.base.units import printed
+from escapement.base.spoken import as_spoken
 from escapement.cli import _arguments, _output
 from escapement.cli._arguments import Arguments, Parser, UsageError, option
 from escapement.constant_speed import Case
@@ -15,11 +13,6 @@ from escapement.model.inputs import inputs_of_mechanism, inputs_of_settings
 if TYPE_CHECKING:
     from escapement.constant_speed import DriveTorque
 
-
-_KINDS = {
-    "torque_max": "torque", "torque_mean": "torque", "power_mean_to_dead_centre": "power",
-    "power_max": "power", "index_time": "time", "dwell_time": "time", "contact_force_max": "force",
-}  # fmt: skip
 _THICK = ("pin_radius", "roller_radius")
 
 
@@ -32,8 +25,7 @@ def configure(parser: Parser) -> None:
 
 def execute(args: Arguments) -> int:
     """Print the figures; draw the torque where asked for."""
-    _output.check_wanted(args)
-    from escapement.constant_speed.extrema import LIMITS
+    from escapement.constant_speed.drive_record import record_of
 
     _arguments.require(args, declared(Case))
     for name in _THICK:
@@ -44,53 +36,19 @@ def execute(args: Arguments) -> int:
             raise UsageError(f"{option(name)} must be left out at constant speed: {remedy}")
     mechanism = _arguments.read_mechanism(args)
     result = esc.drive_torque(mechanism, **_arguments.typed(args, declared(Case)))
-    _output.draw(args.plot, lambda plots: plots.plot_drive_torque(result, units=args.units))
-    kinds = _KINDS | LIMITS
+    _output.save(args, plot=lambda plots: plots.plot_drive_torque(result, units=args.units))
     known = [*inputs_of_mechanism(mechanism), *inputs_of_settings(result, mechanism.meshed)]
-    _output.report(args, summarise(result), kinds, _doubt(result, args.units), known)
+    _output.tell(args, _output.with_reasons(record_of(result), _doubt(result)), known)
     return 0
 
 
-def summarise(result: "DriveTorque") -> dict[str, Any]:
-    """The reported numbers by JSON key, in SI; one that does not exist is NaN or infinite."""
-    from escapement.constant_speed.extrema import limits_without_reversal
-
-    try:
-        ratio = result.inertia_ratio
-    except InvalidValue:
-        # without a load there is none
-        ratio = math.nan
-    mechanism: Any = result.mechanism
-    cell = mechanism.cell_angle / result.speed
-    force = {}
-    if mechanism.crank_radius is not None:
-        force["contact_force_max"], angle = result.contact_force_max
-        force["contact_force_max_deg"] = math.degrees(angle)
-    return {
-        "index_time": mechanism.motion_ratio * cell,
-        "dwell_time": (1.0 - mechanism.motion_ratio) * cell,
-        "inertia_ratio": ratio,
-        "reversal_limits": list(result.reversal_limits),
-        "zone": result.zone,
-        "reversals_deg": [math.degrees(angle) for angle in result.reversals.tolist()],
-        "torque_max": result.torque_max,
-        "torque_max_deg": math.degrees(result.torque_max_angle),
-        "torque_mean": result.torque_mean,
-        "torque_max_over_mean": result.peak_to_mean,
-        "power_mean_to_dead_centre": result.power_mean_to_dead_centre,
-        "power_max": result.power_max,
-        **force,
-        **limits_without_reversal(result),
-    }
-
-
-def _doubt(result: "DriveTorque", units: str) -> str:
+def _doubt(result: "DriveTorque") -> str:
     """The uncertainty due to the scatter of a measured table; "" for other mechanisms."""
     if result.moment_deviation == 0.0:
         return ""
-    doubt = _output.in_units(result.moment_deviation, "torque", units)
     return (
-        f"the scatter of the table makes the contact moment uncertain by {doubt:.2g} "
-        f"{printed('torque', units)} (standard deviation), and the torque by this times the "
-        "ratio; two reversals may be false if the moment between them is smaller than this"
+        "the scatter of the table makes the contact moment uncertain by "
+        f"{as_spoken(result.moment_deviation, 'torque', 2)} (standard deviation), and the torque "
+        "by this times the ratio; two reversals may be false if the moment between them is smaller "
+        "than this"
     )

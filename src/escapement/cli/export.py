@@ -1,32 +1,32 @@
 """Parts of a mechanism as a DXF or SVG file for cutting, after a check of the motion."""
 
-import math
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import escapement as esc
 from escapement.base.files import CUTS, file_format, write_file
-from escapement.base.quantity import Quantity, declared
+from escapement.base.quantity import Quantity, Truth, declared
+from escapement.base.spoken import as_spoken
 from escapement.base.units import factor, printed
 from escapement.cli import _arguments, _output
-from escapement.cli._arguments import Arguments, Parser, UsageError
+from escapement.cli._arguments import Arguments, Parser
 from escapement.mechanisms import DEFAULT_KIND, kind_of
 from escapement.model.inputs import inputs_of_mechanism, inputs_of_settings
 from escapement.outlines.fits import Fits
 
 if TYPE_CHECKING:
-    from escapement.outlines.interference import Nearest
-    from escapement.outlines.part import Part
+    pass
 
 _NO_TEETH = ("teeth", 0, "ratio")
 _FITS = {name: entry for name, entry in declared(Fits).items() if name != "clearance"}
 _DISCS = {
     "thickness": Quantity(
         name="thickness", key="thickness", long_name="thickness of the parts", unit="length",
-        exclusive=True, required=True, metavar="T", remedy="give the thickness",
+        exclusive=True, metavar="T", remedy="give the thickness", needs="density",
     ),
     "density": Quantity(
         name="density", key="density", long_name="density of their material", unit="density",
-        exclusive=True, required=True, metavar="RHO", remedy="give the density",
+        exclusive=True, metavar="RHO", remedy="give the density", needs="thickness",
     ),
 }  # fmt: skip
 _WALLS = {
@@ -36,12 +36,12 @@ _WALLS = {
         note=" (default: 0.3 mm, or the kerf if that is more)",
     ),
 }  # fmt: skip
+_HOW = {
+    "segments": "chords instead of arcs, for machines that can only cut lines",
+    "r12": "DXF of release 12, for old programs; it has no units",
+}
 _LEAST_WALL = 3e-4  # [m]
 _SIZES = 1e-3, 2.0  # parts beyond these were probably typed in another unit [m]
-_LENGTHS = ("width", "height", "wall", "least_gap", "gap", "x", "y")
-_INERTIAS = ("driver_inertia", "follower_inertia")
-_KINDS = dict.fromkeys(_LENGTHS, "length") | dict.fromkeys(_INERTIAS, "inertia")
-_KINDS["mass"] = "mass"
 
 
 def configure(parser: Parser) -> None:
@@ -52,22 +52,14 @@ def configure(parser: Parser) -> None:
     _arguments.add_group(parser, "discs, for mass and inertia", _DISCS)
     output = parser.add_argument_group("output")
     text = "write the parts: FILE.dxf, or FILE.svg; in inches with --units in-lbf-s, else in mm"
-    _arguments.add_output(output, "FILE", text)
-    text = "chords instead of arcs, for machines that can only cut lines"
-    output.add_argument("--segments", action="store_true", help=text)
-    text = "DXF of release 12, for old programs; it has no units"
-    output.add_argument("--r12", action="store_true", help=text)
-    parser.set_defaults(plot=None)
+    _arguments.add_output(output, "FILE", text, CUTS)
+    for name, text in _HOW.items():
+        entry = Truth(name=name, long_name=text, needs="output")
+        _arguments.add_setting(output, entry, default=False)
 
 
 def execute(args: Arguments) -> int:
     """Check the motion, write the parts, print them and the least gaps."""
-    _output.check_wanted(args, formats=CUTS)
-    for name in ("segments", "r12"):
-        if getattr(args, name) and args.output is None:
-            raise UsageError(f"--{name} must come with --output FILE, got none; name a file")
-    if any(getattr(args, name) is not None for name in _DISCS):
-        _arguments.require(args, _DISCS, ", both or none")
     given = _arguments.typed(args, _FITS)
     if "clearance" not in kind_of(args.kind or DEFAULT_KIND).options() and args.clearance:
         # a Geneva wheel has its own clearance, which this option sets
@@ -77,63 +69,31 @@ def execute(args: Arguments) -> int:
     if args.output is None:
         gaps = esc.motion_check(mechanism, fits)
     else:
-        how = {name: getattr(args, name) for name in ("segments", "r12")}
+        how = {name: getattr(args, name) for name in _HOW}
         suffix, inches = file_format(args.output, CUTS), args.units != "SI"
         from escapement.outlines.part_files import drawn
 
         data, gaps = drawn(mechanism, suffix, fits, inches=inches, **how)
+    from escapement.outlines.part_record import record_of
+
     parts = esc.parts_of(mechanism, fits)
-    record = _summary(args, mechanism, fits, parts, gaps)
-    warning = _warning(args, mechanism, fits, record["parts"])
+    discs = _arguments.typed(args, _DISCS)
+    record = record_of(mechanism, fits, parts, gaps, discs)
+    warning = _warning(args, mechanism, fits, record.values["parts"])
     # nothing is written before every number is known to be possible
-    if data is not None:
-        write_file(args.output, [data], args.force)
+    _output.save(args, lambda: partial(write_file, args.output, [data or b""], args.force))
     # no number of teeth leaves it to the gears, or there are none
     chosen = [row for row in inputs_of_settings(fits, mechanism.meshed) if row != _NO_TEETH]
     known = [*inputs_of_mechanism(mechanism), *chosen]
-    _output.report(args, record, _KINDS, warning, known)
+    _output.tell(args, _output.with_reasons(record, warning), known)
     return 0
-
-
-def _summary(
-    args: Arguments, mechanism: Any, fits: Fits, parts: "tuple[Part, ...]", gaps: "list[Nearest]"
-) -> dict[str, Any]:
-    """What `export` reports, by JSON key, in SI."""
-    record: dict[str, Any] = {"kind": mechanism.kind, "least_gap": gaps[0].gap}
-    discs = _arguments.typed(args, _DISCS)
-    if discs and isinstance(mechanism, esc.Geneva):
-        inertia = esc.disc_inertia(mechanism, **discs, fits=fits)
-        record |= {"driver_inertia": inertia.driver, "follower_inertia": inertia.follower}
-    rows = []
-    for part in parts:
-        size = {"width": part.size.real, "height": part.size.imag, "wall": part.wall.width}
-        rows.append({"part": part.name, **size, "holes": len(part.holes)})
-        if discs:
-            rows[-1]["mass"] = part.mass(**discs)
-    record["parts"] = rows
-    record["least_gaps"] = [
-        {
-            "bodies": " and ".join(pair.names), "gap": pair.gap,
-            "angle_deg": math.degrees(pair.theta), "x": pair.point.real, "y": pair.point.imag,
-        }
-        for pair in gaps
-    ]  # fmt: skip
-    return record
 
 
 def _warning(args: Arguments, mechanism: Any, fits: Fits, rows: list[dict[str, Any]]) -> str:
     """What a workshop would ask about: no clearance, thin walls, very large or small parts."""
-    texts = []
+    texts, length = list[str](), partial(as_spoken, quantity="length", figures=3)
     if not (mechanism.meshed or mechanism.clearance or fits.clearance):
         texts.append("the slots are as wide as the pins; give a --clearance to make them")
-
-    unit = printed("length", args.units)
-    example = "12 mm" if args.units == "SI" else "0.5 in"
-
-    def length(size: float) -> str:
-        shown = _output.in_units(size, "length", args.units)
-        return f"{shown:.3g} {unit}"
-
     least = _arguments.typed(args, _WALLS).get("least_wall", max(_LEAST_WALL, fits.kerf))
     thin = [f"{row['part']} {length(row['wall'])}" for row in rows if row["wall"] <= least]
     if thin:
@@ -146,8 +106,9 @@ def _warning(args: Arguments, mechanism: Any, fits: Fits, rows: list[dict[str, A
         across = max(row["width"], row["height"])
         if not _SIZES[0] <= across <= _SIZES[1]:
             texts.append(
-                f"{row['part']} is {length(across)} across; a length without a unit is in {unit}: "
-                f"write for example '{example}'"
+                f"{row['part']} is {length(across)} across; a length without a unit "
+                f"is in {printed('length', args.units)}: write for example "
+                f"'{'12 mm' if args.units == 'SI' else '0.5 in'}'"
             )
             break
     return "; ".join(f"warning: {text}" for text in texts)

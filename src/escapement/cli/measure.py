@@ -1,47 +1,42 @@
 """Command `measure`: compare encoder readings with theory, and a measured motion with a model."""
 
 import math
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 import escapement as esc
 from escapement.base import headings, validate
 from escapement.base.errors import InvalidValue
-from escapement.base.lazy import Lazy
 from escapement.base.quantity import Quantity
-from escapement.base.text import print_columns, print_values, words
-from escapement.base.units import SYSTEMS, printed
-from escapement.cli import _arguments, _log, _output
-from escapement.cli._arguments import (
-    Arguments,
-    Parser,
-    UsageError,
-    add_number,
-    one_of,
-    option,
-)
+from escapement.base.records import Record
+from escapement.base.results import Result
+from escapement.base.units import SYSTEMS
+from escapement.cli import _arguments, _output
+from escapement.cli._arguments import Arguments, Parser, UsageError, add_choice, add_number, option
 from escapement.mechanisms import DEFAULT_KIND, kind_of
 from escapement.mechanisms.wheel_checks import LENGTHS
 from escapement.model.escapement import model_settings
 from escapement.model.inputs import inputs_of, inputs_of_mechanism
 
-np = Lazy("numpy")
+_COLUMNS = {
+    "--input-column": "of the input (default: input, in, driver, theta or phi1)",
+    "--output-column": "of the output (default: output, out, follower, phi or phi3)",
+    "--time-column": "of the times, which --fit needs (default: time, t or timestamp)",
+}
 _TESTS = {
     "chi_squared": "chi-squared",
     "chi_squared_published": "chi-squared as published",
     "anderson_darling": "Anderson-Darling",
 }
-_KEYS = (
-    "samples", "missing", "input_travel_deg", "sense", "phase_deg", "offset_deg",
-    "mean_deg", "standard_deviation_deg", "error_min_deg", "error_max_deg",
+_HIDDEN = dict.fromkeys(
+    ("verdict", "good", "confidence", "bin_edges_deg", "observed", "expected", "fitted", "message",
+     *_TESTS), Result(tabled=False),
 )  # fmt: skip
-
-
-_MOTION_KEYS = {
-    "samples": "ratio", "release_time": "time", "noise_deg": "degrees",
-    "autocorrelation": "ratio", "p_value": "ratio", "speed_max": "speed",
-    "speed_max_computed": "speed", "speed_deviation": "speed",
-}  # fmt: skip
+"""What has no line of its own in the tables."""
+_MOTION = {"release_time": Result("time")} | dict.fromkeys(
+    ("speed_max", "speed_max_computed", "speed_deviation"), Result("speed")
+)
 
 
 def configure(parser: Parser) -> None:
@@ -50,29 +45,23 @@ def configure(parser: Parser) -> None:
     parser.add_argument("data", type=Path, metavar="DATA.csv", help=text)
     _arguments.add_mechanism(parser)
     columns = parser.add_argument_group("columns of DATA.csv")
-    text = "of the input (default: input, in, driver, theta or phi1)"
-    columns.add_argument("--input-column", metavar="NAME", help=text)
-    text = "of the output (default: output, out, follower, phi or phi3)"
-    columns.add_argument("--output-column", metavar="NAME", help=text)
-    text = "of the times, which --fit needs (default: time, t or timestamp)"
-    columns.add_argument("--time-column", metavar="NAME", help=text)
-    unit = one_of("--time-unit", tuple(headings.TIMES))
+    for name, text in _COLUMNS.items():
+        columns.add_argument(name, metavar="NAME", help=text)
     text = "unit of the times (default: as in the column's name, else s)"
-    columns.add_argument("--time-unit", type=unit, metavar="|".join(headings.TIMES), help=text)
-    unit = one_of("--angle-unit", (*headings.UNITS, headings.COUNTS))
+    add_choice(columns, "time_unit", text, tuple(headings.TIMES))
     text = (
         "unit of both angles; counts need --resolution (default: as in the columns' names, else "
         "deg)"
     )
-    columns.add_argument("--angle-unit", type=unit, metavar="deg|rad|turn|counts", help=text)
+    add_choice(columns, "angle_unit", text, (*headings.UNITS, headings.COUNTS))
     text, remedy = "how many lines to skip at the beginning of the file", "give how many lines"
     add_number(columns, "skip_rows", text, "N", minimum=0, whole=True, remedy=remedy)
     zeros = parser.add_argument_group("zeros of the encoders, which are fitted unless given")
     rule: dict[str, Any] = {"unit": "degrees", "minimum": -math.inf, "remedy": "give an angle"}
     text = "driver angle from dead centre at which the input reads zero"
-    add_number(zeros, "phase", text, "DEG", **rule)
+    add_number(zeros, "phase", text, "DEG", needs="offset", **rule)
     text = "reading of the output at which the follower angle is zero"
-    add_number(zeros, "offset", text, "DEG", **rule)
+    add_number(zeros, "offset", text, "DEG", needs="phase", **rule)
     statistics = parser.add_argument_group("statistics")
     text = (
         "classes: a number, or sturges (default), scott, freedman-diaconis, square-root; the "
@@ -87,7 +76,8 @@ def configure(parser: Parser) -> None:
     )
     statistics.add_argument("--resolution", type=_resolution, metavar="N[,N]", help=text)
     text = "greatest deviation of the encoders as a share of a turn (default: 0)"
-    add_number(statistics, "linearity", text, "SHARE", remedy="give a share, 0.003 for 0.3 %")
+    remedy = "give a share, 0.003 for 0.3 %"
+    add_number(statistics, "linearity", text, "SHARE", remedy=remedy, needs="resolution")
     motion = parser.add_argument_group("motion from rest at pin entry; it needs a column of times")
     text = (
         "compare speeds with the motion of the model below, and fit these numbers of the model, "
@@ -121,19 +111,8 @@ def _class_rule(text: str) -> int | str:
 
 def execute(args: Arguments) -> int:
     """Print the statistics; write the files and draw the figures that were asked for."""
-    _output.check_wanted(args, file="FILE.csv")
-    if args.linearity is not None and args.resolution is None:
-        raise UsageError(
-            f"--linearity must come with --resolution N, got {args.linearity!r} alone; "
-            "give the counts in a turn too"
-        )
     # both zeros are fitted together, so one of them alone cannot be held
     zeros = args.phase, args.offset
-    if zeros.count(None) == 1:
-        lacking, given = ("phase", "offset") if args.phase is None else ("offset", "phase")
-        raise UsageError(
-            f"--{lacking} must come with --{given}, got only --{given}; give both or neither"
-        )
     options = {
         "encoder": args.resolution
         and tuple(esc.Encoder(count, args.linearity or 0.0) for count in args.resolution),
@@ -144,7 +123,11 @@ def execute(args: Arguments) -> int:
     escapement = _read_model(args)
     mechanism = escapement.mechanism if escapement else _arguments.read_mechanism(args)
     readings = _read(args)
-    result = fit = None
+    from escapement.measurement import write_errors
+    from escapement.measurement.measurement_record import record_of
+
+    result: Any = None
+    fit = None
     if readings.samples or escapement is None:
         result = esc.measure(readings, mechanism, **options)
     elif args.output is not None:
@@ -158,19 +141,14 @@ def execute(args: Arguments) -> int:
             fit = esc.fit_motion(readings, escapement, names, **shares)
         except InvalidValue as error:
             raise UsageError(f"--fit: {error}") from None
-    picture = _output.drawn(
-        args.plot,
-        lambda plots: plots.plot_speeds(fit) if result is None else plots.plot_measurement(result),
+    _output.save(
+        args,
+        lambda: partial(write_errors, result, args.output, force=args.force),
+        lambda plots: plots.plot_measurement(result) if result else plots.plot_speeds(fit),
     )
-    if result is not None and args.output is not None:
-        from escapement.measurement import write_errors
-
-        write_errors(result, args.output, force=args.force)
-        _log.record("saved", file=str(args.output))
-    picture()
-    record = _joined(result, fit, args.units)
+    record = record_of(result, fit, args.units)
     known = inputs_of(escapement) if escapement else inputs_of_mechanism(mechanism)
-    _output.tell(args, record, lambda: _print(record), record["message"], known)
+    _output.tell(args, record, known, lambda: _print(record))
     return 0
 
 
@@ -183,23 +161,20 @@ def _read_model(args: Arguments) -> "esc.Escapement | None":
     sizes = (*LENGTHS, "fixed_radius")
     others = kind_of(args.kind or DEFAULT_KIND).other_sizes()
     also = (name for name, size in others.items() if size.of in sizes)
-    names = (*model_settings(), *sizes, *also)
-    given = {option(name): getattr(args, name) for name in names}
-    given |= {"--time-column": args.time_column, "--time-unit": args.time_unit}
-    for name, value in given.items():
-        if value is not None:
+    for name in (*model_settings(), *sizes, *also, "time_column", "time_unit"):
+        if getattr(args, name) is not None:
             raise UsageError(
-                f"{name} must come with --fit, got {name} alone; add --fit friction,torque"
+                f"{option(name)} must come with --fit, got {option(name)} alone; "
+                "add --fit friction,torque"
             )
     return None
 
 
 def _read(args: Arguments) -> "esc.Readings":
     """The readings, with times if a motion is compared."""
-    counts = "--angle-unit counts"
-    if args.angle_unit == "counts" and args.resolution is None:
+    if args.angle_unit == headings.COUNTS and args.resolution is None:
         raise UsageError(
-            f"{counts} must come with --resolution N, got none; give the counts in a turn"
+            "--angle-unit counts must come with --resolution N, got none; give the counts in a turn"
         )
     return esc.read_readings(
         args.data,
@@ -213,158 +188,21 @@ def _read(args: Arguments) -> "esc.Readings":
     )
 
 
-def _joined(result: Any, fit: Any, units: str) -> dict[str, Any]:
-    """What is reported: the verdict first, then the figures of both comparisons."""
-    texts, messages, record = [], [], dict[str, Any]()
-    if result is not None:
-        texts.append(result.verdict.text)
-        messages.append(result.message)
-        record = summarise(result)
-    if fit is not None:
-        texts.append(fit.verdict.text)
-        messages.append(fit.message)
-        record["motion"] = _summarise_motion(fit, units)
-    verdicts = [one.verdict.good for one in (result, fit) if one is not None]
-    good = False if False in verdicts else None if None in verdicts else True
-    message = "; ".join(dict.fromkeys(filter(None, messages)))
-    return {"verdict": " ".join(texts), "good": good} | record | {"message": message}
-
-
-def _summarise_motion(fit: Any, units: str) -> dict[str, Any]:
-    """What is reported of a `MotionFit`, by JSON key, in the user's units."""
-    from escapement.study.plan import unit_kind
-
-    fitted = {}
-    for name, value, ends in zip(fit.parameters, fit.values, fit.intervals, strict=True):
-        kind = unit_kind(name)
-        ends = [_output.in_units(float(x), kind, units) for x in (value, *ends)]
-        fitted[name] = {"value": ends[0], "interval": ends[1:], "unit": printed(kind, units)}
-    apart = fit.speeds - fit.computed_speeds
-    return {
-        "samples": fit.time.size,
-        "release_time": fit.start,
-        "fitted": fitted,
-        "confidence": fit.confidence,
-        "noise_deg": math.degrees(fit.noise),
-        "autocorrelation": fit.autocorrelation,
-        "p_value": None if math.isnan(fit.p_value) else fit.p_value,
-        "speed_max": float(fit.speeds.max()),
-        "speed_max_computed": float(fit.computed_speeds.max()),
-        "speed_deviation": float(np.sqrt(np.mean(apart**2))),
-        "message": fit.message,
-    }
-
-
 def _print(record: dict[str, Any]) -> None:
     """Print the verdict, and tables of both comparisons."""
     print(record["verdict"])
     if "samples" in record:
+        share = f"{100.0 * record['confidence']:g} %"
+        intervals = {
+            "interval_deg": Result("degrees", label=f"{share} of errors"),
+            "mean_interval_deg": Result("degrees", label=f"{share} of mean error"),
+        }
+        tests = {name: record[key] for key, name in _TESTS.items()}
+        found = Record(record | {"normality": tests}, _HIDDEN | intervals)
         print()
-        _print_tables(record)
+        found.without("motion", *["sensor"] * (record["sensor"] is None)).show(SYSTEMS[0])
     if motion := record.get("motion"):
+        interval = Result(label=f"{100.0 * motion['confidence']:g} % interval")
         print("\nmotion")
-        share = f"{100.0 * motion['confidence']:g} %"
-        rows: list[tuple[str, Any, str]] = []
-        for name, found in motion["fitted"].items():
-            rows.append((words(name), found["value"], found["unit"]))
-            low, high = found["interval"]
-            rows.append((f"  {share} interval", f"{low:.6g} to {high:.6g}", found["unit"]))
-        shown = {key: motion[key] for key in _MOTION_KEYS}
-        print_values(rows + _output.rows(shown, _MOTION_KEYS, SYSTEMS[0]))
-
-
-def summarise(result: Any) -> dict[str, Any]:
-    """What `measure` reports of a `Measurement`, by JSON key; angles in degrees."""
-    fit, errors, spectrum = result.fit, result.errors, result.periodogram
-    power, sensor = float(spectrum.power[spectrum.peak]), result.sensor_share
-    tests = result.chi_squared_test, result.published_test, result.anderson_darling_test
-    backlash_keys = "shaft", "width_deg", "standard_error_deg", "p_value"
-    part_keys = "shaft", "number", "parts", "size_deg", "standard_error_deg", "p_value"
-    change_keys = "shaft", "line", "size_deg", "standard_error_deg", "p_value"
-    shaft_keys = "shaft", "order", "amplitude_deg", "standard_error_deg", "p_value", "turns"
-    return {
-        "samples": errors.size,
-        "missing": result.readings.missing,
-        "synthetic": result.readings.synthetic,
-        "input_travel_deg": math.degrees(result.input.max() - result.input.min()),
-        **_attributes(
-            fit, "sense", "phase_deg", "phase_error_deg", "offset_deg", "offset_error_deg"
-        ),
-        **_attributes(result, "mean_deg", "standard_deviation_deg"),
-        "error_min_deg": math.degrees(errors.min()),
-        "error_max_deg": math.degrees(errors.max()),
-        **_attributes(result, "confidence", "interval_deg", "mean_interval_deg"),
-        **_attributes(result, "autocorrelation", "bins"),
-        "bin_edges_deg": [*map(math.degrees, result.histogram.edges)],
-        **_attributes(result.histogram, "observed", "expected"),
-        # JSON has null where a test knows no degrees of freedom
-        **{
-            key: test._asdict() | {"degrees_of_freedom": test.degrees_of_freedom or None}
-            for key, test in zip(_TESTS, tests, strict=True)
-        },
-        "shaft_errors": [_attributes(error, *shaft_keys) for error in result.shaft_errors],
-        "slot_errors": [_attributes(part, *part_keys) for part in result.slot_errors],
-        "backlash": [_attributes(backlash, *backlash_keys) for backlash in result.backlash],
-        "changes": [_attributes(change, *change_keys) for change in result.changes],
-        "glitches": [_attributes(one, "line", "size_deg", "p_value") for one in result.glitches],
-        "scatter_deg": math.degrees(result.scatter),
-        "periodogram_peak": {
-            "cycles_per_input_turn": float(spectrum.frequency[spectrum.peak]),
-            "amplitude_deg": math.degrees(spectrum.amplitude[spectrum.peak]),
-            "share_of_variance": power,
-            "false_alarm_probability": float(spectrum.false_alarm_probability(power)),
-        },
-        "sensor": sensor and _attributes(sensor, *(f"{name}_deg" for name in sensor._fields)),
-    }
-
-
-def _attributes(owner: Any, *keys: str) -> dict[str, Any]:
-    """Attributes of a result, angles in degrees where the key says so."""
-    found = {key: getattr(owner, key.removesuffix("_deg")) for key in keys}
-    for key in keys:
-        if key.endswith("_deg"):
-            several = isinstance(found[key], tuple)
-            found[key] = [*map(math.degrees, found[key])] if several else math.degrees(found[key])
-    return found
-
-
-def _print_tables(record: dict[str, Any]) -> None:
-    """Print single results with their intervals, tests of normality, and errors that repeat."""
-    shown = {key: record[key] for key in _KEYS}
-    share = f"{100.0 * record['confidence']:g} %"
-    for name, key in (("errors", "interval_deg"), ("mean error", "mean_interval_deg")):
-        shown[f"{share} of {name}_deg"] = "{:.6g} to {:.6g}".format(*record[key])
-    if sensor := record["sensor"]:
-        shown |= {f"encoders, {key}": sensor[key] for key in ("standard_deg", "bound_deg")}
-    shown |= {key: record[key] for key in ("autocorrelation", "bins")}
-    # the chi-squared test may have fewer classes, which then hold five errors each
-    classes = record["chi_squared"]["degrees_of_freedom"] + 1
-    if classes != record["bins"]:
-        shown["bins of chi-squared"] = classes
-    print_values(_output.rows(shown, {}, SYSTEMS[0]))
-    print("\nnormality")
-    rows = [[name, *record[key].values()] for key, name in _TESTS.items()]
-    print_columns([["test", "statistic", "degrees of freedom", "p"]], rows)
-    print("\nerrors that repeat, backlash and changes")
-    rows = []
-    for error in record["shaft_errors"]:
-        shaft, often = error["shaft"], "once" if error["order"] == 1 else "twice"
-        name = f"{often} a cell" if shaft == "cell" else f"{often} a turn, {shaft}"
-        rows.append([name, error["amplitude_deg"], error["standard_error_deg"], error["p_value"]])
-    for part in record["slot_errors"]:
-        name = f"worst {'pin' if part['shaft'] == 'input' else 'slot'}, number {part['number']}"
-        rows.append([name, part["size_deg"], part["standard_error_deg"], part["p_value"]])
-    for backlash in record["backlash"]:
-        name = f"backlash, {backlash['shaft']}"
-        rows.append(
-            [name, backlash["width_deg"], backlash["standard_error_deg"], backlash["p_value"]]
-        )
-    for change in record["changes"]:
-        name = f"change behind line {change['line']}, {change['shaft']}"
-        rows.append([name, change["size_deg"], change["standard_error_deg"], change["p_value"]])
-    for one in record["glitches"]:
-        rows.append([f"far out, line {one['line']}", one["size_deg"], None, one["p_value"]])
-    peak = record["periodogram_peak"]
-    name = f"periodogram's peak, {peak['cycles_per_input_turn']:.4g} a turn of the input"
-    rows.append([name, peak["amplitude_deg"], None, peak["false_alarm_probability"]])
-    print_columns([["", "amplitude/deg", "+-", "p"]], rows)
+        results = _HIDDEN | _MOTION | {"interval": interval}
+        Record(motion | {"fitted numbers": motion["fitted"]}, results).show(SYSTEMS[0])

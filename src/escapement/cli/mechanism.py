@@ -7,37 +7,41 @@ from typing import Any
 import escapement as esc
 from escapement.base.errors import InvalidValue
 from escapement.base.quantity import declared
-from escapement.base.units import degrees, printed
+from escapement.base.records import Record
+from escapement.base.results import Result
+from escapement.base.units import degrees
 from escapement.cli import _arguments, _output
 from escapement.cli._arguments import Arguments, Parser, UsageError
 from escapement.model.escapement import Inertia
 from escapement.model.inputs import inputs_of_mechanism
 from escapement.outlines.fits import Fits
 
+_INERTIA = _arguments.together(declared(Inertia))
 _SHAFT = {
     name: replace(entry, note=": a warning tells where a slot reaches it")
     for name, entry in declared(Fits).items()
     if name == "follower_shaft_radius"
 }
+_STATIONS = Result(
+    missing="R2/R1 is not a fraction with a denominator of at most 1000, so the output never "
+    "stops in the same direction again"
+)
 
 
 def configure(parser: Parser) -> None:
     """Add the command's arguments."""
     _arguments.add_mechanism(parser)
-    _arguments.add_group(parser, "inertia, for the critical friction", declared(Inertia))
+    _arguments.add_group(parser, "inertia, for the critical friction", _INERTIA)
     _arguments.add_group(parser, "shaft", _SHAFT)
     drawing = parser.add_argument_group("drawing")
     _arguments.add_plot(drawing, "draw it to scale")
     text = "driver angle of the drawing from dead centre (default: 0)"
     rule = {"unit": "degrees", "minimum": -math.inf, "remedy": "give a driver angle"}
-    _arguments.add_number(drawing, "angle", text, "DEG", **rule)
+    _arguments.add_number(drawing, "angle", text, "DEG", needs="plot", **rule)
 
 
 def execute(args: Arguments) -> int:
     """Print the geometry; draw it where asked for."""
-    _output.check_wanted(args)
-    if args.angle is not None and args.plot is None:
-        raise UsageError("--angle must come with --plot FILE, got none; it turns the drawing")
     mechanism: Any = _arguments.read_mechanism(args)
     if args.angle is not None and isinstance(mechanism, esc.Tabulated):
         raise UsageError(
@@ -45,40 +49,41 @@ def execute(args: Arguments) -> int:
             "leave it out"
         )
     record, misfit = mechanism.report(), mechanism.misfit
-    if given := _arguments.typed(args, declared(Inertia)):
-        _arguments.require(args, declared(Inertia), ", both or none")
-        if mechanism.meshed:
-            raise UsageError(
-                f"--driver-inertia must not come with a {mechanism.kind} mechanism, which has no "
-                "slots and so no critical friction; leave it out"
-            )
-        if misfit:
-            raise UsageError(f"--driver-inertia must come with parts that fit, got: {misfit}")
-        record["critical_friction"] = esc.critical_friction(mechanism, Inertia(**given))
-    kinds, warnings = {**mechanism.report_units}, list[str]()
+    if given := _arguments.typed(args, _INERTIA):
+        record["critical_friction"] = _critical_friction(mechanism, given)
     if not mechanism.perfect and not misfit:
         record["engagements"] = _engagements(mechanism)
     shaft = _arguments.typed(args, _SHAFT).get("follower_shaft_radius")
-    outside = isinstance(mechanism, esc.Geneva) and not mechanism.internal
-    if shaft is not None and not (outside and mechanism.crank_radius):
-        rule = "come with an external Geneva wheel and its --crank-radius"
-        raise UsageError(f"--follower-shaft-radius must {rule}, got none; leave it out")
-    if isinstance(mechanism, esc.Geneva):
-        found, warnings = _sizes(mechanism, shaft, args.units)
-        record |= found
-        kinds |= {name: "length" for name in found if not name.endswith("_over_crank_radius")}
+    sizes, warnings = _sizes(mechanism, shaft)
     if not mechanism.perfect:
         text = "the numbers except the distance of the axes are those of parts without errors"
-        warnings += [f"warning: {reason}" for reason in (text, misfit) if reason]
+        warnings += [reason for reason in (text, misfit) if reason]
     angle = math.radians(args.angle or 0.0)
-    _output.draw(args.plot, lambda plots: plots.plot_mechanism(mechanism, angle))
+    _output.save(args, plot=lambda plots: plots.plot_mechanism(mechanism, angle))
     try:
         _ = mechanism.path
     except InvalidValue as error:
         # the geometry is reported even if no motion can be computed for it
-        warnings.append(f"warning: {error}")
-    _output.report(args, record, kinds, "; ".join(warnings), inputs_of_mechanism(mechanism))
+        warnings.append(str(error))
+    units = {name: Result(kind) for name, kind in mechanism.report_units.items()}
+    # a single solution would repeat what stands above
+    units["solutions"] = Result(tabled=len(record.get("solutions", ())) > 1)
+    found = Record(record, {"stations": _STATIONS} | units) | sizes
+    warning = "; ".join(f"warning: {text}" for text in warnings)
+    _output.tell(args, _output.with_reasons(found, warning), inputs_of_mechanism(mechanism))
     return 0
+
+
+def _critical_friction(mechanism: Any, given: dict[str, float]) -> float:
+    """The Painleve limit with these inertias."""
+    if mechanism.meshed:
+        raise UsageError(
+            f"--driver-inertia must not come with a {mechanism.kind} mechanism, which has no "
+            "slots and so no critical friction; leave it out"
+        )
+    if misfit := mechanism.misfit:
+        raise UsageError(f"--driver-inertia must come with parts that fit, got: {misfit}")
+    return esc.critical_friction(mechanism, Inertia(**given))
 
 
 def _engagements(wheel: Any) -> list[dict[str, Any]]:
@@ -98,25 +103,15 @@ def _engagements(wheel: Any) -> list[dict[str, Any]]:
     return rows
 
 
-def _sizes(
-    mechanism: esc.Geneva, shaft: float | None, system: str
-) -> tuple[dict[str, float], list[str]]:
-    """Sizes of the follower by JSON key, and what is wrong with its shaft."""
-    from escapement.outlines.geneva import sizes
+def _sizes(mechanism: Any, shaft: float | None) -> tuple[Record, list[str]]:
+    """Sizes of a Geneva wheel's follower, and what is wrong with its shaft, if one is given."""
+    wheel = isinstance(mechanism, esc.Geneva)
+    if shaft is not None and not (wheel and not mechanism.internal and mechanism.crank_radius):
+        rule = "come with an external Geneva wheel and its --crank-radius"
+        raise UsageError(f"--follower-shaft-radius must {rule}, got none; leave it out")
+    if not wheel:
+        return Record({}), []
+    from escapement.outlines.part_record import record_of_sizes
 
-    found, unit = sizes(mechanism), mechanism.crank_radius
-    if unit is None:
-        return {f"{name}_over_crank_radius": size for name, size in found.items()}, []
-    lengths = {name: unit * size for name, size in found.items()}
-    if shaft is None:
-        return lengths, []
-    closest = lengths["closest_radius"]
-    lengths["slot_to_shaft"] = closest - shaft
-    if shaft < closest:
-        return lengths, []
-    radius, end = (
-        f"{_output.in_units(x, 'length', system):.6g} {printed('length', system)}"
-        for x in (shaft, closest)
-    )
-    text = f"a slot reaches the shaft of radius {radius}: it ends {end} from the axis"
-    return lengths, [f"warning: {text}; choose a thinner shaft or a larger wheel"]
+    record, warning = record_of_sizes(mechanism, shaft)
+    return record, [warning] * (warning != "")

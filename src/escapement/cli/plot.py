@@ -6,13 +6,12 @@ from pathlib import Path
 
 import escapement as esc
 from escapement.base.errors import InvalidValue
-from escapement.base.files import FILMS, FORMATS, check_input
+from escapement.base.files import FILMS, FORMATS, check_input, file_format
 from escapement.base.status import Status
 from escapement.base.text import words
 from escapement.base.units import SYSTEMS
 from escapement.cli import _output
 from escapement.cli._arguments import Arguments, Parser, UsageError
-from escapement.cli.sweep import in_system, parse_selection
 
 UNITS = "units of the figure (default: those of a study; SI for a motion)"
 
@@ -43,7 +42,8 @@ def execute(args: Arguments) -> int:
 
     # a file of a motion says so itself; every other one is taken for a study
     holds, gaps, moving, units = "motion", "", is_motion(args.file), SYSTEMS[0]
-    _output.check_output(path, args.file, pictures=FORMATS + FILMS if moving else FORMATS)
+    file_format(path, FORMATS + FILMS if moving else FORMATS)
+    _output.check_output(path, args.file, drawn=True)
     if moving:
         for option, value in {"--select": args.select, "--result": args.result}.items():
             if value is not None:
@@ -51,22 +51,28 @@ def execute(args: Arguments) -> int:
                     f"{option} must come with a study, got {value!r} and a motion; leave it out"
                 )
         shown = read_motion(args.file)
-        _output.drawn_motion(path, shown, lambda plots: plots.motion_plots.plot_motion(shown))()
+        plot = _output.moving(path, shown, lambda plots: plots.motion_plots.plot_motion(shown))
+        content = _output.picture(plot)
     else:
+        from escapement.study.selection import parse_selection
+
         holds, study = "study", esc.read_study(args.file)
+        units = study.configuration.get("units", SYSTEMS[0])
+        selected = parse_selection(args.select or "", units)
         try:
-            units = study.configuration.get("units", SYSTEMS[0])
-            study = study.at(**parse_selection(args.select or "", units))
+            study = study.at(**selected)
         except InvalidValue as error:
             raise UsageError(f"--select, of {args.file}: {error}") from None
         args.units = args.units or units
         study = in_units(study, args.units)
         wanted = args.result and [name.strip() for name in args.result.split(",")]
-        _output.draw(path, lambda plots: plots.plot_study(study, wanted))
+        content = _output.picture(lambda plots: plots.plot_study(study, wanted))
         gaps = _gaps(study, wanted or study.results)
+    _output.save_as(path, content)
     record = {"input": str(args.file), "holds": holds, "output": str(path)}
+    record |= {"message": gaps} if gaps else {}
     args.units = args.units or units
-    _output.tell(args, record, lambda: _output.note(f"{holds} drawn in {path}"), gaps)
+    _output.tell(args, record, table=lambda: _output.note(f"{holds} drawn in {path}"))
     return 0
 
 
@@ -88,6 +94,7 @@ def _gaps(study: "esc.Study", results: Iterable[str]) -> str:
 def in_units(study: "esc.Study", system: str) -> "esc.Study":
     """A study in a unit system; its file says in which unit each of its numbers is."""
     from escapement.study.plan import unit_kind
+    from escapement.study.selection import in_system
 
     axes, sampled, results = dict(study.axes), dict(study.sampled), dict(study.results)
     units = dict(study.units)

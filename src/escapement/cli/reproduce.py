@@ -9,7 +9,7 @@ from escapement.base.files import FORMATS, replace_file
 from escapement.base.text import as_csv, as_json
 from escapement.base.units import SYSTEMS
 from escapement.cli import _arguments, _log, _output, _waiting
-from escapement.cli._arguments import Arguments, Parser, UsageError, one_of
+from escapement.cli._arguments import Arguments, Parser, one_of
 from escapement.cli._inputs import as_record, inputs_of_command, print_inputs
 
 SOURCES = ("meyer", "filemon", "dijksman", "prikhodko")
@@ -31,17 +31,13 @@ def configure(parser: Parser) -> None:
     what = "tables (CSV, JSON) and figures; with all, each source has a folder in it"
     _arguments.add_folder(parser, what)
     formats = [suffix[1:] for suffix in FORMATS]
-    text = f"format of the figures in DIR (default: {formats[0]})"
-    kind = one_of("--format", formats)
-    parser.add_argument("--format", type=kind, metavar="|".join(formats), help=text)
+    _arguments.add_choice(
+        parser, "format", f"format of the figures in DIR (default: {formats[0]})", formats, "output"
+    )
 
 
 def execute(args: Arguments) -> int:
     """Recompute, print, and fill the folder."""
-    if args.format and args.output is None:
-        raise UsageError(
-            f"--format must come with --output DIR, got {args.format!r} alone; name a folder"
-        )
     from escapement.base.progress import set_stage
 
     several = args.source == ALL

@@ -27,13 +27,6 @@ CONSTANT = 1e-12
 """Greatest g'/g that rounding alone may cause [1/rad], as in a table with a constant ratio."""
 _NOTHING = 1e-11  # a deceleration at the exit this small, relatively, is rounding
 
-LIMITS = {
-    "greatest_speed": "speed",
-    "greatest_follower_inertia": "inertia",
-    "least_load_torque": "torque",
-}
-"""Limits of a drive without a pin reversal: kind of unit of each figure."""
-
 
 @dataclass(frozen=True)
 class TransmissionExtrema:
@@ -181,7 +174,7 @@ def least_load_torque(mechanism: Mechanism, speed: float, follower_inertia: floa
 
 
 def limits_without_reversal(case: Case) -> dict[str, float]:
-    """`LIMITS` of a drive under a constant load, one of its numbers changed at a time, in SI."""
+    """Where a drive under a constant load has no reversal, one number changed at a time, in SI."""
     mechanism, load = case.mechanism, case.load_torque
     assert not callable(load)
     return {

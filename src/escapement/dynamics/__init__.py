@@ -13,5 +13,6 @@ Read `law` first: it is the equation of motion.
 - `events`, `flow_changes`, `impacts`: handoffs, changes of the direction of power, and impacts of
   a motion
 - `energy_balance`: where the work went
-- `figures_of_merit`, `figure_table`: figures of merit, and their names and units
+- `figures_of_merit`, `figure_table`, `figure_record`: figures of merit, their declarations, and
+  what is told of them
 """

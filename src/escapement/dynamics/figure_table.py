@@ -3,22 +3,22 @@
 `figures_of_merit` computes them from a motion; reports, studies, files and plots use these names.
 """
 
-from typing import NamedTuple
+from typing import Any
 
-from escapement.base.units import unit_name
+from escapement.base.results import Result
 
 
-class Result(NamedTuple):
-    """A number of every case: its kind of unit, its description, and its type in a file."""
+def _slotted(escapement: Any) -> bool:
+    return not escapement.mechanism.meshed
 
-    kind: str
-    long_name: str
-    dtype: str = "<f8"
 
-    @property
-    def units(self) -> str:
-        """UDUNITS spelling of its unit in SI."""
-        return unit_name(self.kind, "SI")
+def _sized(escapement: Any) -> bool:
+    return escapement.mechanism.crank_radius is not None
+
+
+def uneven(escapement: Any) -> bool:
+    """Whether engagements may differ from each other, or begin with a blow."""
+    return escapement.contact or len(escapement.pairs) > 1
 
 
 FIGURES = {
@@ -27,24 +27,35 @@ FIGURES = {
     "velocity_mean": Result("speed", "mean driver velocity of the terminal cycle"),
     "velocity_average_published": Result("speed", "mean of largest and smallest driver velocity"),
     "period": Result("time", "period of one engagement of the terminal cycle"),
-    "beat_error": Result("time", "longest minus shortest engagement of the terminal cycle"),
-    "blow_max": Result("energy", "energy lost in the greatest impact, its friction included"),
+    "beat_error": Result(
+        "time", "longest minus shortest engagement of the terminal cycle", exists=uneven
+    ),
+    "blow_max": Result(
+        "energy", "energy lost in the greatest impact, its friction included", exists=uneven
+    ),
     "rise_time": Result("time", "time of the first velocity extremum within 2 % of terminal"),
     "rise_time_63": Result("time", "time in which the handoff velocity's deviation falls to 1/e"),
     "rise_time_98": Result("time", "time in which the handoff velocity's deviation falls to 0.02"),
     "settling_time": Result("time", "time from which every engagement's extremes are within 1 %"),
     "handoff_velocity": Result("speed", "driver velocity at the terminal handoff"),
     "contraction": Result("ratio", "factor by which an engagement shrinks a deviation"),
-    "critical_friction": Result("ratio", "friction at and above which no motion exists"),
-    "uniqueness_friction": Result("ratio", "friction at and above which the motion is not unique"),
+    "critical_friction": Result(
+        "ratio", "friction at and above which no motion exists", exists=_slotted,
+        missing="no friction in slots can jam it",
+    ),
+    "uniqueness_friction": Result(
+        "ratio", "friction at and above which the motion is not unique", unlike="critical_friction"
+    ),
     "jam_margin": Result("ratio", "1 - friction/critical friction"),
-    "last_reversal_angle": Result("angle", "last pin reversal, from dead centre"),
+    "last_reversal_angle": Result(
+        "angle", "last pin reversal, from dead centre", missing="the pin does not reverse"
+    ),
     "acceleration_max": Result("acceleration", "greatest driver acceleration"),
     "follower_acceleration_max": Result("acceleration", "greatest follower acceleration"),
     "contact_moment_max": Result("torque", "greatest moment on the follower"),
-    "contact_force_max": Result("force", "greatest force on the pin"),
+    "contact_force_max": Result("force", "greatest force on the pin", exists=_sized),
     "energy_residual": Result("ratio", "energy unaccounted for, as a share of the work"),
-}
+}  # fmt: skip
 """Scalar figures of merit in the order in which they are reported."""
 TRANSIENT = ("rise_time", "rise_time_63", "rise_time_98", "settling_time")
 """Figures that depend on the start of the motion."""

@@ -14,6 +14,7 @@ import numpy as np
 from scipy.optimize import brentq
 
 from escapement.base import validate
+from escapement.base.results import Result
 from escapement.base.status import MESSAGES, Status
 from escapement.base.text import Shown
 from escapement.dynamics.motion import Motion
@@ -27,6 +28,22 @@ ROUNDING = 1e-12
 """Turns that differ by less are equal; angles in radians round them [-]."""
 MOST_CELLS = 10_000
 """Greatest number of cells after which the driver may have made whole turns."""
+ROWS = 11
+"""Engagements that are told one by one."""
+
+RUNDOWN = {
+    "turns": Result("ratio", "driver turns to the end"),
+    "end_time": Result("time", "time to the end"),
+    "engagements": Result("ratio", "number of them"),
+    "nominal_period": Result("time", "period at the torque of the start"),
+    "first_period": Result("time", "duration of the first engagement"),
+    "last_period": Result("time", "duration of the last engagement"),
+    "rate_error_percent": Result("ratio", "rate over that of the nominal period, minus 1"),
+    "lateness": Result("time", "time minus that of as many nominal periods"),
+    "time": Result("time", "end of an engagement"),
+    "mean_speed": Result("speed", "mean driver speed over an engagement"),
+}
+"""What is told of a run."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -90,6 +107,38 @@ class Rundown(Shown):
     def lateness(self) -> FloatArray:
         """Time minus that of the same number of nominal periods [s], shape (n,)."""
         return self.times - self.nominal_period * np.arange(1, self.times.size + 1)
+
+    @property
+    def columns(self) -> dict[str, FloatArray]:
+        """What is told of every engagement, by name."""
+        return {
+            "turns": self.turns,
+            "time": self.times,
+            "mean_speed": self.mean_speeds,
+            "rate_error_percent": 100.0 * self.rate_errors,
+            "lateness": self.lateness,
+        }
+
+    def as_dict(self) -> dict[str, Any]:
+        """What is told of the run, in SI: `RUNDOWN`, and a few of the engagements."""
+        found: dict[str, Any] = {
+            "turns": self.end_turns,
+            "end_time": self.end_time,
+            "engagements": self.times.size,
+            "nominal_period": self.nominal_period,
+        }
+        if self.times.size:
+            chosen = np.unique(np.linspace(0, self.times.size - 1, ROWS).astype(int))
+            rows = np.column_stack([*self.columns.values()])[chosen].tolist()
+            mean = self.nominal_period * self.times.size / self.times[-1]
+            found |= {
+                "first_period": self.periods[0],
+                "last_period": self.periods[-1],
+                "rate_error_percent": 100.0 * (mean - 1),
+                "lateness": self.lateness[-1],
+                "over_the_turns": [dict(zip(self.columns, row, strict=True)) for row in rows],
+            }
+        return found | {"status": self.status.label}
 
     def time_of(self, turns: float) -> float:
         """Time at which the driver has made this number of turns [s].

@@ -11,6 +11,7 @@ Readings of encoders: read `comparison` first.
   that
   repeat, single slots and pins, changes for good, single readings, free play, and distribution
 - `causes`, `other_reading`, `verdict`: what all of them say together
+- `measurement_record`: what is reported of a measurement and of a measured motion
 
 Motions:
 

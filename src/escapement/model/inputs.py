@@ -64,16 +64,6 @@ def shortened(values: list[Any]) -> Any:
     return {"from": min(values), "to": max(values), "values": len(values)}
 
 
-def in_unit(value: Any, unit: float) -> Any:
-    """A value in SI, or each of several, in a unit; what is no number stays as it is."""
-    if isinstance(value, dict):
-        return {key: x if key == "values" else in_unit(x, unit) for key, x in value.items()}
-    if isinstance(value, list | tuple):
-        return [in_unit(one, unit) for one in value]
-    number = isinstance(value, int | float) and not isinstance(value, bool)
-    return value / unit if number and unit != 1.0 else value
-
-
 def in_words(value: Any) -> Any:
     """A shortened list in words; any other value as it is."""
     if isinstance(value, dict):

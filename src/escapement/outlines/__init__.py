@@ -7,5 +7,6 @@ Points are complex numbers x + iy, in the unit of length that each outline names
   their teeth
 - `gaps`, `interference`: the gap between two bodies, and the check of a whole turn
 - `part`, `parts`, `thin_walls`, `fits`: flat parts with inertia and thinnest wall, and allowances
+- `part_record`: what is told of parts
 - `sheet`, `part_files`: the sheet that a file shows, and the files
 """

@@ -10,6 +10,7 @@ from escapement import __version__
 from escapement.base import validate
 from escapement.base.files import REPORTS, AnyPath, check_target, file_format, write_file
 from escapement.base.status import Status
+from escapement.dynamics.figure_record import record_of
 from escapement.engines import simulate as simulation
 from escapement.engines.run_down import rundown
 from escapement.model.escapement import Escapement
@@ -74,7 +75,7 @@ def page(escapement: Escapement, budget: Budget | None, title: str, initial_spee
     parts = [sections.section("The design", sections.of_inputs(escapement, initial_speed))]
     text = sections.paragraph(f"The figures of the terminal cycle: {figures.message}.")
     if figures.status is Status.OK:
-        text += sections.of_figures(figures)
+        text += sections.of_record(record_of(figures, escapement))
     parts.append(sections.section("What it does", text))
     if motion.end_time > 0.0:
         drawn = sections.of_pictures(escapement, motion)

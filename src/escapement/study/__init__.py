@@ -7,4 +7,5 @@ A study is planned, solved case by case, kept, and written. Read `plan` and `run
 - `running`, `pool`, `block`: blocks of cases on threads or on a cluster
 - `journal`, `writer`, `hdf5`, `table_files`: finished blocks, and the files that are made of them
 - `reader`, `stored`, `result`, `labelled`: the results, from a file or in memory
+- `selection`: a case that is selected by its values, and a few cases to be shown
 """

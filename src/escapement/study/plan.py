@@ -12,8 +12,9 @@ from numpy.typing import NDArray
 
 from escapement.base import units
 from escapement.base.quantity import Quantity, Setting, declared, quantities
+from escapement.base.results import Result
 from escapement.base.text import Shown
-from escapement.dynamics.figure_table import FIGURES, Result
+from escapement.dynamics.figure_table import FIGURES
 from escapement.engines.solver import Solver
 from escapement.mechanisms import KINDS, kind_of
 from escapement.mechanisms.protocol import Mechanism

@@ -11,10 +11,11 @@ from numpy.typing import NDArray
 
 from escapement.base import validate
 from escapement.base.errors import InvalidValue
+from escapement.base.results import Result
 from escapement.base.status import Status
 from escapement.base.text import Shown
 from escapement.base.units import spelt
-from escapement.dynamics.figure_table import FIGURES, Result
+from escapement.dynamics.figure_table import FIGURES
 from escapement.study.configuration import short_configuration
 from escapement.study.stored import LAYOUT
 

@@ -4,6 +4,7 @@ Read `tolerance_budget` and `sensitivities` first.
 
 - `tolerance_budget`, `scatter`, `spread`, `intervals`, `indices`, `worst_case`: a drawing's
   tolerances, and what they do to a figure of merit
+- `scatter_record`: what is told of it, in JSON, tables and reports
 - `sensitivities`: derivatives of figures of merit
 - `dual`, `dual_law`, `dual_engagements`, `time_panels`, `variation`, `extremes`, `contraction`,
   `figure_duals`: derivatives by
