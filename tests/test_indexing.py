@@ -236,6 +236,8 @@ def test_what_cannot_be_given_is_nan():
         ({}, {"pin_material": (-1.0, 0.3)}, "pin_material must be a name, or a modulus"),
         ({}, {"friction": -0.1}, "friction must be at least 0"),
         ({}, {"load_torque": lambda phi: phi}, "drive_torque takes it"),
+        ({"pins": 3}, {"load_frequency": 5.0}, "load_frequency must be 0 where the follower never"),
+        ({"pins": 3, "clearance": 1e-4}, {}, "clearance must be 0 where the follower never rests"),
         ({"slot_offsets": (1e-5,) * 6}, {}, "slot_offsets"),
     ],
 )
@@ -244,3 +246,47 @@ def test_refusals(wheel, more, words):
     mechanism = esc.Geneva(**TABLE | wheel)
     with pytest.raises(InvalidValue, match=words):
         esc.index(mechanism, 1.0, load, follower_inertia=0.4, **more)
+
+
+def test_the_command_prints_the_drive_in_the_units_asked_for(report, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    options = [
+        "--slots",
+        "6",
+        "--pins",
+        "1",
+        "--crank-radius",
+        "0.05",
+        "--clearance",
+        "1e-4",
+        "--load-torque",
+        "2",
+        "--follower-inertia",
+        ".4",
+        "--friction",
+        ".08",
+        "--pressure-pin-radius",
+        ".008",
+        "--pin-length",
+        ".012",
+        "--load-frequency",
+        "15",
+        "--load-damping",
+        ".02",
+        "--load-tolerance",
+        "1e-4",
+    ]
+    record = report("index", *options, "--speed", "60 rpm", "-o", "a.csv", "--plot", "a.png")
+    for name, value in FIRST.items():
+        assert digits(record[name], value), name
+    assert record["reversals_deg"] == pytest.approx([1.21168735], abs=5e-9)
+    assert digits(record["torque_max_deg"], FIRST_ANGLES["torque_max_angle"])
+    inches = report("index", *options, "--speed", "60 rpm", "--units", "in-lbf-s")
+    assert record["pressure_max"] / inches["pressure_max"] == pytest.approx(6894.757293, rel=1e-9)
+    old = report("drive-torque", *options[:3], *["--crank-radius", "0.05", "--speed", "6.283185307179586", "--load-torque", "2", "--follower-inertia", ".4", "--friction", ".08"])  # fmt: skip
+    for name, value in old.items():
+        if name not in ("inputs", "message"):
+            assert record[name] == pytest.approx(value, rel=1e-8), name
+    rows = np.genfromtxt("a.csv", delimiter=",", names=True)
+    assert rows["torque_N_m"].max() == pytest.approx(record["torque_max"], rel=1e-4)
+    assert (tmp_path / "a.png").exists()

@@ -27,6 +27,17 @@ def drive_torque() -> Figure:
 
 
 @drawn
+def indexing_drive() -> Figure:
+    """A table of six stations with a load on an elastic shaft."""
+    table = esc.Geneva(6, pins=1, crank_radius=0.05, clearance=1e-4)
+    drive = esc.index(
+        table, 2.0 * np.pi, 2.0, follower_inertia=0.4, friction=0.08,
+        load_frequency=15.0, load_damping=0.02, load_tolerance=1e-4,
+    )  # fmt: skip
+    return plots.plot_index(drive)
+
+
+@drawn
 def reversal_curves() -> Figure:
     """Filemon's figure 10."""
     return plot_reversal_curves().figure

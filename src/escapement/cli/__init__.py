@@ -6,7 +6,7 @@ that are not SI. Only the module of the command is imported, and it imports noth
 its arguments are parsed, so that help appears at once.
 
 Each command is a file of its name: `run`, `rundown`, `sweep`, `budget`, `design`, `explore`,
-`plot`, `mechanism`, `export`, `drive_torque`, `measure`, `reproduce`, `compile` and
+`plot`, `mechanism`, `export`, `index`, `drive_torque`, `measure`, `reproduce`, `compile` and
 `bench`. Read `run` as an
 example.
 
@@ -38,7 +38,8 @@ COMMANDS = {
     "plot": "draw the figures that suit a file",
     "mechanism": "geometry, transmission, motion ratio and dwell",
     "export": "write parts as DXF or SVG, after a check of the motion",
-    "drive-torque": "torque and pin reversals at constant driver speed",
+    "index": "an indexing drive: torque, power, forces, blows, ringing of its load",
+    "drive-torque": "torque and pin reversals at constant driver speed, a part of index",
     "measure": "measured positions against theory, with statistics",
     "reproduce": "a source's printed numbers compared with computed ones",
     "compile": "compile the numerical code, so that all later work begins at once",

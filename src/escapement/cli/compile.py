@@ -80,3 +80,6 @@ def _solve_others(timer: "Escapement") -> None:
     esc.critical_friction(timer.mechanism, timer.inertia)
     for mechanism in (timer.mechanism, esc.Geneva(slots=6, internal=True)):
         esc.drive_torque(mechanism, 10.0, 0.1, 1e-4, friction=0.1)
+    wheel = esc.Geneva(6, pins=1, crank_radius=0.05, clearance=1e-4)
+    drive = esc.index(wheel, 6.0, follower_inertia=0.4, load_frequency=15.0)
+    _ = drive.torque_max, drive.entry_impact_speed, drive.deflection_max, drive.at(0.0)

@@ -3,6 +3,7 @@
 Modules are loaded when they are first used, because a case can be described without them.
 """
 
+import math
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
@@ -26,7 +27,7 @@ if TYPE_CHECKING:
     )
     from escapement.constant_speed.geneva import ReversalStudy, reversal_study
     from escapement.constant_speed.indexing import IndexingDrive, IndexState, index
-    from escapement.constant_speed.input_torque import DriveTorque, drive_torque, inertia_ratio
+    from escapement.constant_speed.input_torque import DriveTorque, drive_torque
     from escapement.numerics.chebyshev import Extremum
 
 __all__ = [
@@ -35,6 +36,8 @@ __all__ = [
     "greatest_follower_inertia", "greatest_speed", "index", "inertia_ratio", "jerk_function",
     "least_load_torque", "reversal_study", "transmission_extrema",
 ]  # fmt: skip
+
+_SAMPLES = 721
 
 
 @dataclass(frozen=True)
@@ -73,6 +76,65 @@ class Case(Declared):
         entry, exit_ = self.mechanism.breaks[0], self.mechanism.breaks[-1]
         centred = entry < 0.0 < exit_ and not self.mechanism.path.table
         return 0.0 if centred else 0.5 * (entry + exit_)
+
+    @property
+    def inertia_ratio(self) -> float:
+        """Filemon's F = I_f omega^2/M_load [-].
+
+        Raises
+        ------
+        InvalidValue
+            Where the load torque is zero or varies.
+        """
+        return inertia_ratio(self.follower_inertia, self.speed, self.load_torque)
+
+    @property
+    def power_max(self: Any) -> float:
+        """Greatest power of the drive [W]."""
+        return float(self.torque_max * self.speed)
+
+    @property
+    def power_mean_to_dead_centre(self: Any) -> float:
+        """Mean power over the first half of the engagement, Filemon's N2 = M_2av omega_2 [W]."""
+        return float(self.torque_mean * self.speed)
+
+    @property
+    def peak_to_mean(self: Any) -> float:
+        """Filemon's s, greatest over mean torque: the overload a motor must stand [-].
+
+        NaN where a varying load helps so much that the mean is not positive.
+        """
+        return self.torque_max / self.torque_mean if self.torque_mean > 0.0 else math.nan
+
+    @property
+    def moment_deviation(self) -> float:
+        """Greatest standard deviation of the contact moment, from a measured table's scatter [N m].
+
+        0 for any other mechanism. If the moment between two reversals stays within two or three
+        of these, the reversals may be due to the scatter.
+        """
+        mechanism = self.mechanism
+        if mechanism.noise == 0.0:
+            return 0.0
+        import numpy as np
+
+        theta = np.linspace(mechanism.breaks[0], mechanism.breaks[-1], _SAMPLES)
+        return self.inertial * float(mechanism.deviation(theta).dg.max())
+
+
+def inertia_ratio(follower_inertia: float, speed: float, load_torque: "Load") -> float:
+    """Filemon's F = I_f omega^2/M_load: inertia against load [-].
+
+    Raises
+    ------
+    InvalidValue
+        Where the load torque is zero or varies: no F exists.
+    """
+    name, rule = "load_torque", "constant for an inertia ratio F"
+    if callable(load_torque):
+        raise validate.fail(name, rule, load_torque, "give a constant one")
+    load = validate.positive(name, load_torque, "without a load there is no inertia ratio F")
+    return follower_inertia * speed * speed / load
 
 
 def tight(mechanism: Any) -> Any:

@@ -30,8 +30,11 @@ from escapement.mechanisms.slotted import pose_at
 from escapement.numerics.gauss import POINTS, N, integral, tail_of
 from escapement.numerics.jit import inner_jit, jit
 
-TORQUE, MOMENT, FORCE = range(3)
+TORQUE, MOMENT, FORCE, RATIO, BEND = range(5)
 """Indices of what `contact_at` returns."""
+# What is searched for its greatest value, and the sign with which that is done, 0 for magnitudes.
+_SEARCHED = (TORQUE, TORQUE, MOMENT, FORCE, RATIO, BEND)
+_SIGNS = (1.0, -1.0, 0.0, 1.0, 0.0, 0.0)
 _MOST_CUTS = 4096
 # A part is halved until the tail of the squared torque is below this share of its greatest value.
 _RESOLVED = 1e-13
@@ -47,6 +50,7 @@ class CycleFigures(NamedTuple):
     torque_max, torque_min, moment_max, force_max : greatest and least torque of the drive,
         greatest magnitudes of the moment on the follower and of the contact force, each with the
         angle that has it.
+    ratio_max, bend_max : greatest magnitudes of g and g'.
     torque_integral, square_integral : integrals of the torque and of its square.
     first_half : integral of the torque up to `half`, see `cycle_figures`.
     """
@@ -59,6 +63,8 @@ class CycleFigures(NamedTuple):
     moment_max_angle: float
     force_max: float
     force_max_angle: float
+    ratio_max: float
+    bend_max: float
     torque_integral: float
     square_integral: float
     first_half: float
@@ -73,7 +79,7 @@ def follower_moment(theta, scene):
 
 @inner_jit
 def contact_at(theta, side, slide_sign, scene, efficiency):
-    """Torque of the drive, moment on the follower, and contact force on the wall `side`.
+    """Torque of the drive, moment on the follower, contact force on the wall `side`, g and g'.
 
     With the given side and sign of sliding they continue smoothly beyond a kink.
     """
@@ -83,7 +89,7 @@ def contact_at(theta, side, slide_sign, scene, efficiency):
     ratio = g + friction_ratio(g, u, radius, side, scene, slide_sign)
     torque = ratio * moment + scene.driver_drag + scene.driver_viscous + scene.bearing
     torque = torque / efficiency if torque >= 0.0 else torque * efficiency
-    return torque, moment, side * moment / lever
+    return torque, moment, side * moment / lever, g, dg
 
 
 @inner_jit
@@ -158,8 +164,7 @@ def cycle_figures(scene_tuple, edges, half, efficiency):
     reversals = reversals_between(edges, scene)
     cuts = np.unique(np.concatenate((edges, reversals)))
     torque, square = np.empty(N), np.empty(N)
-    tops = np.full(4, -np.inf)  # torque, its negative, |moment|, force
-    angles = np.full(4, np.nan)
+    tops, angles = np.full(len(_SIGNS), -np.inf), np.full(len(_SIGNS), np.nan)
     whole = squares = first = sizes = 0.0
     pending = np.empty((64, 2))
     for j in range(cuts.size - 1):
@@ -194,7 +199,7 @@ def cycle_figures(scene_tuple, edges, half, efficiency):
     whole = 0.0 if abs(whole) <= _CANCELS * sizes else whole
     found = CycleFigures(
         tops[0], angles[0], -tops[1], angles[1], tops[2], angles[2], tops[3], angles[3],
-        whole, squares, first,
+        tops[4], tops[5], whole, squares, first,
     )  # fmt: skip
     return found, reversals
 
@@ -203,9 +208,11 @@ def cycle_figures(scene_tuple, edges, half, efficiency):
 def _raise_tops(tops, angles, left, right, side, slide_sign, scene, efficiency):
     """Raise the greatest values to those on one part, whose sides do not change."""
     half = 0.5 * (right - left)
-    for k in range(4):
-        which = TORQUE if k < 2 else MOMENT if k == 2 else FORCE
-        sign = -1.0 if k == 1 else side if k == 2 else 1.0
+    for k in range(tops.size):
+        which, sign = _SEARCHED[k], _SIGNS[k]
+        if sign == 0.0:
+            middle = contact_at(left + half, side, slide_sign, scene, efficiency)[which]
+            sign = np.copysign(1.0, middle)
         best, top = 0, -np.inf
         for i in range(N + 2):
             x = -1.0 if i == 0 else 1.0 if i > N else POINTS[i - 1]
@@ -235,6 +242,4 @@ def contact_states(scene_tuple, theta, efficiency, table):
     for i in range(theta.size):
         side = 1.0 if follower_moment(theta[i], scene) >= 0.0 else -1.0
         slide = sliding_sign(theta[i], side, scene)
-        table[i, :3] = contact_at(theta[i], side, slide, scene, efficiency)
-        g, _u, dg, _radius = pose_at(scene.path, theta[i])
-        table[i, 3], table[i, 4] = g, dg
+        table[i] = contact_at(theta[i], side, slide, scene, efficiency)

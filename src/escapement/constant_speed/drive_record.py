@@ -9,6 +9,7 @@ from escapement.base.results import Result
 from escapement.constant_speed.extrema import limits_without_reversal
 
 if TYPE_CHECKING:
+    from escapement.constant_speed.indexing import IndexingDrive
     from escapement.constant_speed.input_torque import DriveTorque
 
 _NO_LIMIT = "no finite value makes the pin reverse"
@@ -50,6 +51,18 @@ DRIVE = {
     ),
 }  # fmt: skip
 """Figures of a drive by name. Those with "_deg" are angles in degrees."""
+
+
+def filemon_figures(drive: "IndexingDrive") -> dict[str, Any]:
+    """Filemon's figures of an indexing drive, by the names of `DRIVE` [SI]."""
+    thin = drive.thin
+    found = record_of(thin).values
+    names = (
+        *("inertia_ratio", "reversal_limits", "zone", "reversals_deg", "torque_mean"),
+        *("torque_max_over_mean", "power_mean_to_dead_centre", "greatest_speed"),
+        *("greatest_follower_inertia", "least_load_torque"),
+    )
+    return {name: found[name] for name in names}
 
 
 def record_of(result: "DriveTorque") -> Record:

@@ -6,7 +6,7 @@ first asked for.
 """
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, NamedTuple
 
@@ -14,48 +14,21 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from escapement.base import validate
-from escapement.base.errors import InvalidValue
-from escapement.base.quantity import like, quantity, setting
-from escapement.constant_speed import Case
 from escapement.constant_speed.contact import within_cell
-from escapement.constant_speed.cycle_figures import CycleFigures, contact_states, cycle_figures
+from escapement.constant_speed.cycle_figures import contact_states
+from escapement.constant_speed.index_torque import IndexTorque
 from escapement.constant_speed.knock import NOWHERE, Knock, knock
 from escapement.constant_speed.ringing import Ringing, deflections, ringing
-from escapement.mechanisms.path import smooth_intervals
 from escapement.mechanisms.protocol import FloatArray, Mechanism
-from escapement.mechanisms.slotted import slide_edges
-from escapement.model.escapement import Escapement, Inertia
-from escapement.model.materials import (
-    MATERIALS,
-    MaterialSetting,
-    contact_modulus,
-    hertz_pressure,
-    material,
-    pin_bending,
-    pin_shear,
-    radius_for,
-)
-from escapement.model.scene import Scene, scene_tuple
+from escapement.model.scene import scene_tuple
 
 _NAN = math.nan
-_PIN, _LOAD, _LOCK = "Stresses of the pin", "Load on an elastic shaft", "Locking disc"
+_SIZES = ("roller_radius", "pin_radius", "clearance")
 _RESISTING = (
     *("driver_bearing_friction", "driver_bearing_radius", "follower_bearing_friction"),
     *("follower_bearing_radius", "driver_bearing_torque", "driver_drag", "follower_drag"),
     *("driver_viscous", "follower_viscous"),
 )
-_MATERIAL = f"a name ({', '.join(MATERIALS)}), or modulus in Pa and Poisson's ratio"
-
-
-def _material(of: str) -> dict[str, Any]:
-    return setting(MaterialSetting(
-        long_name=f"material of the {of}, {_MATERIAL}", metavar="NAME", group=_PIN,
-        remedy="name a material, or give two numbers, 206e9,0.3", needs="pin_length",
-    ))  # fmt: skip
-
-
-def _length(what: str, **rule: Any) -> dict[str, Any]:
-    return quantity(what, "length", remedy="give the length", **rule)
 
 
 class IndexState(NamedTuple):
@@ -80,276 +53,8 @@ class IndexState(NamedTuple):
 
 
 @dataclass(frozen=True, repr=False)
-class IndexingDrive(Case):
+class IndexingDrive(IndexTorque):
     """A mechanism whose driver turns at a constant speed; see `index` for its numbers."""
-
-    driver_bearing_friction: float = field(
-        default=0.0, metadata=like(Escapement, "driver_bearing_friction")
-    )
-    driver_bearing_radius: float = field(
-        default=0.0, metadata=like(Escapement, "driver_bearing_radius")
-    )
-    follower_bearing_friction: float = field(
-        default=0.0, metadata=like(Escapement, "follower_bearing_friction")
-    )
-    follower_bearing_radius: float = field(
-        default=0.0, metadata=like(Escapement, "follower_bearing_radius")
-    )
-    driver_bearing_torque: float = field(
-        default=0.0, metadata=like(Escapement, "driver_bearing_torque")
-    )
-    driver_drag: float = field(default=0.0, metadata=like(Escapement, "driver_drag"))
-    follower_drag: float = field(default=0.0, metadata=like(Escapement, "follower_drag"))
-    driver_viscous: float = field(default=0.0, metadata=like(Escapement, "driver_viscous"))
-    follower_viscous: float = field(default=0.0, metadata=like(Escapement, "follower_viscous"))
-    pressure_pin_radius: float = field(default=0.0, metadata=_length(
-        "radius of the pin for its stresses alone", group=_PIN, needs="pin_length",
-        note=", by default that of the pin or roller",
-    ))  # fmt: skip
-    pin_length: float = field(default=0.0, metadata=_length(
-        "length of the pin in its slot", group=_PIN
-    ))  # fmt: skip
-    pin_gap: float = field(default=0.0, metadata=_length(
-        "gap between the driver and the slot, for the bending of the pin", group=_PIN,
-        needs="pin_length",
-    ))  # fmt: skip
-    pin_material: Any = field(default="steel", metadata=_material("pin"))
-    wheel_material: Any = field(default="steel", metadata=_material("wheel"))
-    pressure_limit: float = field(default=0.0, metadata=quantity(
-        "permitted pressure between pin and slot", "pressure", group=_PIN, needs="pin_length",
-        remedy="give the pressure, 0 for none",
-    ))  # fmt: skip
-    load_frequency: float = field(default=0.0, metadata=quantity(
-        "natural frequency of the load on its shaft, the wheel held", "frequency", metavar="HZ",
-        group=_LOAD, remedy="give the frequency, 0 for a rigid shaft",
-    ))  # fmt: skip
-    load_damping: float = field(default=0.0, metadata=quantity(
-        "damping of that vibration, as a share of critical damping", maximum=1.0, below=True,
-        metavar="ZETA", group=_LOAD, needs="load_frequency", remedy="give a share, 0 for none",
-    ))  # fmt: skip
-    load_tolerance: float = field(default=1e-3, metadata=quantity(
-        "angle within which the load must come to rest", "angle", exclusive=True, metavar="A",
-        group=_LOAD, needs="load_frequency", remedy="give the angle",
-    ))  # fmt: skip
-    locking_radius: float = field(default=0.0, metadata=_length(
-        "radius of the locking disc", group=_LOCK
-    ))  # fmt: skip
-    locking_friction: float = field(default=0.0, metadata=quantity(
-        "coefficient of friction on the locking disc", metavar="MU", group=_LOCK,
-        needs="locking_radius", remedy="give a coefficient of friction",
-    ))  # fmt: skip
-    locking_angle: float = field(default=0.0, metadata=quantity(
-        "angle at the driver's axis from the line of centres to where the disc carries the load",
-        "angle", metavar="A", group=_LOCK, needs="locking_radius", maximum=math.pi / 2,
-        remedy="give the angle",
-    ))  # fmt: skip
-
-    def __post_init__(self) -> None:
-        super().__post_init__()
-        if callable(self.load_torque):
-            raise InvalidValue(
-                "load_torque must be a number for index, got a function; drive_torque takes it"
-            )
-        self._timer  # noqa: B018 - checks the numbers that it shares with an escapement
-
-    # --- the drive in units of I_f, I_f W^2 and 1/W -----------------------------------------
-
-    @cached_property
-    def _timer(self) -> Escapement:
-        """An escapement of which natural units are those in which the driver's speed is one."""
-        numbers = {name: getattr(self, name) for name in _RESISTING if getattr(self, name)}
-        return Escapement(
-            self.mechanism, Inertia(self.follower_inertia, self.follower_inertia),
-            torque=self.inertial, friction=self.friction, load_torque=self.load_torque, **numbers,
-        )  # fmt: skip
-
-    @property
-    def _scene(self) -> Scene:
-        return self._timer.scene
-
-    @cached_property
-    def _edges(self) -> FloatArray:
-        """Driver angles between which torque and forces are smooth but for reversals [rad]."""
-        scene, parts = self._scene, [smooth_intervals(self._scene.path, self.mechanism.breaks)]
-        if not scene.path.table:
-            parts.append(slide_edges(scene.path, scene.pin, scene.edges))
-        found: FloatArray = np.unique(np.concatenate([*parts, [self.half]]))
-        return found
-
-    @cached_property
-    def _found(self) -> tuple[CycleFigures, FloatArray]:
-        result: tuple[CycleFigures, FloatArray] = cycle_figures(
-            scene_tuple(self._scene), self._edges, self.half, float(self.efficiency)
-        )
-        return result
-
-    @property
-    def _cycle(self) -> CycleFigures:
-        return self._found[0]
-
-    @property
-    def _length(self) -> float:
-        """The crank radius [m]; NaN where there is none."""
-        return _NAN if self.mechanism.crank_radius is None else float(self.mechanism.crank_radius)
-
-    # --- times and motion of the table ------------------------------------------------------
-
-    @property
-    def cycle_time(self) -> float:
-        """Time from one pin entry to the next [s]."""
-        return self.mechanism.cell_angle / self.speed
-
-    @property
-    def index_time(self) -> float:
-        """Time in which the follower moves [s]."""
-        return self.mechanism.motion_ratio * self.cycle_time
-
-    @property
-    def dwell_time(self) -> float:
-        """Time in which it rests [s]."""
-        return (1.0 - self.mechanism.motion_ratio) * self.cycle_time
-
-    # --- torque and power -------------------------------------------------------------------
-
-    @property
-    def torque_max(self) -> float:
-        """Greatest torque of the drive [N m]."""
-        return self._cycle.torque_max * self.inertial
-
-    @property
-    def torque_max_angle(self) -> float:
-        """Where it is, from dead centre [rad]."""
-        return self._cycle.torque_max_angle
-
-    @property
-    def torque_min(self) -> float:
-        """Least torque; below zero the follower drives [N m]."""
-        return self._cycle.torque_min * self.inertial
-
-    @property
-    def torque_min_angle(self) -> float:
-        """Where it is, from dead centre [rad]."""
-        return self._cycle.torque_min_angle
-
-    @property
-    def torque_dwell(self) -> float:
-        """Torque in the dwell: bearing, drag, and the locking disc [N m]."""
-        scene = self._scene
-        own = (scene.bearing + scene.driver_drag + scene.driver_viscous) * self.inertial
-        return (own + (self.locking_torque if self.locking_radius else 0.0)) / self.efficiency
-
-    @property
-    def torque_mean(self) -> float:
-        """Mean from pin entry to dead centre, Filemon's (10) [N m]; see `Case.half`."""
-        return self._cycle.first_half * self.inertial / (self.half - float(self._edges[0]))
-
-    @property
-    def torque_mean_index(self) -> float:
-        """Mean torque while the follower moves [N m]."""
-        return self._cycle.torque_integral * self.inertial / self._index_angle
-
-    @property
-    def torque_mean_cycle(self) -> float:
-        """Mean torque over the whole cycle, dwell included [N m]."""
-        work = self._cycle.torque_integral * self.inertial + self.torque_dwell * self._dwell_angle
-        return work / self.mechanism.cell_angle
-
-    @property
-    def torque_rms(self) -> float:
-        """Root mean square of the torque over the whole cycle [N m]."""
-        square = self._cycle.square_integral * self.inertial**2
-        square += self.torque_dwell**2 * self._dwell_angle
-        return math.sqrt(square / self.mechanism.cell_angle)
-
-    @property
-    def _index_angle(self) -> float:
-        return float(self._edges[-1] - self._edges[0])
-
-    @property
-    def _dwell_angle(self) -> float:
-        return max(self.mechanism.cell_angle - self._index_angle, 0.0)
-
-    @property
-    def power_max(self) -> float:
-        """Greatest power of the drive [W]."""
-        return self.torque_max * self.speed
-
-    @property
-    def power_mean(self) -> float:
-        """Mean power over the whole cycle [W]."""
-        return self.torque_mean_cycle * self.speed
-
-    @property
-    def reversals(self) -> FloatArray:
-        """Driver angles from dead centre where the pin changes walls [rad]."""
-        return self._found[1]
-
-    # --- force and stresses of the pin ------------------------------------------------------
-
-    @property
-    def contact_moment_max(self) -> float:
-        """Greatest magnitude of the moment on the follower [N m]."""
-        return self._cycle.moment_max * self.inertial
-
-    @property
-    def contact_moment_max_angle(self) -> float:
-        """Where it is, from dead centre [rad]."""
-        return self._cycle.moment_max_angle
-
-    @property
-    def contact_force_max(self) -> float:
-        """Greatest force on the pin [N]; NaN without a crank radius."""
-        return self._cycle.force_max * self.inertial / self._length
-
-    @property
-    def contact_force_max_angle(self) -> float:
-        """Where it is, from dead centre [rad]."""
-        return self._cycle.force_max_angle if self._length > 0.0 else _NAN
-
-    @property
-    def _stressed_radius(self) -> float:
-        """Radius of what presses on the wall [m]; NaN where none is given."""
-        wheel = self.mechanism
-        radius = self.pressure_pin_radius or wheel.roller_radius or wheel.pin_radius
-        return float(radius) or _NAN
-
-    @property
-    def _modulus(self) -> float:
-        return contact_modulus(material(self.pin_material), material(self.wheel_material))
-
-    @property
-    def pressure_max(self) -> float:
-        """Greatest pressure between pin and wall [Pa]; NaN without radius and length of the pin."""
-        if not self.pin_length:
-            return _NAN
-        return hertz_pressure(
-            self.contact_force_max, self._modulus, self.pin_length, self._stressed_radius
-        )
-
-    @property
-    def pin_diameter_needed(self) -> float:
-        """Diameter of a pin whose pressure is `pressure_limit` under the same force [m]."""
-        if not (self.pin_length and self.pressure_limit):
-            return _NAN
-        force = self.contact_force_max
-        return 2.0 * radius_for(force, self._modulus, self.pin_length, self.pressure_limit)
-
-    @property
-    def _pin_radius(self) -> float:
-        """Radius of the pin itself, also inside a roller [m]."""
-        return float(self.mechanism.pin_radius or self.pressure_pin_radius) or _NAN
-
-    @property
-    def pin_bending_max(self) -> float:
-        """Greatest bending stress of the pin, a cantilever [Pa]."""
-        if not self.pin_length:
-            return _NAN
-        return pin_bending(self.contact_force_max, self.pin_length, self.pin_gap, self._pin_radius)
-
-    @property
-    def pin_shear_max(self) -> float:
-        """Greatest mean shear stress of the pin [Pa]."""
-        return pin_shear(self.contact_force_max, self._pin_radius) if self.pin_length else _NAN
 
     # --- blows ------------------------------------------------------------------------------
 
@@ -445,6 +150,14 @@ class IndexingDrive(Case):
         rate = self.load_damping * 2.0 * math.pi * self.load_frequency
         return math.log(ratio) / rate if rate > 0.0 else math.inf
 
+    @property
+    def zone(self) -> int:
+        """Filemon's: 1 without reversal; 2 where the pin leaves on the wall it entered on; 3 where
+        it leaves on the one where the follower drives.
+        """
+        last = self._edges[-1] - 1e-9 * self._index_angle
+        return 1 if not self.reversals.size else 2 if self.at(last).contact_moment > 0.0 else 3
+
     # --- states -----------------------------------------------------------------------------
 
     def at(self, theta: ArrayLike) -> IndexState:
@@ -480,21 +193,6 @@ class IndexingDrive(Case):
             self._scene.path, self._edges, swing, float(self.load_damping), theta.reshape(-1)[order]
         )
         return found.reshape(theta.shape)
-
-    # --- locking disc -----------------------------------------------------------------------
-
-    @property
-    def locking_torque(self) -> float:
-        """Friction of the locking disc under the load at rest [N m].
-
-        The disc carries the load by a force through the driver's axis, whose lever about the
-        follower is c_d sin(gamma) with the centre distance c_d.
-        """
-        wheel: Any = self.mechanism
-        if not (self.locking_radius and self.locking_angle):
-            return _NAN
-        lever = wheel.centre_distance * self._length * math.sin(self.locking_angle)
-        return self.locking_friction * self.load_torque / lever * self.locking_radius
 
 
 def index(

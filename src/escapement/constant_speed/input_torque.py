@@ -69,35 +69,6 @@ class DriveTorque(Case):
         vars(self).update(_find_reversals(self), reversal_limits=limits)
         vars(self).update(_torque_figures(self, self.reversals))
 
-    @property
-    def power_mean_to_dead_centre(self) -> float:
-        """Mean power over the first half of the engagement, Filemon's N2 = M_2av omega_2 [W]."""
-        return self.torque_mean * self.speed
-
-    @property
-    def power_max(self) -> float:
-        """Greatest power of the drive [W]."""
-        return self.torque_max * self.speed
-
-    @property
-    def peak_to_mean(self) -> float:
-        """Filemon's s, greatest over mean torque: the overload a motor must stand [-].
-
-        NaN where a varying load helps so much that the mean is not positive.
-        """
-        return self.torque_max / self.torque_mean if self.torque_mean > 0.0 else math.nan
-
-    @property
-    def inertia_ratio(self) -> float:
-        """Filemon's F = I_f omega^2/M_load [-].
-
-        Raises
-        ------
-        InvalidValue
-            Where the load torque is zero or varies.
-        """
-        return inertia_ratio(self.follower_inertia, self.speed, self.load_torque)
-
     @cached_property
     def contact_force_max(self) -> Extremum:
         """Greatest force between pin and slot, N = |N R|/R [N], and where it is [rad].
@@ -116,17 +87,6 @@ class DriveTorque(Case):
         # the force has a kink where the pin changes sides
         kinks = _angles_of(self, [*extrema.edges(wheel), *self.reversals])
         return extremes(force, fit(force, kinks))[0]
-
-    @cached_property
-    def moment_deviation(self) -> float:
-        """Greatest standard deviation of the contact moment, from a measured table's scatter [N m].
-
-        0 for any other mechanism. If the moment between two reversals stays within two or three
-        of these, the reversals may be due to the scatter.
-        """
-        if self.mechanism.noise == 0.0:
-            return 0.0
-        return self.inertial * float(self.mechanism.deviation(self.samples.theta).dg.max())
 
     def at(self, theta: ArrayLike) -> TorqueState:
         """Torque at driver angles from dead centre [rad], within one cell.
@@ -197,21 +157,6 @@ def drive_torque(
     taken for great F, is the greatest value among all roots of the torque's slope.
     """
     return DriveTorque(mechanism, speed, load_torque, follower_inertia, efficiency, friction)
-
-
-def inertia_ratio(follower_inertia: float, speed: float, load_torque: Load) -> float:
-    """Filemon's F = I_f omega^2/M_load: inertia against load [-].
-
-    Raises
-    ------
-    InvalidValue
-        Where the load torque is zero or varies: no F exists.
-    """
-    name, rule = "load_torque", "constant for an inertia ratio F"
-    if callable(load_torque):
-        raise validate.fail(name, rule, load_torque, "give a constant one")
-    load = validate.positive(name, load_torque, "without a load there is no inertia ratio F")
-    return follower_inertia * speed * speed / load
 
 
 def _find_reversals(case: Case) -> dict[str, Any]:

@@ -162,7 +162,7 @@ class CamIndexer(Kind):
         return 2.0 * math.pi / self.stations
 
     @property
-    def motion_ratio(self) -> float:  # type: ignore[override]
+    def motion_ratio(self) -> float:
         """Share of the turn in which the follower moves [-]."""
         return min(self.index_angle / self.cell_angle, 1.0)
 

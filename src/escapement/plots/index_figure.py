@@ -124,7 +124,9 @@ def _draw_ringing(ax: Axes, result: IndexingDrive) -> None:
     if result.dwell_time > 0.0:
         ax.axvspan(result.index_time, result.cycle_time, **dwell)
     ax.axhline(0.0, **style.ZERO)
-    ax.plot(time, deflection, color=style.BLUE, lw=1.2, label="load behind or ahead of the wheel")
+    ax.plot(
+        time, deflection, color=style.BLUE, lw=1.2, label="angle of the load less that of the wheel"
+    )
     bound = 1e3 * result.load_tolerance
     for side in (-bound, bound):
         name = f"tolerance, ±{number_text(bound)} mrad" if side > 0.0 else "_"

@@ -1,0 +1,56 @@
+"""An indexing drive at constant driver speed: times, torque, power, forces, blows, ringing."""
+
+from functools import partial
+from typing import TYPE_CHECKING
+
+import escapement as esc
+from escapement.base.quantity import declared
+from escapement.base.text import as_csv
+from escapement.cli import _arguments, _output
+from escapement.cli._arguments import Arguments, Parser
+from escapement.constant_speed.index_case import IndexCase
+from escapement.model.inputs import inputs_of_mechanism, inputs_of_settings
+
+if TYPE_CHECKING:
+    from escapement.constant_speed import IndexingDrive
+
+_ROWS = 721
+
+
+def configure(parser: Parser) -> None:
+    """Add the command's arguments."""
+    _arguments.add_mechanism(parser)
+    _arguments.add_group(parser, "model", declared(IndexCase))
+    output = parser.add_argument_group("output")
+    _arguments.add_output(output, "FILE.csv", "write states over the driver angle, in SI")
+    _arguments.add_plot(output, "draw motion, torque, force and ringing")
+
+
+def execute(args: Arguments) -> int:
+    """Print the figures; write and draw what was asked for."""
+    from escapement.constant_speed.index_record import doubt_of, record_of
+
+    _arguments.require(args, declared(IndexCase))
+    mechanism = _arguments.read_mechanism(args)
+    drive = esc.index(mechanism, **_arguments.typed(args, declared(IndexCase)))
+    plot = lambda plots: plots.plot_index(drive, units=args.units)  # noqa: E731
+    _output.save(args, partial(_table, drive), plot)
+    known = [*inputs_of_mechanism(mechanism), *inputs_of_settings(drive, mechanism.meshed)]
+    _output.tell(args, _output.with_reasons(record_of(drive), doubt_of(drive)), known)
+    return 0
+
+
+def _table(drive: "IndexingDrive") -> str:
+    """States of the engagement as CSV."""
+    import numpy as np
+
+    entry, exit_ = drive.mechanism.breaks[0], drive.mechanism.breaks[-1]
+    state = drive.at(np.linspace(entry, exit_, _ROWS))
+    columns = {
+        "driver_deg": np.degrees(state.theta), "follower_deg": np.degrees(state.phi),
+        "speed_rad_per_s": state.phi_dot, "acceleration_rad_per_s2": state.phi_ddot,
+        "torque_N_m": state.torque, "moment_N_m": state.contact_moment,
+        "force_N": state.contact_force, "deflection_rad": state.deflection,
+    }  # fmt: skip
+    kept = {name: column.tolist() for name, column in columns.items() if not np.isnan(column).any()}
+    return as_csv([[*kept], *zip(*kept.values(), strict=True)])

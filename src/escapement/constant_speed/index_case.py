@@ -1,0 +1,91 @@
+"""What is given of an indexing drive, besides what every drive at constant speed has."""
+
+import math
+from dataclasses import dataclass, field
+from typing import Any
+
+from escapement.base.quantity import like, quantity, setting
+from escapement.constant_speed import Case
+from escapement.model.escapement import Escapement
+from escapement.model.materials import MATERIALS, MaterialSetting
+
+_PIN, _LOAD, _LOCK = "Stresses of the pin", "Load on an elastic shaft", "Locking disc"
+_MATERIAL = f"a name ({', '.join(MATERIALS)}), or modulus in Pa and Poisson's ratio"
+
+
+def _material(of: str) -> dict[str, Any]:
+    return setting(MaterialSetting(
+        long_name=f"material of the {of}, {_MATERIAL}", metavar="NAME", group=_PIN,
+        remedy="name a material, or give two numbers, 206e9,0.3", needs="pin_length",
+    ))  # fmt: skip
+
+
+def _length(what: str, **rule: Any) -> dict[str, Any]:
+    return quantity(what, "length", remedy="give the length", **rule)
+
+
+@dataclass(frozen=True, repr=False)
+class IndexCase(Case):
+    """A mechanism whose driver turns at a constant speed; see `indexing.index` for its numbers."""
+
+    load_torque: Any = field(metadata=like(Escapement, "load_torque"))
+    driver_bearing_friction: float = field(
+        default=0.0, metadata=like(Escapement, "driver_bearing_friction")
+    )
+    driver_bearing_radius: float = field(
+        default=0.0, metadata=like(Escapement, "driver_bearing_radius")
+    )
+    follower_bearing_friction: float = field(
+        default=0.0, metadata=like(Escapement, "follower_bearing_friction")
+    )
+    follower_bearing_radius: float = field(
+        default=0.0, metadata=like(Escapement, "follower_bearing_radius")
+    )
+    driver_bearing_torque: float = field(
+        default=0.0, metadata=like(Escapement, "driver_bearing_torque")
+    )
+    driver_drag: float = field(default=0.0, metadata=like(Escapement, "driver_drag"))
+    follower_drag: float = field(default=0.0, metadata=like(Escapement, "follower_drag"))
+    driver_viscous: float = field(default=0.0, metadata=like(Escapement, "driver_viscous"))
+    follower_viscous: float = field(default=0.0, metadata=like(Escapement, "follower_viscous"))
+    pressure_pin_radius: float = field(default=0.0, metadata=_length(
+        "radius of the pin for its stresses alone", group=_PIN, needs="pin_length",
+        note=", by default that of the pin or roller",
+    ))  # fmt: skip
+    pin_length: float = field(default=0.0, metadata=_length(
+        "length of the pin in its slot", group=_PIN
+    ))  # fmt: skip
+    pin_gap: float = field(default=0.0, metadata=_length(
+        "gap between the driver and the slot, for the bending of the pin", group=_PIN,
+        needs="pin_length",
+    ))  # fmt: skip
+    pin_material: Any = field(default="steel", metadata=_material("pin"))
+    wheel_material: Any = field(default="steel", metadata=_material("wheel"))
+    pressure_limit: float = field(default=0.0, metadata=quantity(
+        "permitted pressure between pin and slot", "pressure", group=_PIN, needs="pin_length",
+        remedy="give the pressure, 0 for none",
+    ))  # fmt: skip
+    load_frequency: float = field(default=0.0, metadata=quantity(
+        "natural frequency of the load on its shaft, the wheel held", "frequency", metavar="HZ",
+        group=_LOAD, remedy="give the frequency, 0 for a rigid shaft",
+    ))  # fmt: skip
+    load_damping: float = field(default=0.0, metadata=quantity(
+        "damping of that vibration, as a share of critical damping", maximum=1.0, below=True,
+        metavar="ZETA", group=_LOAD, needs="load_frequency", remedy="give a share, 0 for none",
+    ))  # fmt: skip
+    load_tolerance: float = field(default=1e-3, metadata=quantity(
+        "angle within which the load must come to rest", "angle", exclusive=True, metavar="A",
+        group=_LOAD, needs="load_frequency", remedy="give the angle",
+    ))  # fmt: skip
+    locking_radius: float = field(default=0.0, metadata=_length(
+        "radius of the locking disc", group=_LOCK
+    ))  # fmt: skip
+    locking_friction: float = field(default=0.0, metadata=quantity(
+        "coefficient of friction on the locking disc", metavar="MU", group=_LOCK,
+        needs="locking_radius", remedy="give a coefficient of friction",
+    ))  # fmt: skip
+    locking_angle: float = field(default=0.0, metadata=quantity(
+        "angle at the driver's axis from the line of centres to where the disc carries the load",
+        "angle", metavar="A", group=_LOCK, needs="locking_radius", maximum=math.pi / 2,
+        remedy="give the angle",
+    ))  # fmt: skip
