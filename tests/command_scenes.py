@@ -42,13 +42,14 @@ TRAINS = {
     **{"load_train_ratio": 2, "load_train_efficiency": 0.9, "load_train_inertia": 1e-7},
 }
 OIL = {"driver_viscous": 1e-6, "follower_viscous": 1e-6, "spring_rate": 1e-4}
+_BEHIND = {"driver_viscous": 1e-6, "follower_viscous": 1e-6}
 _FOLLOWER = {"follower_bearing_friction": 0.1, "follower_bearing_radius": 0.001}
 _DRIVER = {"driver_bearing_friction": 0.1, "driver_bearing_radius": 0.001}
 FRICTION = {
     "geneva": {"friction": 0.2, **_DRIVER, **_FOLLOWER},
     "gear-driven": {"friction": 0.1, **_FOLLOWER},
     "elliptical-planetary": {"efficiency": 0.9},
-    **dict.fromkeys(WITHOUT_PARTS, {"efficiency": 0.9}),
+    **{kind: {"efficiency": 0.9} for kind in WITHOUT_PARTS},
 }
 """What each kind may lose where driver and follower meet."""
 PLAY = {"clearance": 1e-4, "restitution": 0.3}
@@ -74,7 +75,7 @@ SIZES = {
          "pin_diameter": 0.0032, "roller_diameter": 0.0036},
     ],
     "elliptical-planetary": [{"sun_diameter": 0.032, "planet_diameter": 0.018}],
-    **dict.fromkeys(WITHOUT_PARTS, []),
+    **{kind: [] for kind in WITHOUT_PARTS},
 }  # fmt: skip
 """The same sizes as drawings give them."""
 
@@ -183,6 +184,30 @@ def _drive_torque(kind):
     return [*({**one, **case} for one in (*thin, *tables)), *sizes]
 
 
+def _index(kind):
+    case = {"speed": 10, "load_torque": 0.01, "follower_inertia": 1e-4, "efficiency": 0.9}
+    case |= {n: x for n, x in LOSSES.items() if n != "driver_inertia"} | _BEHIND
+    rings = {"load_frequency": 7, "load_damping": 0.1, "load_tolerance": 1e-3}
+    if kind not in ERRORS:
+        return [{**one, **case} for one in _wheels(kind)]
+    stress = {
+        "pin_length": 0.01,
+        "pin_gap": 1e-3,
+        "pressure_limit": 1e8,
+        "pressure_pin_radius": 1e-3,
+    }
+    stress |= {"pin_material": "brass", "wheel_material": "206e9,0.3"}
+    found = [{**WHEELS[kind], **case, **stress, **FRICTION[kind]}]
+    if kind == "geneva":
+        wheel = {"slots": 6, "pins": 1, "crank_radius": 0.02, "clearance": 1e-4}
+        lock = {"locking_radius": 0.01, "locking_friction": 0.1, "locking_angle": 20}
+        tried = ["clearance", *rings, *lock]
+        found.append({**wheel, **case, **rings, **lock, "tried": tried})
+        inside = {"slots": 6, "pins": 1, "internal": True, "crank_radius": 0.02}
+        found.append({**inside, **case, "tried": ["internal"]})
+    return [*found, *sized(kind, **case)]
+
+
 def _measure(kind):
     words = {"input_column": "input_deg", "output_column": "output_deg", "angle_unit": "deg"}
     read = {"data": "readings.csv", "bins": 8, "confidence": 0.95, **words}
@@ -202,7 +227,7 @@ def _measure(kind):
 
 OF_KINDS = {
     "run": _run, "rundown": _rundown, "explore": _explore, "mechanism": _mechanism,
-    "export": _export, "drive-torque": _drive_torque, "measure": _measure,
+    "export": _export, "index": _index, "drive-torque": _drive_torque, "measure": _measure,
 }  # fmt: skip
 OTHERS = {
     "sweep": [],

@@ -248,45 +248,48 @@ def test_refusals(wheel, more, words):
         esc.index(mechanism, 1.0, load, follower_inertia=0.4, **more)
 
 
+TYPED = {
+    **{"slots": 6, "pins": 1, "crank-radius": 0.05, "clearance": 1e-4, "load-torque": 2},
+    **{"follower-inertia": 0.4, "friction": 0.08, "pressure-pin-radius": 0.008},
+    **{"pin-length": 0.012, "load-frequency": 15, "load-damping": 0.02, "load-tolerance": 1e-4},
+    "speed": "60 rpm",
+}
+THIN = ("slots", "pins", "crank-radius", "load-torque", "follower-inertia", "friction", "speed")
+
+
+def words(names):
+    return [word for name in names for word in (f"--{name}", TYPED[name])]
+
+
 def test_the_command_prints_the_drive_in_the_units_asked_for(report, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    options = [
-        "--slots",
-        "6",
-        "--pins",
-        "1",
-        "--crank-radius",
-        "0.05",
-        "--clearance",
-        "1e-4",
-        "--load-torque",
-        "2",
-        "--follower-inertia",
-        ".4",
-        "--friction",
-        ".08",
-        "--pressure-pin-radius",
-        ".008",
-        "--pin-length",
-        ".012",
-        "--load-frequency",
-        "15",
-        "--load-damping",
-        ".02",
-        "--load-tolerance",
-        "1e-4",
-    ]
-    record = report("index", *options, "--speed", "60 rpm", "-o", "a.csv", "--plot", "a.png")
+    record = report("index", *words(TYPED), "-o", "a.csv", "--plot", "a.png")
     for name, value in FIRST.items():
         assert digits(record[name], value), name
     assert record["reversals_deg"] == pytest.approx([1.21168735], abs=5e-9)
     assert digits(record["torque_max_deg"], FIRST_ANGLES["torque_max_angle"])
-    inches = report("index", *options, "--speed", "60 rpm", "--units", "in-lbf-s")
-    assert record["pressure_max"] / inches["pressure_max"] == pytest.approx(6894.757293, rel=1e-9)
-    old = report("drive-torque", *options[:3], *["--crank-radius", "0.05", "--speed", "6.283185307179586", "--load-torque", "2", "--follower-inertia", ".4", "--friction", ".08"])  # fmt: skip
-    for name, value in old.items():
-        if name not in ("inputs", "message"):
-            assert record[name] == pytest.approx(value, rel=1e-8), name
     rows = np.genfromtxt("a.csv", delimiter=",", names=True)
     assert rows["torque_N_m"].max() == pytest.approx(record["torque_max"], rel=1e-4)
     assert (tmp_path / "a.png").exists()
+    for name, value in report("drive-torque", *words(THIN)).items():
+        if name not in ("inputs", "message"):
+            assert record[name] == pytest.approx(value, rel=1e-8), name
+
+
+def test_the_command_speaks_inches(report):
+    length = 0.0254
+    torque = 4.4482216152605 * length
+    size = {"length": length, "torque": torque, "inertia": torque}
+    kinds = {
+        **dict.fromkeys(("crank-radius", "clearance", "pressure-pin-radius"), "length"),
+        **{"pin-length": "length", "load-torque": "torque", "follower-inertia": "inertia"},
+    }
+    typed = [
+        word
+        for name in TYPED
+        for word in (f"--{name}", TYPED[name] / size[kinds[name]] if name in kinds else TYPED[name])
+    ]
+    record = report("index", *typed, "--units", "in-lbf-s")
+    pressure = 4.4482216152605 / length**2
+    assert record["pressure_max"] * pressure == pytest.approx(FIRST["pressure_max"], rel=1e-8)
+    assert record["torque_rms"] * torque == pytest.approx(FIRST["torque_rms"], rel=1e-8)

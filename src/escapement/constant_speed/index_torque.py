@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from escapement.base import validate
 from escapement.base.errors import InvalidValue
 from escapement.constant_speed.cycle_figures import CycleFigures, cycle_figures
 from escapement.constant_speed.index_case import IndexCase
