@@ -200,7 +200,7 @@ def _index(kind):
     found = [{**WHEELS[kind], **case, **stress, **FRICTION[kind]}]
     if kind == "geneva":
         wheel = {"slots": 6, "pins": 1, "crank_radius": 0.02, "clearance": 1e-4}
-        lock = {"locking_radius": 0.01, "locking_friction": 0.1, "locking_angle": 20}
+        lock = {"locking_radius": 0.01, "locking_friction": 0.1, "locking_angle": 0.3}
         tried = ["clearance", *rings, *lock]
         found.append({**wheel, **case, **rings, **lock, "tried": tried})
         inside = {"slots": 6, "pins": 1, "internal": True, "crank_radius": 0.02}
@@ -255,7 +255,8 @@ CHANGED = {
     "confidence": 0.9,
     **{"select": "friction=0.2", "result": "rise_time", "angle_unit": "rad", "bins": 9},
     **{"fit": "driver_inertia", "input_column": "again_deg", "output_column": "again_deg"},
-    **{"indices": 8, "lobes": "1/2", "time_column": "later_s"},
+    **{"indices": 8, "lobes": "1/2", "time_column": "later_s", "law": "modified-sine"},
+    **{"pin_material": "steel", "wheel_material": "acetal"},
 }
 """What an option is given instead, where a number a little greater will not do."""
 ADDED = {
