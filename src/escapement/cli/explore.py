@@ -1,7 +1,6 @@
 """Command `explore`: a page that shows a motion, and computes it anew while you drag a number."""
 
-import sys
-import threading
+import argparse
 from pathlib import Path
 from typing import Any
 
@@ -25,26 +24,26 @@ def configure(parser: Parser) -> None:
     parser.set_defaults(**dict.fromkeys(declared(Solver)))
     output = parser.add_argument_group("output")
     _arguments.add_output(output, "page.html", "write the page")
-    text = (
-        "serve the page to a browser on this machine until Ctrl-C; the package then computes what "
-        "the page cannot: every mechanism, clearance, tolerances, and all cases of a study"
-    )
-    output.add_argument("--serve", action="store_true", help=text)
+    # it is known in order to say what to do instead
+    output.add_argument("--serve", action="store_true", help=argparse.SUPPRESS)
 
 
 def execute(args: Arguments) -> int:
-    """Write a page with the given design, or serve it."""
+    """Write a page with the given design."""
+    if args.serve:
+        raise UsageError(
+            "--serve must be left out: the page computes by itself, written with -o page.html; for "
+            "what it cannot compute, 'escapement run ... --plot motion.html' writes a page that "
+            "plays the motion"
+        )
     if isinstance(args.kind, Path):
         if args.study is not None:
             raise UsageError(
                 f"--from must not come with the study {args.kind}, got both; leave one of them out"
             )
         args.study, args.kind = args.kind, None
-    if args.serve:
-        return _serve(args)
     if args.output is None:
-        remedy = "add -o page.html, or --serve"
-        raise UsageError(f"--output must name the page to write, got none; {remedy}")
+        raise UsageError("--output must name the page to write, got none; add -o page.html")
     file_format(args.output, PAGES)
     inputs = [args.study] if args.study is not None else []
     _output.check_output(args.output, *inputs, force=args.force)
@@ -61,36 +60,6 @@ def execute(args: Arguments) -> int:
     return 0
 
 
-def _serve(args: Arguments) -> int:
-    """Serve the page until Ctrl-C."""
-    for name in ("output", "force"):
-        if getattr(args, name):
-            raise UsageError(
-                f"--{name} must not come with --serve, which writes no file; leave it out"
-            )
-    from escapement.explorer.serve import serving
-    from escapement.explorer.served_page import server_of
-
-    case = _study(args)
-    if case is None:
-        escapement, settings = run.read_case(args)
-    else:
-        plan = case["plan"]
-        escapement, settings = plan.escapement(0), plan.values(0)
-    length = {} if args.engagements is None else {"engagements": args.engagements}
-    server = server_of(escapement, settings["initial_speed"], **length, **case or {})
-    with serving(server):
-        record = {"url": server.url}
-        _log.record("serving", **record)
-        _output.tell(
-            args, record, lambda: _output.note(f"open {server.url} in a browser; Ctrl-C ends it"),
-            "", _known(escapement, settings, args),
-        )  # fmt: skip
-        sys.stdout.flush()
-        threading.Event().wait()
-    return 0
-
-
 def _known(escapement: Any, settings: dict[str, Any], args: Arguments) -> list[Input]:
     """The numbers that went in, with their defaults."""
     length = args.engagements or _LENGTH["engagements"].default
@@ -99,16 +68,3 @@ def _known(escapement: Any, settings: dict[str, Any], args: Arguments) -> list[I
         ("engagements", length, "ratio"),
     ]
     return [*inputs_of(escapement), *start]
-
-
-def _study(args: Arguments) -> dict[str, Any] | None:
-    """Plan and results of a study file if it is to be shown with all its cases, else None."""
-    path = args.study
-    if path is None or args.select is not None or path.suffix.lower() == ".toml":
-        return None
-    import escapement as esc
-    from escapement.study.parse import parse_plan
-    from escapement.study.reader import read_configuration
-
-    plan = parse_plan(read_configuration(path))
-    return None if plan.cases == 1 else {"plan": plan, "study": esc.read_study(path)}
