@@ -41,7 +41,8 @@ Kinds = Mapping[str, str]
 """Kind of unit, see `escapement.base.units`, of those that have one, by JSON key."""
 
 _INPUTS = ("data", "study", "table", "log")
-_PICTURES, _LONGEST_FILM = 40, 50  # pictures of an engagement in a film, and engagements
+_PICTURES, _FEWER, _MANY = 40, 10, 320  # pictures of an engagement in a film, fewer beyond many
+_LONGEST_FILM = 50  # engagements
 _LABELS = {
     "inertia_ratio": "inertia ratio F",
     "reversal_limits": "reversal limits F12, F23",
@@ -210,7 +211,8 @@ def drawn_motion(path: Path | None, motion: Any, plot: Callable[[Any], Any]) -> 
             f"a film must show at most {_LONGEST_FILM} engagements, got {engagements}; run fewer, "
             "as with --engagements 3"
         )
-    return drawn(path, lambda plots: plots.animate(motion, frames=_PICTURES * engagements))
+    frames = max(min(_PICTURES * engagements, _MANY), _FEWER * engagements)
+    return drawn(path, lambda plots: plots.animate(motion, frames=frames))
 
 
 def reported(args: Arguments, escapement: Any, budget: Any = None, speed: float = 0.0) -> Save:

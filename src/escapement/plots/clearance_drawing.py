@@ -80,7 +80,7 @@ def draw_close_up(ax: Axes, scene: Exaggerated, theta: float, frame: int) -> Non
         draw_bodies(ax, scene.outline, theta, float(scene.phi[frame]))
     ax.set_axis_off()
     text = f"clearance {scene.factor:g} times wider\n{scene.touched[frame]}"
-    ax.set_title(text, fontsize=style.SMALL_SIZE)
+    ax.set_title(text, fontsize=style.SMALL_SIZE, y=1.0)
 
 
 def _round_below(value: float) -> float:

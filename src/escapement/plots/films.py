@@ -1,20 +1,19 @@
-"""Films as files: how each format is written, and a page that plays one by itself."""
+"""Films as files, by Matplotlib's writers, and figures that are drawn quickly many times."""
 
-import io
-import json
+import re
 import subprocess
-from base64 import b64encode
-from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
-from matplotlib.animation import AbstractMovieWriter, FFMpegWriter, FuncAnimation
-from PIL import Image
+import numpy as np
+from matplotlib.animation import AbstractMovieWriter, FFMpegWriter, FuncAnimation, HTMLWriter
+from matplotlib.artist import Artist
+from matplotlib.backends.backend_agg import RendererAgg
 
 from escapement.base.errors import StorageError
+from escapement.plots.style import Picture
 
 _DPI = 150
-_COLOURS = 64
 # the same pictures give the same bytes, and players want even numbers of pixels
 _COMMON = ["-fflags", "+bitexact", "-flags:v", "+bitexact", "-pix_fmt", "yuv420p"]
 _COMMON += ["-vf", "pad=ceil(iw/2)*2:ceil(ih/2)*2"]
@@ -22,30 +21,63 @@ _VIDEOS = {
     ".mp4": ("libx264", ["-crf", "18", "-movflags", "+faststart"]),
     ".webm": ("libvpx-vp9", ["-crf", "24", "-b:v", "0"]),
 }
+_LARGEST = 1024  # greatest size of a page with its pictures [MB]
+# letters in place of a font from the network; who asks for less motion starts the film by hand
+_SIGNS = {
+    "minus": "−", "plus": "+", "play": "▶", "pause": "❚❚", "fast-backward": "|◀◀",
+    "step-backward": "|◀", "step-forward": "▶|", "fast-forward": "▶▶|",
+}  # fmt: skip
+_HEAD = """<!doctype html>
+<html lang="en"><head><meta charset="utf-8"><title>Film of a motion</title>
+<style>
+.animation img { max-width: 100% } .animation button { min-width: 3.2em }
+.fa { font: 1em sans-serif } .fa-flip-horizontal { display: inline-block; transform: scaleX(-1) }
+SIGNS</style></head><body>
+"""
+_FOOT = """<script>
+addEventListener("load", () => setTimeout(() => {
+  if (!matchMedia("(prefers-reduced-motion: reduce)").matches) animFILM.play_animation();
+}));
+</script></body></html>
+"""
 
 
-class _PageWriter(AbstractMovieWriter):
-    """Writes a page that holds every picture and asks for nothing else."""
+class FilmFigure(Picture):
+    """A figure of which only some artists change from picture to picture.
 
-    def setup(self, fig: Any, outfile: Any, dpi: float | None = None) -> None:
-        """Begin a film."""
-        super().setup(fig, outfile, dpi)
-        self.pictures: list[str] = []
+    The others are drawn once for each size of the picture, and lie beneath.
 
-    def grab_frame(self, **options: Any) -> None:
-        """Add the figure as it is."""
-        drawn, content = io.BytesIO(), io.BytesIO()
-        self.fig.savefig(drawn, format="rgba", dpi=self.dpi)
-        picture = Image.frombytes("RGBA", self.frame_size, drawn.getvalue()).convert("RGB")
-        # a drawing has few colours, and a quarter of the bytes keeps a long film small
-        picture.quantize(_COLOURS, dither=Image.Dither.NONE).save(content, "png", optimize=True)
-        self.pictures.append(b64encode(content.getvalue()).decode())
+    Attributes
+    ----------
+    moving : list of Artist
+        Artists that change, the lowest first.
+    """
 
-    def finish(self) -> None:
-        """Write the page."""
-        page = files(__package__).joinpath("film.html").read_text(encoding="utf-8")
-        page = page.replace("RATE", f"{self.fps:g}").replace("PICTURES", json.dumps(self.pictures))
-        Path(self.outfile).write_text(page, encoding="utf-8")
+    def __init__(self, *args: Any, **options: Any) -> None:
+        super().__init__(*args, **options)
+        self.moving: list[Artist] = []
+        self._beneath: dict[tuple[float, float], Any] = {}
+
+    def draw(self, renderer: Any) -> None:
+        """Draw the figure."""
+        if not (self.moving and isinstance(renderer, RendererAgg)):
+            super().draw(renderer)
+            return
+        surface: Any = renderer
+        size = renderer.width, renderer.height
+        if size in self._beneath:
+            surface.restore_region(self._beneath[size])
+        else:
+            for artist in self.moving:
+                artist.set_visible(False)
+            super().draw(renderer)
+            for artist in self.moving:
+                artist.set_visible(True)
+            # a renderer that only measures leaves the paper transparent
+            if np.asarray(surface.buffer_rgba())[0, 0, 3]:
+                self._beneath[size] = surface.copy_from_bbox(self.bbox)
+        for artist in self.moving:
+            artist.draw(renderer)
 
 
 def write_film(film: FuncAnimation, path: Path) -> None:
@@ -60,7 +92,9 @@ def write_film(film: FuncAnimation, path: Path) -> None:
     if path.suffix == ".gif":
         film.save(path, writer="pillow", progress_callback=note)
     elif path.suffix == ".html":
-        film.save(path, writer=_PageWriter(fps=rate), dpi=_DPI, progress_callback=note)
+        writer: AbstractMovieWriter = HTMLWriter(rate, embed_frames=True, embed_limit=_LARGEST)
+        film.save(path, writer=writer, dpi=_DPI, progress_callback=note)
+        path.write_text(_alone(path.read_text(encoding="utf-8")), encoding="utf-8")
     else:
         codec, choices = _VIDEOS[path.suffix]
         writer = FFMpegWriter(fps=rate, codec=codec, extra_args=_COMMON + choices)
@@ -71,3 +105,13 @@ def write_film(film: FuncAnimation, path: Path) -> None:
                 f"ffmpeg failed to write a film with its encoder {codec}; install an ffmpeg that "
                 "has it, or end the name in .html"
             ) from None
+
+
+def _alone(page: str) -> str:
+    """Matplotlib's page as one that asks for no other file, the same for the same film."""
+    page = re.sub(r"<link[^>]*>", "", page)
+    name = re.search(r"_anim_img(\w+)", page)[1]  # type: ignore[index]
+    signs = "".join(f'.fa-{key}::before {{ content: "{it}" }}\n' for key, it in _SIGNS.items())
+    head, foot = _HEAD.replace("SIGNS", signs), _FOOT.replace("FILM", name)
+    # the name is drawn at random
+    return (head + page + foot).replace(name, "film")
