@@ -105,14 +105,13 @@ class GearDrivenOutline:
         if self.mouth == 0.0:
             # the slots run right across the wheel, through its centre, where their walls meet
             arms = slots if slots % 2 == 0 else 2 * slots
-            rim, land = half / math.sin(math.pi / arms), None
-            inner = slotted_edge(rim, self.slot_end, half, land, arms) if arms > 2 else None
+            rim, ends = half / math.sin(math.pi / arms), -_TURN * np.arange(arms) / arms
+            inner = slotted_edge(rim, self.slot_end, half, None, ends) if arms > 2 else None
             cap = complex(self.slot_end, half)
             slot = chain([-cap.conjugate(), cap, cap.conjugate(), -cap], [0, -math.pi] * 2)
             return [inner or slot, Curve.circle(self.rim_radius)]
         edge = math.hypot(self.mouth, half)
-        aside = math.asin(half / edge)
-        body = slotted_edge(edge, self.slot_end, half, ([], [_TURN / slots - 2.0 * aside]), slots)
+        body = slotted_edge(edge, self.slot_end, half, ([], []), -_TURN * np.arange(slots) / slots)
         return [body] if self.inward else [body, Curve.circle(self.rim_radius)]
 
     def path(self) -> ComplexArray:
