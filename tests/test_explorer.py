@@ -90,7 +90,7 @@ def test_the_command_writes_a_page_of_options_of_a_study_and_of_its_file(command
     ("words", "code", "message"),
     [
         ((*GIVEN,), 2, "--output must name the page"),
-        ((*GIVEN, "--serve"), 2, "--serve must be left out: the page computes by itself"),
+        ((*GIVEN, "--serve"), 2, "--serve must be left out, because the page computes by itself"),
         ((*GIVEN, "-o", "page.png"), 2, "must end in .html"),
         ((*GIVEN, "-o", "there.html"), 73, "there.html"),
         ((*GIVEN, "--follower-viscous", "1e-9", "-o", "a.html"), 2, "follower_viscous"),

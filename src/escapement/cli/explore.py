@@ -32,9 +32,9 @@ def execute(args: Arguments) -> int:
     """Write a page with the given design."""
     if args.serve:
         raise UsageError(
-            "--serve must be left out: the page computes by itself, written with -o page.html; for "
-            "what it cannot compute, 'escapement run ... --plot motion.html' writes a page that "
-            "plays the motion"
+            "--serve must be left out, because the page computes by itself; write it with "
+            "-o page.html, or play the motion of what it cannot compute with "
+            "'escapement run ... --plot motion.html'"
         )
     if isinstance(args.kind, Path):
         if args.study is not None:

@@ -19,7 +19,7 @@ from escapement.outlines.curves import Curve
 from escapement.outlines.fits import Fits
 from escapement.outlines.gears import EllipticalOutline, GearDrivenOutline, pitch_curve
 from escapement.outlines.geneva import GenevaOutline
-from escapement.outlines.meshed import MeshedOutline, elliptical_teeth, toothed_gears
+from escapement.outlines.meshed import elliptical_teeth, toothed_gears
 from escapement.outlines.part import Part, hole, link
 
 _UNUSED = {
@@ -81,18 +81,15 @@ def parts_of(mechanism: Any, fits: Fits | None = None) -> tuple[Part, ...]:
     return tuple(found)
 
 
-def outline_of(
-    mechanism: Any, fits: Fits
-) -> GenevaOutline | GearDrivenOutline | EllipticalOutline | MeshedOutline:
+def outline_of(mechanism: Any, fits: Fits) -> GenevaOutline | GearDrivenOutline | EllipticalOutline:
     """The bodies of a mechanism, in their final size."""
     if isinstance(mechanism, EllipticalPlanetary):
         gears = toothed_gears(mechanism, fits.teeth, fits.clearance)
         driven, driving = gears["driven"], gears["driving"]
         if driven is None or driving is None:
             return EllipticalOutline(mechanism)
-        return MeshedOutline(
-            mechanism, driven, driving, elliptical_teeth(mechanism, fits.teeth) or 0
-        )
+        teeth = elliptical_teeth(mechanism, fits.teeth) or 0
+        return EllipticalOutline(mechanism, (driven, driving), teeth)
     size, _ = _sized(mechanism)
     if isinstance(mechanism, GearDriven):
         return GearDrivenOutline(mechanism, fits.clearance)

@@ -2,6 +2,7 @@
 
 import re
 import subprocess
+from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
@@ -22,24 +23,6 @@ _VIDEOS = {
     ".webm": ("libvpx-vp9", ["-crf", "24", "-b:v", "0"]),
 }
 _LARGEST = 1024  # greatest size of a page with its pictures [MB]
-# letters in place of a font from the network; who asks for less motion starts the film by hand
-_SIGNS = {
-    "minus": "−", "plus": "+", "play": "▶", "pause": "❚❚", "fast-backward": "|◀◀",
-    "step-backward": "|◀", "step-forward": "▶|", "fast-forward": "▶▶|",
-}  # fmt: skip
-_HEAD = """<!doctype html>
-<html lang="en"><head><meta charset="utf-8"><title>Film of a motion</title>
-<style>
-.animation img { max-width: 100% } .animation button { min-width: 3.2em }
-.fa { font: 1em sans-serif } .fa-flip-horizontal { display: inline-block; transform: scaleX(-1) }
-SIGNS</style></head><body>
-"""
-_FOOT = """<script>
-addEventListener("load", () => setTimeout(() => {
-  if (!matchMedia("(prefers-reduced-motion: reduce)").matches) animFILM.play_animation();
-}));
-</script></body></html>
-"""
 
 
 class FilmFigure(Picture):
@@ -107,11 +90,11 @@ def write_film(film: FuncAnimation, path: Path) -> None:
             ) from None
 
 
-def _alone(page: str) -> str:
-    """Matplotlib's page as one that asks for no other file, the same for the same film."""
-    page = re.sub(r"<link[^>]*>", "", page)
-    name = re.search(r"_anim_img(\w+)", page)[1]  # type: ignore[index]
-    signs = "".join(f'.fa-{key}::before {{ content: "{it}" }}\n' for key, it in _SIGNS.items())
-    head, foot = _HEAD.replace("SIGNS", signs), _FOOT.replace("FILM", name)
-    # the name is drawn at random
-    return (head + page + foot).replace(name, "film")
+def _alone(player: str) -> str:
+    """Matplotlib's player as a page that asks for no other file, the same for the same film."""
+    player = re.sub(r"<link[^>]*>", "", player)
+    # the name of the film is drawn at random
+    for name in re.findall(r"_anim_img(\w+)", player)[:1]:
+        player = player.replace(name, "film")
+    page = files(__package__).joinpath("film.html").read_text(encoding="utf-8")
+    return page.replace("FILM", player)

@@ -113,9 +113,11 @@ def new_axes(width: float = ONE_COLUMN, height: float | None = None) -> Axes:
     return dress(new_figure(width, height).add_subplot(axes_class=PictureAxes))
 
 
-def new_panels(figure: Figure | SubFigure, rows: int, columns: int = 1) -> list[Axes]:
+def new_panels(
+    figure: Figure | SubFigure, rows: int, columns: int = 1, **options: Any
+) -> list[Axes]:
     """Panels in house style, row by row; stacked ones share the abscissa."""
-    axes = figure.subplots(rows, columns, sharex="col", squeeze=False)
+    axes = figure.subplots(rows, columns, sharex="col", squeeze=False, **options)
     return [dress(ax) for ax in axes.ravel()]
 
 
