@@ -8,6 +8,7 @@ import subprocess
 
 import numpy as np
 import pytest
+from matplotlib.backends.backend_agg import FigureCanvasAgg
 from PIL import Image
 
 import escapement as esc
@@ -51,6 +52,23 @@ def test_the_last_picture_is_that_of_its_instant(mechanism, tmp_path):
     np.testing.assert_allclose(velocities.lines[-1].get_ydata(), speeds)
     assert re.match(rf"{1e3 * instant:.0f}(\.\d+)? ms, ", drawing.get_title())
     np.testing.assert_allclose(velocities.get_xlim(), [1e3 * start, 1e3 * stop])
+
+
+def picture(figure):
+    canvas = FigureCanvasAgg(figure)
+    canvas.draw()
+    return np.asarray(canvas.buffer_rgba()).copy()
+
+
+@pytest.mark.parametrize("mechanism", DRIVES, ids=lambda drive: type(drive).__name__)
+def test_a_picture_of_what_moves_above_the_rest_is_that_of_the_whole_figure(mechanism):
+    figure = (film := plots.animate(motion(mechanism), frames=4))._fig
+    film._draw_was_started = True  # else it warns that it was never saved
+    first = picture(figure)
+    film._draw_frame(2)
+    quick, figure.moving = picture(figure), []
+    np.testing.assert_array_equal(quick, picture(figure))
+    assert (quick != first).any(axis=2).mean() > 0.01
 
 
 def test_a_loose_pin_stands_between_its_walls_as_in_the_motion(tmp_path):
