@@ -241,3 +241,9 @@ def number_text(value: float) -> str:
     """A number to four figures, its power of ten written out."""
     mantissa, _, power = f"{value:.4g}".partition("e")
     return f"{mantissa}×10{superscript(int(power))}" if power else mantissa
+
+
+def round_below(value: float) -> float:
+    """The greatest of .., 1, 2, 5, 10, 20, .. that is no more than a positive value."""
+    power = 10.0 ** math.floor(math.log10(value))
+    return max(step * power for step in (1.0, 2.0, 5.0) if step * power <= value * (1.0 + 1e-12))
