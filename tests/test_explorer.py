@@ -10,6 +10,7 @@ import pytest
 import escapement as esc
 from escapement import explorer
 from escapement.base.errors import InvalidValue
+from escapement.explorer.fields import COMPUTED, settings
 
 ROOT = Path(__file__).resolve().parents[1]
 INERTIA = esc.Inertia(3.39e-7, 5.65e-6)
@@ -36,7 +37,10 @@ def test_the_page_begins_with_the_design_and_its_words_are_those_of_the_package(
     wheel = esc.Geneva(5, 2, crank_radius=0.02, pin_radius=0.001)
     found = data_of(explorer.page(timer(wheel, friction=0.3, spring_rate=1e-5), 12.0, 7))
     design = found["design"]
-    assert set(design) == set(explorer.COMPUTED) == set(found["fields"])
+    assert set(design) == set(COMPUTED) == set(found["fields"])
+    # what the page does not compute it refuses with the words of its declaration
+    known = {*found["fields"], *found["beyond"]} - {"barrel", "load_train"}
+    assert known == set(settings())
     assert (design["slots"], design["pins"], design["pin_radius"]) == (5, 2, 0.001)
     assert (design["friction"], design["initial_speed"], design["engagements"]) == (0.3, 12.0, 7)
     assert found["systems"]["in-lbf-s"]["torque"]["factor"] == esc.units.INCH_POUND
@@ -51,6 +55,7 @@ def test_the_page_begins_with_the_design_and_its_words_are_those_of_the_package(
         (timer(esc.Geneva(4, pin_angle_errors=(1e-3, 0, 0, 0))), "pin_angle_errors"),
         (timer(torque=esc.TorqueCurve((0.0, 1.0), (1.0, 2.0))), "torque"),
         (timer(esc.Geneva(41)), "slots"),
+        (timer(friction=2e3), "friction"),
     ],
 )
 def test_what_the_page_cannot_compute_is_refused_in_one_line(made, words):
@@ -85,6 +90,7 @@ def test_the_command_writes_a_page_of_options_of_a_study_and_of_its_file(command
     ("words", "code", "message"),
     [
         ((*GIVEN,), 2, "--output must name the page"),
+        ((*GIVEN, "--serve"), 2, "--serve must be left out, because the page computes by itself"),
         ((*GIVEN, "-o", "page.png"), 2, "must end in .html"),
         ((*GIVEN, "-o", "there.html"), 73, "there.html"),
         ((*GIVEN, "--follower-viscous", "1e-9", "-o", "a.html"), 2, "follower_viscous"),

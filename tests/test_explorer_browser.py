@@ -11,6 +11,7 @@ import escapement as esc
 from browser import chromium, opened, until
 from escapement import explorer
 from escapement.dynamics.painleve import friction_limits
+from escapement.explorer.fields import design_of
 from escapement.outlines.geneva import GenevaOutline
 from escapement.study.parse import parse_plan
 from thick_pins import random_timer
@@ -144,7 +145,7 @@ def _figures_agree(here, figures):
 def test_limits_of_thick_pins_are_those_of_the_engine(page):
     """Also where no material has so much friction, and where the lever of the force vanishes."""
     timers = [random_timer(np.random.default_rng(seed)) for seed in range(200)]
-    designs = [explorer.design_of(timer) | {"friction": 1e3} for timer in timers]
+    designs = [design_of(timer) | {"friction": 1e3} for timer in timers]
     found = page.evaluate(LIMITS, designs)
     for design, timer, limits in zip(designs, timers, found, strict=True):
         assert limits == pytest.approx(friction_limits(timer), rel=1e-9), design
@@ -231,7 +232,7 @@ def test_text_and_address_bring_the_design_back(browser, file, page):
     page.evaluate("d => explorer.change(d)", numbers)
     design, text = page.evaluate("explorer.design"), page.input_value("#toml")
     plan = parse_plan(tomllib.loads(text))
-    assert explorer.design_of(plan.escapement(0), plan.values(0)["initial_speed"]) == design
+    assert design_of(plan.escapement(0), plan.values(0)["initial_speed"]) == design
     page.evaluate("explorer.change({slots: 6, pins: 1, friction: 0})")
     page.fill("#toml", text)
     page.click("#read")

@@ -69,7 +69,7 @@ def test_what_is_played_is_the_motion(name):
 
 def placed(body, theta, phi):
     """Where the first point of a body's path stands, and by what it is turned."""
-    x, y = map(float, re.match(r"M(\S+) ([^\sLAZ]+)", body["path"]).groups())
+    x, y = map(float, re.match(r"M ?(\S+) ([^\sLAZ]+)", body["path"]).groups())
     at = sum(complex(a, b) * np.exp(1j * rate * theta) for a, b, rate in body["at"])
     a, b = body["turn"]
     return complex(at + complex(x, y) * np.exp(1j * (a * theta + b * phi)))

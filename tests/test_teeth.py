@@ -58,7 +58,7 @@ def test_a_tooth_that_meets_a_tooth_is_seen():
 def test_the_check_sees_the_teeth_near_the_line_of_centres():
     outline = outline_of(PAPER, esc.Fits())
     for theta in np.linspace(*PAPER.breaks, 7):
-        near = gap(*(segments_of(body.edges) for body in outline.bodies(float(theta))))[0]
+        near = gap(*(segments_of(body.edges) for body in outline.bodies(float(theta))[2:]))[0]
         assert 1e-3 * near == pytest.approx(rolled(PAPER, esc.Fits(), [theta])[0], abs=1e-12)
 
 

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from escapement.mechanisms import EllipticalPlanetary, GearDriven, Geneva
-from escapement.outlines.curves import Curve
+from escapement.outlines.curves import Curve, svg_point
 from escapement.outlines.gears import EllipticalOutline, GearDrivenOutline, pitch_curve
 from escapement.outlines.geneva import GenevaOutline
 
@@ -21,6 +21,7 @@ Vector = tuple[complex, float]
 """A vector, and the number of its turns in one turn of the driver."""
 _STILL = (0.0, 0.0)
 _MOST_POINTS = 4000
+_DIGITS = ".5g"  # of coordinates
 
 
 @singledispatch
@@ -133,7 +134,7 @@ def _body(
 ) -> dict[str, Any]:
     curves = list(edges)
     reach = max(float(np.abs(curve.drawn()).max()) for curve in curves)
-    path = "".join(_path(curve) for curve in curves)
+    path = " ".join(curve.svg(_DIGITS) for curve in curves)
     return {"name": name, "path": path, "at": _rows(at or []), "turn": turn, "reach": reach}
 
 
@@ -143,7 +144,7 @@ def _line(
     at: list[Vector] | None = None,
     turn: tuple[float, float] = _STILL,
 ) -> dict[str, Any]:
-    path = "M" + "L".join(map(_coordinates, points))
+    path = "M" + "L".join(svg_point(point, _DIGITS) for point in points)
     reach = max(map(abs, points))
     return {"name": name, "path": path, "at": _rows(at or []), "turn": turn, "reach": reach}
 
@@ -162,22 +163,3 @@ def _picture(bodies: list[dict[str, Any]], contact: list[Vector] | None) -> dict
     x, y = [z.real for z in corners], [z.imag for z in corners]
     contacts = None if contact is None else _rows(contact)
     return {"bodies": bodies, "contact": contacts, "box": [min(x), max(x), min(y), max(y)]}
-
-
-def _path(curve: Curve) -> str:
-    """A closed curve of lines and arcs in SVG's words, y upwards."""
-    words = [f"M{_coordinates(complex(curve.corners[0]))}"]
-    for end, start, turn in zip(
-        curve.ends.tolist(), curve.corners.tolist(), curve.turns.tolist(), strict=True
-    ):
-        if abs(turn) < 1e-9:
-            words.append(f"L{_coordinates(end)}")
-            continue
-        radius = 0.5 * abs(end - start) / abs(math.sin(0.5 * turn))
-        flags = f"{int(abs(turn) > math.pi)} {int(turn > 0.0)}"
-        words.append(f"A{radius:.5g} {radius:.5g} 0 {flags} {_coordinates(end)}")
-    return "".join(words) + "Z"
-
-
-def _coordinates(z: complex) -> str:
-    return f"{z.real:.5g} {z.imag:.5g}"

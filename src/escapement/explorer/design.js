@@ -1,20 +1,7 @@
 /** A design as text: in the page's address, and as a study in TOML. */
 
-import { NUMBERS, checkDesign } from "./rules.js";
-
-const MECHANISM = ["slots", "pins", "internal", "crank_radius", "pin_radius"];
-const INERTIA = { driver: "driver_inertia", follower: "follower_inertia" };
-const OF_RUN = ["initial_speed", "engagements"];
-/** Numbers that only the package can compute with, and the effects to which they belong. */
-export const BEYOND = {
-  driver_viscous: "viscous drag", follower_viscous: "viscous drag", roller_radius: "rollers",
-  efficiency: "a mesh", barrel: "trains", load_train: "trains", clearance: "clearance",
-  restitution: "clearance", stiffness: "compliant contact", damping: "compliant contact",
-  contact_law: "compliant contact", slip_speed: "compliant contact",
-  centre_distance_error: "unequal parts", pin_angle_errors: "unequal parts",
-  crank_radius_errors: "unequal parts", slot_angle_errors: "unequal parts",
-  slot_offsets: "unequal parts",
-};
+import { data } from "./dom.js";
+import { NUMBERS, checkDesign, otherwise } from "./rules.js";
 
 /** A number in its shortest form with at most ten digits. */
 export function short(value) {
@@ -29,7 +16,7 @@ function exact(value) {
   return size !== 0 && (size < 1e-3 || size >= 1e6) ? value.toExponential() : String(value);
 }
 
-const isDefault = (name, value) => value === null || value === (NUMBERS[name]?.[2] ?? false);
+const isDefault = (name, value) => value === null || value === otherwise(name);
 
 /** The design as the fragment of an address: all numbers that differ from their defaults. */
 export const asFragment = (design) =>
@@ -47,18 +34,15 @@ const number = (name, text) => {
 };
 
 function assign(design, name, text) {
-  if (name in BEYOND) {
-    throw new RangeError(`this page does not compute ${BEYOND[name]} (${name}); use the Python package`);
+  if (name in data.beyond) {
+    throw new RangeError(`this page does not compute with ${name} (${data.beyond[name]}); use the Python package`);
   }
-  if (name === "internal") {
-    if (!["true", "false"].includes(text)) {
-      throw new RangeError(`internal must be true or false, got '${text.slice(0, 40)}'; choose one`);
-    }
-    design.internal = text === "true";
-  } else if (name in NUMBERS) design[name] = number(name, text);
-  else {
+  if (!(name in NUMBERS)) {
     throw new RangeError(`'${name.slice(0, 40)}' is not the name of a number of a design; leave it out`);
   }
+  if (!NUMBERS[name].truth) design[name] = number(name, text);
+  else if (["true", "false"].includes(text)) design[name] = text === "true";
+  else throw new RangeError(`${name} must be true or false, got '${text.slice(0, 40)}'; choose one`);
 }
 
 /** The design in a fragment; a fragment with a mistake gives a RangeError with one line. */
@@ -76,26 +60,29 @@ export function fromFragment(fragment) {
 
 /** The design as a study of one case, which `escapement sweep` and `escapement explore` read. */
 export function asToml(design) {
-  const lines = (names) => names.filter(([, name]) => !isDefault(name, design[name]))
-    .map(([key, name]) => `${key} = ${exact(design[name])}`);
-  const model = Object.keys(NUMBERS).filter((name) => ![...MECHANISM, ...Object.values(INERTIA),
-    ...OF_RUN, "friction", "torque"].includes(name));
-  const own = [...model, "initial_speed"].map((name) => [name, name]);
+  const ALWAYS = ["slots", "pins", "internal", "torque", "driver_inertia", "follower_inertia"];
+  // friction is the axis of the study, and the engagements belong to a motion only
+  const lines = (section) => Object.entries(NUMBERS)
+    .filter(([name, rule]) => rule.section === section && !["friction", "engagements"].includes(name)
+      && (ALWAYS.includes(name) || !isDefault(name, design[name])))
+    .map(([name, { key, truth }]) => `${key} = ${truth ? design[name] : exact(design[name])}`);
   return [
-    'title = "a design of the explorer"', 'units = "SI"', `torque = ${exact(design.torque)}`, ...lines(own),
-    "", "[mechanism]", 'kind = "geneva"', `slots = ${design.slots}`, `pins = ${design.pins}`,
-    `internal = ${design.internal}`,
-    ...lines([["crank_radius", "crank_radius"], ["pin_radius", "pin_radius"]]),
-    "", "[inertia]", `driver = ${exact(design.driver_inertia)}`, `follower = ${exact(design.follower_inertia)}`,
+    'title = "a design of the explorer"', 'units = "SI"', ...lines(""),
+    "", "[mechanism]", 'kind = "geneva"', ...lines("mechanism"), "", "[inertia]", ...lines("inertia"),
     "", "[sweep]", `friction = [${exact(design.friction)}]`, "",
   ].join("\n");
 }
+
+/** Name of a number by its table and its key there. */
+const nameOf = (section, key) => Object.keys(NUMBERS).find((name) =>
+  section === "inertia" && NUMBERS[name].section === section && NUMBERS[name].key === key) ?? key;
 
 /**
  * The design of a study of one case. Numbers in other units than SI are taken with the factors of
  * that system, by the kind of unit of each name.
  */
-export function fromToml(text, fields, systems) {
+export function fromToml(text) {
+  const { systems } = data;
   let [section, units] = ["", "SI"];
   const found = [];
   for (const [i, raw] of text.split("\n").entries()) {
@@ -120,7 +107,7 @@ export function fromToml(text, fields, systems) {
           throw new RangeError(`${where}: this page computes Geneva wheels, got '${plain.slice(0, 40)}'; `
             + "use the package");
         }
-      } else found.push([section === "inertia" ? INERTIA[key] ?? key : key, plain]);
+      } else found.push([nameOf(section, key), plain]);
     } else {
       throw new RangeError(`${where} must be 'name = value' or '[section]', got `
         + `'${line.slice(0, 40)}'; correct it`);
@@ -133,8 +120,7 @@ export function fromToml(text, fields, systems) {
   const design = {};
   for (const [name, value] of found) {
     assign(design, name, value);
-    const kind = fields[name]?.unit;
-    if (kind && typeof design[name] === "number") design[name] *= systems[units][kind].factor;
+    if (typeof design[name] === "number") design[name] *= systems[units][NUMBERS[name].unit].factor;
   }
   for (const name of ["torque", "driver_inertia", "follower_inertia"]) {
     if (!(name in design)) throw new RangeError(`the text must give ${name}, got none; add it`);

@@ -1,6 +1,9 @@
-/** What the parts of the page share: its elements, and numbers as it writes them. */
+/** What the parts of the page share: its data and elements, and numbers as it writes them. */
 
 export const byId = (id) => document.getElementById(id);
+
+/** What Python wrote into the page: `fields.py` describes the table of numbers and units. */
+export const data = JSON.parse(byId("data").textContent);
 
 export const digits = (value, count = 5) =>
   Number.isFinite(value) ? String(Number(value.toPrecision(count))) : "–";

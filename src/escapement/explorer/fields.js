@@ -3,24 +3,19 @@
 import { digits, element } from "./dom.js";
 import { short } from "./design.js";
 import { mostPins } from "./law.js";
+import { NUMBERS } from "./rules.js";
 
 // the slider of a number without an upper limit covers four decades around its first value
-const WIDE = ["torque", "driver_inertia", "follower_inertia", "crank_radius", "fixed_radius",
-  "stiffness", "damping", "slip_speed", "sun_radius", "planet_radius"];
+const WIDE = ["torque", "driver_inertia", "follower_inertia", "crank_radius"];
 
 export class Fields {
   /**
-   * told : properties of each number, by name: label, unit, whole, optional, needs, choices, truth.
    * units : () => the units in use, name and factor by kind.
    * on : functions that take changed numbers (change), and a message about a mistake (complain).
    */
-  constructor(form, told, units, on) {
-    Object.assign(this, { form, told, units, on, inputs: {}, centres: {}, design: {}, figures: {} });
+  constructor(form, units, on) {
+    Object.assign(this, { form, units, on, inputs: {}, centres: {}, design: {}, figures: {} });
     form.addEventListener("submit", (event) => event.preventDefault());
-  }
-
-  kindOf(name) {
-    return this.told[name]?.unit ?? "ratio";
   }
 
   shown(value, kind) {
@@ -30,28 +25,19 @@ export class Fields {
 
   /** Make the fields of some groups, which are names by their title. */
   lay(groups) {
-    this.inputs = {};
-    this.form.replaceChildren(...Object.entries(groups).map(([title, names]) =>
+    this.form.append(...Object.entries(groups).map(([title, names]) =>
       element("fieldset", {}, element("legend", { textContent: title }),
         ...names.map((name) => this.make(name)))));
   }
 
   make(name) {
-    const { label, truth, choices } = this.told[name];
+    const { label, truth } = NUMBERS[name];
     if (truth) {
       const box = element("input", { type: "checkbox", id: name });
       box.addEventListener("change", () => this.changed(name, box.checked));
       this.inputs[name] = { box };
       return element("div", { className: "check" }, box,
         element("label", { htmlFor: name, textContent: label }));
-    }
-    if (choices) {
-      const list = element("select", { id: name }, ...choices.map((value) =>
-        element("option", { value, textContent: value })));
-      list.addEventListener("change", () => this.changed(name, list.value));
-      this.inputs[name] = { list };
-      return element("div", { className: "choice" },
-        element("label", { htmlFor: name, textContent: label }), list);
     }
     return this.makeNumber(name, label);
   }
@@ -63,7 +49,7 @@ export class Fields {
     text.autocomplete = "off";
     const after = element("span", { className: "unit" });
     slider.addEventListener("input", () => {
-      if (WIDE.includes(name) && (this.design[name] ?? null) === null) return;
+      if (WIDE.includes(name) && this.design[name] === null) return;
       this.changed(name, this.fromSlider(name, Number(slider.value)));
     });
     // arrow keys move a slider by a hundredth of its range, or by one for whole numbers
@@ -72,7 +58,7 @@ export class Fields {
       if (!way || slider.disabled) return;
       event.preventDefault();
       const [low, high] = this.rangeOf(name);
-      const step = this.told[name].whole ? 1 / (high - low || 1) : 0.01;
+      const step = NUMBERS[name].whole ? 1 / (high - low || 1) : 0.01;
       slider.value = Number(slider.value) + way * step;
       slider.dispatchEvent(new Event("input"));
     });
@@ -90,11 +76,11 @@ export class Fields {
   }
 
   typed(name, text) {
-    const { label, optional } = this.told[name];
+    const { label, optional, unit } = NUMBERS[name];
     this.inputs[name].said = "";
     const words = text.value.trim();
     const value = words === "" ? (optional ? null : NaN)
-      : Number(words) * this.units()[this.kindOf(name)].factor;
+      : Number(words) * this.units()[unit].factor;
     if (value !== null && !Number.isFinite(value)) {
       this.on.complain(`${label} must be a number, got '${words.slice(0, 40)}'; the last good design stays`);
       this.refuse(name);
@@ -110,30 +96,19 @@ export class Fields {
     input.text.setAttribute("aria-invalid", "true");
   }
 
-  /** The length with which others are compared. */
-  get crank() {
-    return this.design.crank_radius ?? this.design.fixed_radius ?? this.design.planet_radius ?? 0;
-  }
-
   /** Least and greatest value of a slider. */
   rangeOf(name) {
-    const { design, crank, figures } = this;
     if (WIDE.includes(name)) return [0, 1];
-    const critical = figures.critical_friction;
-    const small = 0.1 * design.follower_inertia;
-    // if the cycle has no speed, use the one that the torque gives the follower in a radian
-    const speed = figures.velocity_mean || Math.sqrt(design.torque / design.follower_inertia);
+    const { torque, follower_inertia, slots, internal, crank_radius: crank } = this.design;
+    const critical = this.figures.critical_friction;
     const limits = {
-      slots: [3, 12], pins: [1, design.slots ? mostPins(design.slots, design.internal) : 4],
-      stations: [2, 16], lobes: [0, 12], unused_lobes: [0, 4], engagements: [1, 60],
-      initial_speed: [0, 500], driver_bearing_friction: [0, 0.4], follower_bearing_friction: [0, 0.4],
-      friction: [0, Number.isFinite(critical) ? 1.05 * critical : 1], load_torque: [0, 0.6 * design.torque],
-      spring_rate: [0, 0.05 * design.torque], driver_bearing_torque: [0, 0.5 * design.torque],
-      driver_drag: [0, small], follower_drag: [0, small],
-      driver_viscous: [0, (0.3 * design.torque) / speed], follower_viscous: [0, (0.3 * design.torque) / speed],
-      pin_radius: [0, 0.15 * crank], roller_radius: [0, 0.2 * crank],
-      driver_bearing_radius: [0, 0.2 * crank], follower_bearing_radius: [0, 0.2 * crank],
-      clearance: [0, 0.02 * crank], centre_distance_error: [-0.01 * crank, 0.01 * crank],
+      slots: [3, 12], pins: [1, mostPins(slots, internal)], engagements: [1, 60], initial_speed: [0, 500],
+      driver_bearing_friction: [0, 0.4], follower_bearing_friction: [0, 0.4],
+      friction: [0, Number.isFinite(critical) ? 1.05 * critical : 1], load_torque: [0, 0.6 * torque],
+      spring_rate: [0, 0.05 * torque], driver_bearing_torque: [0, 0.5 * torque],
+      driver_drag: [0, 0.1 * follower_inertia], follower_drag: [0, 0.1 * follower_inertia],
+      pin_radius: [0, 0.15 * crank], driver_bearing_radius: [0, 0.2 * crank],
+      follower_bearing_radius: [0, 0.2 * crank],
     };
     return limits[name] ?? [0, 1];
   }
@@ -148,23 +123,21 @@ export class Fields {
     const [low, high] = this.rangeOf(name);
     const value = WIDE.includes(name) ? this.centres[name] * 10 ** (4 * (share - 0.5))
       : low + share * (high - low);
-    return this.told[name].whole ? Math.round(value) : Number(value.toPrecision(4));
+    return NUMBERS[name].whole ? Math.round(value) : Number(value.toPrecision(4));
   }
 
   /** Show a design in all fields except the one that has the focus. */
   refresh(design, figures, active = null) {
     Object.assign(this, { design, figures });
-    for (const [name, { slider, text, after, box, list }] of Object.entries(this.inputs)) {
-      const value = design[name] ?? this.told[name].default ?? null;
-      if (box) box.checked = value;
-      else if (list) list.value = value;
-      else this.refreshNumber(name, value, { slider, text, after }, active);
+    for (const [name, { slider, text, after, box }] of Object.entries(this.inputs)) {
+      if (box) box.checked = design[name];
+      else this.refreshNumber(name, design[name], { slider, text, after }, active);
     }
   }
 
   refreshNumber(name, value, { slider, text, after }, active) {
-    const { needs, unit: kind } = this.told[name];
-    const lacks = Boolean(needs) && !this.crank;
+    const { needs, unit: kind } = NUMBERS[name];
+    const lacks = needs !== "" && !this.design[needs];
     const busy = document.activeElement;
     const held = active === name && (busy === text || busy === slider);
     const position = value === null ? 0 : this.toSlider(name, value);
@@ -176,8 +149,7 @@ export class Fields {
     if (busy !== text || active !== name) text.value = value === null ? "" : short(value / factor);
     text.removeAttribute("aria-invalid");
     slider.disabled = lacks || (WIDE.includes(name) && !(value > 0));
-    const length = this.design.slots ? "crank radius" : "fixed gear's radius";
-    after.textContent = lacks ? `needs the ${length}` : unit;
+    after.textContent = lacks ? "needs the crank radius" : unit;
     if (busy !== slider || active !== name) slider.value = position;
     slider.setAttribute("aria-valuetext", value === null ? "not given" : this.shown(value, kind));
   }

@@ -4,18 +4,14 @@ import { simulate, samples, stateAt } from "./kernel.js";
 import { frictionLimits } from "./law.js";
 import { NUMBERS, checkDesign } from "./rules.js";
 import { drawCharts } from "./charts.js";
-import { byId, digits, element } from "./dom.js";
+import { byId, data, digits, element } from "./dom.js";
 import { asFragment, asToml, fromFragment, fromToml } from "./design.js";
 import { Fields } from "./fields.js";
 import { Picture } from "./picture.js";
 import { Played } from "./played.js";
 import { Plot } from "./plots.js";
-import { Served } from "./served.js";
-import { Cloud } from "./cloud.js";
-import { StudyView } from "./study.js";
 import { report } from "./report.js";
 
-const data = JSON.parse(byId("data").textContent);
 const { systems, stops } = data;
 let design = data.design && checkDesign(data.design);
 let motion = null;
@@ -25,11 +21,9 @@ let kept = null;
 let time = 0;
 let playing = false;
 let { units } = data;
-/** The connection to the package if the page is served. */
-let server = null;
 const picture = new Picture(byId("picture"));
 const plots = Object.fromEntries(["velocity", "moment", "phase", "map"].map((id) => [id, new Plot(byId(id))]));
-const fields = new Fields(byId("fields"), data.fields ?? {}, () => systems[units], {
+const fields = new Fields(byId("fields"), () => systems[units], {
   change: (numbers, name) => change(numbers, name),
   complain: (line) => complain(line),
 });
@@ -41,10 +35,6 @@ const complain = (line) => {
 
 /** Change some numbers of the design; if a number breaks a rule, the last good design stays. */
 function change(numbers, active = null) {
-  if (server?.takes(numbers)) {
-    server.ask({ change: numbers }, active);
-    return;
-  }
   try {
     take(checkDesign({ ...design, ...numbers }), active);
   } catch (error) {
@@ -57,7 +47,6 @@ function change(numbers, active = null) {
 /** Compute a design in this page and show it. */
 function take(next, active = null) {
   const found = simulate(next);
-  server?.leave();
   show(found, found.design, active);
 }
 
@@ -74,20 +63,19 @@ function show(found, numbers, active = null) {
   clearTimeout(show.later);
   // browsers limit how often an address may change
   show.later = setTimeout(() => {
-    const fragment = `#${server?.text ? `toml=${encodeURIComponent(server.text)}` : asFragment(design)}`;
     if (!data.fields) return;
+    const fragment = `#${asFragment(design)}`;
     // the frame of a notebook has no address; it receives a message
     if (parent !== window) parent.postMessage({ explorer: design }, "*");
     else if (location.hash !== fragment) history.replaceState(null, "", fragment);
   }, 250);
   refresh(active);
-  byId("shows").dispatchEvent(new Event("shown"));
 }
 
 function refresh(active = null) {
   fields.refresh(design, motion.figures, active);
   const toml = byId("toml");
-  if (data.fields && document.activeElement !== toml) toml.value = server?.text ?? asToml(design);
+  if (data.fields && document.activeElement !== toml) toml.value = asToml(design);
   report(motion, kept?.figures, shown);
   draw();
   setTime(time);
@@ -197,28 +185,19 @@ function save(name, text, type) {
   setTimeout(() => URL.revokeObjectURL(address), 1000);
 }
 
-/** Take a design from a text; if this page cannot compute it, the package is asked, if connected. */
-function readText(text) {
+/** Take a design that `read` makes; if it has a mistake, the last good design stays. */
+function takeRead(read) {
   try {
-    take(fromToml(text, data.fields, systems));
-  } catch (error) {
-    if (!(error instanceof RangeError)) throw error;
-    if (server) server.ask({ text });
-    else complain(`${error.message}; the last good design stays`);
-  }
-}
-
-function readAddress() {
-  if (location.hash.length < 2) return;
-  try {
-    const fragment = decodeURIComponent(location.hash);
-    if (fragment.startsWith("#toml=")) readText(fragment.slice(6));
-    else take(fromFragment(fragment));
+    take(read());
   } catch (error) {
     if (!(error instanceof URIError || error instanceof RangeError)) throw error;
     const line = error instanceof URIError ? "the address has a % sign that is not followed by two hexadecimal digits; correct it" : error.message;
     complain(`${line}; the last good design stays`);
   }
+}
+
+function readAddress() {
+  if (location.hash.length > 1) takeRead(() => fromFragment(decodeURIComponent(location.hash)));
 }
 
 /** Connect the fields and buttons of a page whose design can be changed. */
@@ -238,7 +217,7 @@ function connectDesign() {
     kept = null;
     refresh();
   });
-  byId("read").addEventListener("click", () => readText(byId("toml").value));
+  byId("read").addEventListener("click", () => takeRead(() => fromToml(byId("toml").value)));
   byId("save").addEventListener("click", () => save("design.toml", byId("toml").value, "application/toml"));
   addEventListener("hashchange", readAddress);
   addEventListener("message", (event) => {
@@ -293,20 +272,10 @@ function connect() {
   }
 }
 
-/** Connect a served page to the program that serves it. */
-function connectServer({ reply, study, ...told }) {
-  server = new Served(told, { design: () => design, take, show, complain,
-    refuse: (name) => fields.refuse(name), lay: (groups) => fields.lay(groups) });
-  server.cloud = new Cloud(told, fields, server);
-  if (study) server.study = new StudyView(study, server);
-  if (reply) server.hear(reply, null);
-}
-
 connect();
 if (data.fields) {
   connectDesign();
-  if (data.served) connectServer(data.served);
-  if (data.design) take(design);
+  take(design);
   readAddress();
 } else {
   byId("figures").tHead.rows[0].cells[1].textContent = "Value";

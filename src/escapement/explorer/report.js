@@ -1,15 +1,6 @@
 /** The table of figures of a motion, beside those of the kept design. */
 
-import { byId, digits, element } from "./dom.js";
-
-/** Name, words and kind of unit. */
-const FIGURES = [
-  ["period", "Period", "time"], ["velocity_mean", "Mean velocity", "speed"],
-  ["velocity_max", "Greatest velocity", "speed"], ["velocity_min", "Least velocity", "speed"],
-  ["rise_time", "Rise time", "time"], ["contact_force_max", "Greatest contact force", "force"],
-  ["contact_moment_max", "Greatest contact moment", "torque"],
-  ["critical_friction", "Painlevé limit of friction", "ratio"],
-];
+import { byId, data, digits, element } from "./dom.js";
 
 const REASONS = {
   painleve: "At or above the Painlevé limit no rigid motion exists: the pin jams in its slot.",
@@ -22,16 +13,16 @@ const REASONS = {
 /** Show the figures of a motion beside those that were kept, and its margin to jamming. */
 export function report(motion, kept, shown) {
   const { figures, design } = motion;
-  const rows = FIGURES.map(([name, words, kind]) => {
+  const rows = Object.entries(data.figures).map(([name, { label, unit }]) => {
     const [now, before] = [figures[name], kept?.[name]];
     const has = (value) => value !== undefined && value !== null && !Number.isNaN(value);
     const told = (value) => {
-      if (has(value)) return value === Infinity ? "none" : shown(value, kind);
+      if (has(value)) return value === Infinity ? "none" : shown(value, unit);
       return name === "contact_force_max" && design.slots && !design.crank_radius ? "needs the crank radius" : "–";
     };
     const gain = has(now) && has(before) && before !== 0 ? 100 * (now / before - 1) : NaN;
     const change_ = Number.isFinite(gain) ? `${gain > 0 ? "+" : ""}${gain.toFixed(2)}\u00a0%` : "–";
-    return [words, told(now), kept ? told(before) : "–", kept ? change_ : "–"];
+    return [label, told(now), kept ? told(before) : "–", kept ? change_ : "–"];
   });
   const body = byId("figures").tBodies[0];
   rows.forEach((row, i) => {

@@ -11,7 +11,6 @@ from collections.abc import Callable, Iterator
 from datetime import UTC, datetime
 from itertools import chain
 from os import PathLike
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -29,7 +28,6 @@ from escapement.dynamics.variables import (
     GROUPS,
     LOST,
     SAMPLES,
-    Columns,
     attributes,
     attributes_of,
     groups_of,
@@ -47,12 +45,14 @@ from escapement.study.stored import LAYOUT, SCHEMA_VERSION, open_hdf5, opened
 
 CONTENT = "motion"
 """Root attribute `content`, which distinguishes a motion from a study."""
-_BLOCK = 65536  # samples computed and written at a time, and the greatest length of a chunk
-_READ = 1 << 20  # samples read at a time
+_BLOCK = 65536  # samples computed, written or read at a time, and the greatest length of a chunk
+_LEAST = 64  # least length of a chunk
 Progress = Callable[[int, int, int], None]
 """Called with the engagements written, their number and 0."""
 _Lines = dict[str, tuple[tuple[str, str, str], FloatArray]]
 """Datasets of one length by their names: the column, and a block of values."""
+_Blocks = Iterator[tuple[str, _Lines]]
+"""Of each block of a motion the prefix of its names and its values."""
 
 
 def write_motion(
@@ -101,9 +101,9 @@ def write_motion(
     with pending_hdf5(path, force) as (hdf5, disk):
         _write_root(hdf5, motion)
         made: dict[str, Any] = {}
-        for prefix, columns, total in chain([first], blocks):
+        for prefix, columns in chain([first], blocks):
             if disk.error is None:
-                _append(hdf5, made, prefix, columns, total, units)
+                _append(hdf5, made, prefix, columns, units)
 
 
 def _write_root(hdf5: Any, motion: Motion) -> None:
@@ -123,80 +123,59 @@ def _write_root(hdf5: Any, motion: Motion) -> None:
     )
 
 
-def _blocks(
-    motion: Motion, whole: bool, progress: Progress | None
-) -> Iterator[tuple[str, _Lines, int | None]]:
-    """Samples and, for a `whole` motion, all other data, block by block to limit the memory.
-
-    In addition to prefix and values, the final length of some datasets is given, or None.
-    """
+def _blocks(motion: Motion, whole: bool, progress: Progress | None) -> _Blocks:
+    """Samples and, for a `whole` motion, all other data, block by block to limit the memory."""
     for part in motion.parts():
         # the end of a part is the start of the next one
         times = part.t if part.end_time == motion.end_time else part.t[:-1]
         for start in range(0, times.size, _BLOCK):
             state = part.at(times[start : start + _BLOCK])
             found = {name: (SAMPLES[name], getattr(state, name)) for name in SAMPLES}
-            columns = {name: pair for name, pair in found.items() if pair[1] is not None}
-            yield "", columns, times.size if part is motion else None
+            yield "", {name: pair for name, pair in found.items() if pair[1] is not None}
             if progress is not None:
                 ends, last = motion.handoff_times, start + _BLOCK >= times.size
                 reached = part.end_time if last else state.t[-1]
                 progress(int(np.searchsorted(ends, reached, side="right")), ends.size, 0)
         for owner, prefix, names in groups_of(part) if whole else ():
             source: Any = getattr(part, owner) if owner else part
-            columns = {key: (column, values_of(source, key)) for key, column in names.items()}
-            size = next(iter(columns.values()))[1].size
-            yield prefix, columns, size if part is motion else None
+            yield prefix, {key: (column, values_of(source, key)) for key, column in names.items()}
 
 
-def _lines(blocks: Iterator[tuple[str, _Lines, int | None]], units: str) -> Iterator[bytes]:
-    for number, (_prefix, columns, _total) in enumerate(blocks):
+def _lines(blocks: _Blocks, units: str) -> Iterator[bytes]:
+    for number, (_prefix, columns) in enumerate(blocks):
         if number == 0:
             yield (",".join(columns) + "\n").encode()
         yield csv_lines([values / factor(c[0], units) for c, values in columns.values()])
 
 
-def _append(
-    hdf5: Any, made: dict[str, Any], prefix: str, columns: _Lines, total: int | None, units: str
-) -> None:
-    """Append values to datasets of one length, which are created first."""
-    names = [prefix + key for key in columns]
-    if names[0] not in made:
-        settings = {key: column for key, (column, _values) in columns.items()}
-        made |= _create(hdf5, prefix, settings, total, units)
-        made[f"filled {names[0]}"] = 0
-    first = made[f"filled {names[0]}"]
-    for name, (column, values) in zip(names, columns.values(), strict=True):
-        if total is None:
-            made[name].resize((first + values.size,))
-        made[name][first : first + values.size] = values / factor(column[0], units)
-    made[f"filled {names[0]}"] = first + values.size
+def _append(hdf5: Any, made: dict[str, Any], prefix: str, columns: _Lines, units: str) -> None:
+    """Append values to datasets of one length, the first the dimension scale of all.
 
-
-def _create(
-    hdf5: Any, prefix: str, columns: Columns, size: int | None, units: str
-) -> dict[str, Any]:
-    """Datasets of one length, the first the dimension scale of all; with None they can grow."""
-    # an empty one has no chunks that could be filtered; the default cache would hold 16 chunks
-    options: dict[str, Any] = FILTERS | {"rdcc_nbytes": 1 << 20}
-    options = {} if size == 0 else options | {"chunks": (min(size or _BLOCK, _BLOCK),)}
-    made = {}
-    for key, column in columns.items():
-        name, most = prefix + key, (size,)
-        made[name] = hdf5.create_dataset(name, (size or 0,), column[2], maxshape=most, **options)
-        made[name].attrs.update(attributes_of(key, column, units))
-    scale, *rest = made.values()
-    scale.make_scale(scale.name.removeprefix("/"))
-    for dataset in rest:
-        dataset.dims[0].attach_scale(scale)
-    return made
+    made : the datasets that are open, by name; the new ones are added.
+    """
+    for key, (column, values) in columns.items():
+        name = prefix + key
+        if name not in made:
+            # the default cache would hold 16 chunks
+            sizes: dict[str, Any] = {"maxshape": (None,), "rdcc_nbytes": 1 << 20}
+            chunk = min(max(values.size, _LEAST), _BLOCK)
+            made[name] = hdf5.create_dataset(
+                name, (0,), column[2], chunks=(chunk,), **sizes, **FILTERS
+            )
+            made[name].attrs.update(attributes_of(key, column, units))
+            scale = made[prefix + next(iter(columns))]
+            if made[name] == scale:
+                scale.make_scale(name)
+            else:
+                made[name].dims[0].attach_scale(scale)
+        done = made[name].size
+        made[name].resize((done + values.size,))
+        made[name][done:] = values / factor(column[0], units)
 
 
 def is_motion(path: str | PathLike[str]) -> bool:
     """Whether `path` is an HDF5 file of a motion; InputFileError where a lock is in the way."""
-    if not Path(path).is_file():
-        return False
-    # HDF5 raises one or the other for a damaged file, or one that is not HDF5
+    # HDF5 raises one or the other for no file, a damaged one, or one that is not HDF5
     try:
         with open_hdf5(path) as hdf5:
             return bool(hdf5.attrs.get("content") == CONTENT)
@@ -272,12 +251,9 @@ def _read(hdf5: Any) -> Motion:
 
 def _in_si(dataset: Any, kind: str) -> Any:
     """The values of a dataset, which says in which unit it has them."""
-    stored_unit, wanted = dataset.attrs.get("units"), unit_name(kind, SYSTEMS[0])
-    return (
-        dataset[()]
-        if stored_unit in (None, wanted)
-        else ratio_of(str(stored_unit), wanted) * dataset[()]
-    )
+    stored, wanted = dataset.attrs.get("units"), unit_name(kind, SYSTEMS[0])
+    found = dataset[()]
+    return found if stored in (None, wanted) else ratio_of(str(stored), wanted) * found
 
 
 def _at_starts(hdf5: Any, start: FloatArray, end: float) -> FloatArray:
@@ -287,19 +263,18 @@ def _at_starts(hdf5: Any, start: FloatArray, end: float) -> FloatArray:
     found, done, last = np.empty((2, start.size)), 0, -np.inf
     if not start.size or sizes[0] == (0,) or sizes.count(sizes[0]) < 3 or len(sizes[0]) != 1:
         raise ValueError("t, theta and theta_dot must be equally long lists, with at least a piece")
-    for first in range(0, sizes[0][0], _READ):
-        block = {name: hdf5[name][first : first + _READ] for name in names}
+    for first in range(0, sizes[0][0], _BLOCK):
+        block = {name: hdf5[name][first : first + _BLOCK] for name in names}
         _check_columns(block, end)
         t, *values = block.values()
-        if not (np.diff(t, prepend=last) > 0.0).all() or (first == 0 and t[0] != 0.0):
+        ascends = (np.diff(t, prepend=last) > 0.0).all() and (first > 0 or t[0] == 0.0)
+        if not ascends or (first + _BLOCK >= sizes[0][0] and t[-1] != end):
             raise ValueError(f"t must ascend from 0 to the end_time, {end:g} s")
         # a piece of zero length may end the motion
         upto = int(np.searchsorted(start, t[-1], side="right")) if t[-1] < end else start.size
         sample = np.minimum(np.searchsorted(t, start[done:upto]), t.size - 1)
         found[:, done:upto] = np.array(values)[:, sample]
         done, last = upto, t[-1]
-    if last != end:
-        raise ValueError(f"t must ascend from 0 to the end_time, {end:g} s")
     return found
 
 

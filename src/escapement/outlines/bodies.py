@@ -6,9 +6,10 @@ from collections.abc import Iterable
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from escapement.mechanisms.kind import Wheel
-from escapement.outlines.curves import ComplexArray, Curve, chain
+from escapement.outlines.curves import ComplexArray, Curve, FloatArray, chain
 
 Land = tuple[list[complex], list[float]]
 
@@ -47,9 +48,14 @@ def arc(radius: float, start: float, stop: float, points: int = 361) -> ComplexA
 
 
 def slotted_edge(
-    rim: float, slot_end: float, half_slot: float, land: Land | None, slots: int
+    rim: float,
+    slot_end: float,
+    half_slot: float,
+    land: Land | None,
+    angles: FloatArray,
+    offsets: ArrayLike = 0.0,
 ) -> Curve:
-    """Edge of a wheel with radial slots, slot 0 on the real axis.
+    """Edge of a wheel with slots, each in its own place.
 
     Parameters
     ----------
@@ -61,20 +67,35 @@ def slotted_edge(
     half_slot : float
         Half the width of a slot.
     land : tuple of two lists, optional
-        Corners between slot 0 and slot 1 without those at the mouths, and the angles by which the
-        ways to, between and from them turn. Default: the mouths have their corners in common.
-    slots : int
-        Number of slots.
+        Corners between slot 0 and the next one of a perfect wheel without those at the mouths,
+        and the angles by which the ways to, between and from them turn. Default: the mouths have
+        their corners in common.
+    angles : ndarray, shape (slots,)
+        Direction of each slot [rad], falling from slot 0 on.
+    offsets : array_like, shape (slots,)
+        How far the line of each slot runs ahead of the axis.
     """
-    corner = rim * cmath.exp(1j * math.asin(half_slot / rim))
-    # the round end is beyond the slot, seen from the mouth
-    away = math.copysign(1.0, slot_end - rim)
-    end = complex(slot_end, half_slot)
-    corners, turns = [corner.conjugate(), end.conjugate(), end], [0.0, away * math.pi, 0.0]
-    if land is not None:
-        corners, turns = [*corners, corner, *land[0]], [*turns, *land[1]]
-    places = np.exp(2j * np.pi * np.arange(slots) / slots)
-    edge = chain((places[:, None] * np.array(corners)).ravel(), np.tile(turns, slots))
+    corner, away = math.asin(half_slot / rim), math.copysign(math.pi, slot_end - rim)
+    pitch = 2.0 * math.pi / angles.size - 2.0 * corner
+    ahead = np.broadcast_to(offsets, angles.shape)[::-1, None]
+    sides = ahead + half_slot * np.array([-1.0, -1.0, 1.0, 1.0])
+    along = np.sqrt(rim**2 - sides**2)
+    along[:, 1:3] = slot_end
+    slots = (along + 1j * sides) * np.exp(1j * angles[::-1])[:, None]
+    corners, turns = list[complex](), list[float]()
+    for slot, following in zip(slots.tolist(), np.roll(slots, -1, 0).tolist(), strict=True):
+        if land is None:
+            corners, turns = corners + slot[:3], [*turns, 0.0, away, 0.0]
+            continue
+        # the land between two slots is drawn out to reach from one to the other
+        whole = cmath.phase(following[0] / slot[-1]) % (2.0 * math.pi)
+        shares = [(cmath.phase(z) - corner) / pitch for z in land[0]]
+        turned = [slot[-1] / abs(slot[-1]) * cmath.exp(1j * share * whole) for share in shares]
+        corners += slot + [abs(z) * turn for z, turn in zip(land[0], turned, strict=True)]
+        rims = [shares[0] * whole, land[1][1], (1.0 - shares[1]) * whole] if shares else [whole]
+        turns += [0.0, away, 0.0, *rims]
+    edge = chain(corners, turns)
+    # the round ends are beyond the slots, seen from the mouths
     return edge.reversed() if away > 0.0 else edge
 
 

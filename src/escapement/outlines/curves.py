@@ -112,6 +112,18 @@ class Curve(NamedTuple):
         low = complex(points.real.min(), points.imag.min())
         return low, complex(points.real.max(), points.imag.max())
 
+    def svg(self, digits: str) -> str:
+        """The curve as a path of SVG, with numbers in a format such as ".9f"."""
+        radii = 0.5 * np.abs(self.ends - self.corners) / np.sin(0.5 * np.abs(self.turns) + 1e-300)
+        # readers widen a radius that is too small for half a circle, and so find its centre
+        radii *= np.where(np.abs(self.turns) > 3.14, 1.0 - 1e-9, 1.0)
+        words = [f"M {svg_point(complex(self.corners[0]), digits)}"]
+        for end, turn, radius in zip(self.ends.tolist(), self.turns, radii, strict=True):
+            flags = f"{int(abs(turn) > math.pi)} {int(turn > 0.0)}"
+            arc = f"A {radius:{digits}} {radius:{digits}} 0 {flags}"
+            words.append(f"{arc if abs(turn) > _STRAIGHT else 'L'} {svg_point(end, digits)}")
+        return " ".join([*words, "Z"])
+
     @property
     def length(self) -> float:
         """Length of the curve."""
@@ -169,6 +181,11 @@ class Curve(NamedTuple):
                 corners.append(b[i] - 1j * width * after[i])
                 bulges.append(math.tan(0.25 * corner[i]))
         return Curve(np.array(corners), np.array(bulges))
+
+
+def svg_point(z: complex, digits: str) -> str:
+    """A point in SVG's words."""
+    return f"{z.real:{digits}} {z.imag:{digits}}"
 
 
 def chain(corners: Iterable[complex], turns: Iterable[float]) -> Curve:

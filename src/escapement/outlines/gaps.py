@@ -26,6 +26,12 @@ class Segments(NamedTuple):
         ends = self.start * turn + by, self.end * turn + by
         return Segments(*ends, self.turn, self.centre * turn + by, self.radius)
 
+    def along(self, points: ComplexArray) -> ComplexArray:
+        """Directions of lines and arcs at points of theirs."""
+        sense = np.where(self.turn < 0.0, -1.0, 1.0)
+        straight, bent = self.end - self.start, 1j * sense * (points - self.centre)
+        return np.where(self.turn == 0.0, straight, bent)
+
     def only(self, chosen: NDArray[np.bool_]) -> "Segments":
         """Those that are chosen."""
         return Segments._make(column[chosen] for column in self)
@@ -64,7 +70,7 @@ def nearest_on(segments: Segments, points: ComplexArray) -> tuple[ComplexArray, 
     # at the centre of an arc, every point of the arc is as near as its ends
     on_arc = np.where((passed <= np.abs(segments.turn)) & (off > 0.0), on_arc, nearer)
     nearest = np.where(line, on_line, on_arc)
-    return nearest, np.where(line, chord, 1j * sense * (nearest - segments.centre))
+    return nearest, segments.along(nearest)
 
 
 def outside(segments: Segments, points: ComplexArray) -> tuple[FloatArray, ComplexArray]:

@@ -7,11 +7,13 @@ from functools import lru_cache
 import numpy as np
 
 from escapement.mechanisms import EllipticalPlanetary, GearDriven
+from escapement.mechanisms.elliptical_teeth import PitchEllipse
 from escapement.mechanisms.protocol import FloatArray
 from escapement.outlines.bodies import Body, Disc, arc, pins_and_rollers, slotted_edge
 from escapement.outlines.curves import ComplexArray, Curve, biarcs, chain
 
 _TURN = 2.0 * np.pi
+_NEAR = 2  # teeth on both sides of the line of centres that bodies have
 _FINE = 2e-4  # distance of arcs from the ellipse that they stand for [mm]
 
 
@@ -105,14 +107,13 @@ class GearDrivenOutline:
         if self.mouth == 0.0:
             # the slots run right across the wheel, through its centre, where their walls meet
             arms = slots if slots % 2 == 0 else 2 * slots
-            rim, land = half / math.sin(math.pi / arms), None
-            inner = slotted_edge(rim, self.slot_end, half, land, arms) if arms > 2 else None
+            rim, ends = half / math.sin(math.pi / arms), -_TURN * np.arange(arms) / arms
+            inner = slotted_edge(rim, self.slot_end, half, None, ends) if arms > 2 else None
             cap = complex(self.slot_end, half)
             slot = chain([-cap.conjugate(), cap, cap.conjugate(), -cap], [0, -math.pi] * 2)
             return [inner or slot, Curve.circle(self.rim_radius)]
         edge = math.hypot(self.mouth, half)
-        aside = math.asin(half / edge)
-        body = slotted_edge(edge, self.slot_end, half, ([], [_TURN / slots - 2.0 * aside]), slots)
+        body = slotted_edge(edge, self.slot_end, half, ([], []), -_TURN * np.arange(slots) / slots)
         return [body] if self.inward else [body, Curve.circle(self.rim_radius)]
 
     def path(self) -> ComplexArray:
@@ -136,11 +137,28 @@ class GearDrivenOutline:
 
 @dataclass(frozen=True)
 class EllipticalOutline:
-    """Pitch curves of the planetary drive [mm]; the carrier's axis is the origin."""
+    """Gears of the planetary drive [mm]; the carrier's axis is the origin.
+
+    Parameters
+    ----------
+    mechanism : EllipticalPlanetary
+        The drive.
+    cut : tuple of Curve, optional
+        Edges of the driven and the driving gear with their teeth [m], as `meshed.toothed_gears`
+        gives them. The bodies then are what lies near the line of centres. Default: pitch curves.
+    teeth : int
+        Teeth of each.
+    """
 
     mechanism: EllipticalPlanetary
+    cut: tuple[Curve, Curve] | None = None
+    teeth: int = 0
     plane = "driven", ("driving",)
-    meshing = False
+
+    @property
+    def meshing(self) -> bool:
+        """Whether the gears have their teeth."""
+        return self.cut is not None
 
     def bodies(self, theta: float, carrier: float | None = None) -> tuple[Disc, Disc, Body, Body]:
         """The two spur gears and the two ellipses.
@@ -163,16 +181,28 @@ class EllipticalOutline:
         driving, driven = self.mechanism.pitch_ellipses
         # the ellipses about their own pivots while the carrier lies along the real axis
         angle = theta + float(self.mechanism.follower_angle(theta))
-        inner = pitch_curve(1e3 * driven.semi_major_axis, driven.eccentricity)
-        outer = pitch_curve(1e3 * driving.semi_major_axis, driving.eccentricity)
-        inner = inner.moved(np.exp(-1j * angle))
-        outer = outer.moved(-np.exp(1j * self.mechanism.ratio * theta))
+        outer_angle = self.mechanism.ratio * theta
+        inner = self._edge(0, driven, angle).moved(np.exp(-1j * angle))
+        outer = self._edge(1, driving, -outer_angle).moved(-np.exp(1j * outer_angle))
         return (
             Disc("sun", 0.0, 1e3 * self.mechanism.sun_radius),
             Disc("planet", shaft, 1e3 * self.mechanism.planet_radius),
             Body("driven", (inner,)).rotated(along),
             Body("driving", (outer,)).rotated(along, shaft),
         )
+
+    def _edge(self, number: int, pitch: PitchEllipse, angle: float) -> Curve:
+        """A gear about its pivot: its pitch curve, or the teeth near an angle from its vertex."""
+        if self.cut is None:
+            return pitch_curve(1e3 * pitch.semi_major_axis, pitch.eccentricity)
+        edge = self.cut[number].moved(1e3)
+        whole = edge.corners.size
+        each = whole // self.teeth
+        tooth = math.floor(float(pitch.arc(angle) / pitch.arc(_TURN)) * self.teeth)
+        rows = np.arange((tooth - _NEAR) * each, (tooth + _NEAR + 1) * each) % whole
+        # a line closes what is cut out of the gear
+        corners = np.append(edge.corners[rows], edge.ends[rows[-1]])
+        return Curve(corners, np.append(edge.bulges[rows], 0.0))
 
     def line_of_centres(self, theta: float) -> tuple[float, float, float]:
         """Points B, C and D on the carrier, by their distances from its axis A [mm].

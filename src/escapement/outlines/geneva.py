@@ -15,7 +15,7 @@ import numpy as np
 from escapement.mechanisms import Geneva
 from escapement.outlines.bodies import Body, Disc, Land, pins_and_rollers, slotted_edge
 from escapement.outlines.curves import ComplexArray, Curve, FloatArray, chain
-from escapement.outlines.imperfect_edges import each, imperfect_edge, scaled_errors
+from escapement.outlines.imperfect_edges import each, scaled_errors
 
 _POSITIONS = 721  # positions of the wheel that are tried against the locking disc
 _CHORD = math.radians(0.5)
@@ -101,13 +101,10 @@ class GenevaOutline:
         # the driver's shaft ends behind an internal wheel
         beside = ("pin", "roller", "locking-disc", *(() if internal else ("driver-shaft",)))
         self.plane = "follower", beside
-        edge = self.rim_radius, self.slot_end, self.half_slot
-        if self.mechanism.perfect:
-            self.follower_edge = slotted_edge(*edge, self._land(), mechanism.slots)
-        else:
-            self.follower_edge = imperfect_edge(
-                *edge, self._land(), self.slot_angles(), self.slot_offsets()
-            )
+        self.follower_edge = slotted_edge(
+            *(self.rim_radius, self.slot_end, self.half_slot, self._land()),
+            *(self.slot_angles(), self.slot_offsets()),
+        )
 
     def bodies(self, theta: float, phi: float | None = None) -> list[Body | Disc]:
         """Everything that is drawn, where it stands at a driver angle.

@@ -1,11 +1,8 @@
-"""The toothed gears of the planetary drive, and their motion for the check of the gap."""
+"""The toothed gears of the planetary drive."""
 
-import cmath
 import math
 from fractions import Fraction
 from functools import lru_cache
-
-import numpy as np
 
 from escapement.base import validate
 from escapement.mechanisms import EllipticalPlanetary
@@ -15,14 +12,12 @@ from escapement.mechanisms.elliptical_teeth import (
     PitchEllipse,
     fewest_teeth,
 )
-from escapement.outlines.bodies import Body
 from escapement.outlines.curves import Curve
 from escapement.outlines.teeth import rack_cut
 
 MOST_TEETH = 500
 """Teeth up to which gears are drawn with them."""
 _FEWEST = math.ceil(2.0 * ADDENDUM / math.sin(PRESSURE_ANGLE) ** 2)  # of a spur gear
-_NEAR = 2  # teeth on both sides of the line of centres that the check looks at
 
 
 def elliptical_teeth(mechanism: EllipticalPlanetary, teeth: int = 0) -> int | None:
@@ -77,48 +72,3 @@ def toothed_gears(
         found["sun"] = rack_cut(PitchEllipse(sun, 0.0), spurs[0], False, backlash)
         found["planet"] = rack_cut(PitchEllipse(planet, 0.0), spurs[1], True, backlash)
     return found
-
-
-class MeshedOutline:
-    """The elliptical gears with their teeth near the line of centres [mm].
-
-    Parameters
-    ----------
-    mechanism : EllipticalPlanetary
-        The drive.
-    driven, driving : Curve
-        Edges of its elliptical gears [m], as `toothed_gears` gives them.
-    teeth : int
-        Teeth of each.
-    """
-
-    plane = "driven", ("driving",)
-    meshing = True
-
-    def __init__(
-        self, mechanism: EllipticalPlanetary, driven: Curve, driving: Curve, teeth: int
-    ) -> None:
-        self.mechanism, self.teeth = mechanism, teeth
-        self.edges = driven, driving
-
-    def bodies(self, theta: float) -> tuple[Body, Body]:
-        """Both gears at a driver angle, the carrier's axis in the origin."""
-        driving, driven = self.mechanism.pitch_ellipses
-        # turns of the gears as the carrier sees them
-        outer = self.mechanism.ratio * theta
-        inner = theta + float(self.mechanism.follower_angle(theta))
-        near = self._near(self.edges[0], driven, inner).moved(1e3 * np.exp(-1j * inner))
-        other = self._near(self.edges[1], driving, -outer).moved(-1e3 * np.exp(1j * outer))
-        shaft = 1e3 * self.mechanism.centre_distance * cmath.exp(1j * theta)
-        return Body("driven", (near,)).rotated(theta), Body("driving", (other,)).rotated(
-            theta, shaft
-        )
-
-    def _near(self, edge: Curve, pitch: PitchEllipse, angle: float) -> Curve:
-        """The part of a gear around the tooth at an angle from its vertex, closed by a line."""
-        whole = edge.corners.size
-        each = whole // self.teeth
-        tooth = math.floor(float(pitch.arc(angle) / pitch.arc(2.0 * math.pi)) * self.teeth)
-        rows = np.arange((tooth - _NEAR) * each, (tooth + _NEAR + 1) * each) % whole
-        corners = np.append(edge.corners[rows], edge.ends[rows[-1]])
-        return Curve(corners, np.append(edge.bulges[rows], 0.0))

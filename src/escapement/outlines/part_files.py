@@ -11,7 +11,7 @@ from escapement.base import validate
 from escapement.base.errors import InvalidValue
 from escapement.base.files import CUTS, AnyPath, file_format, write_file
 from escapement.base.spoken import on_drawing
-from escapement.outlines.curves import Curve
+from escapement.outlines.curves import Curve, svg_point
 from escapement.outlines.fits import Fits
 from escapement.outlines.interference import Nearest, least_gaps
 from escapement.outlines.parts import outline_of, parts_of
@@ -161,20 +161,11 @@ def _svg(sheet: Sheet, inches: bool, _r12: bool) -> bytes:
     unit, (wide, high) = "in" if inches else "mm", (sheet.size.real, sheet.size.imag)
 
     def at(point: complex) -> str:
-        return f"{point.real:.9f} {high - point.imag:.9f}"
+        return svg_point(complex(point.real, high - point.imag), ".9f")
 
     def path(curve: Curve) -> str:
-        words = [f"M {at(complex(curve.corners[0]))}"]
-        radii = (
-            0.5 * np.abs(curve.ends - curve.corners) / np.sin(0.5 * np.abs(curve.turns) + 1e-300)
-        )
-        # readers widen a radius that is too small for half a circle, and so find its centre
-        radii *= np.where(np.abs(curve.turns) > 3.14, 1.0 - 1e-9, 1.0)
-        for end, turn, radius in zip(curve.ends.tolist(), curve.turns, radii, strict=True):
-            flags = f"{int(abs(turn) > math.pi)} {int(turn < 0.0)}"
-            command = f"A {radius:.9f} {radius:.9f} 0 {flags}" if turn else "L"
-            words.append(f"{command} {at(end)}")
-        return f'<path d="{" ".join(words)} Z"/>'
+        below = Curve(curve.corners.conj() + 1j * high, -curve.bulges)
+        return f'<path d="{below.svg(".9f")}"/>'
 
     style = f'fill="none" stroke-width="{0.04 * sheet.height:.4f}"'
     rows = [

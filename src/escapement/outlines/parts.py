@@ -19,7 +19,7 @@ from escapement.outlines.curves import Curve
 from escapement.outlines.fits import Fits
 from escapement.outlines.gears import EllipticalOutline, GearDrivenOutline, pitch_curve
 from escapement.outlines.geneva import GenevaOutline
-from escapement.outlines.meshed import MeshedOutline, elliptical_teeth, toothed_gears
+from escapement.outlines.meshed import elliptical_teeth, toothed_gears
 from escapement.outlines.part import Part, hole, link
 
 _UNUSED = {
@@ -81,18 +81,15 @@ def parts_of(mechanism: Any, fits: Fits | None = None) -> tuple[Part, ...]:
     return tuple(found)
 
 
-def outline_of(
-    mechanism: Any, fits: Fits
-) -> GenevaOutline | GearDrivenOutline | EllipticalOutline | MeshedOutline:
+def outline_of(mechanism: Any, fits: Fits) -> GenevaOutline | GearDrivenOutline | EllipticalOutline:
     """The bodies of a mechanism, in their final size."""
     if isinstance(mechanism, EllipticalPlanetary):
         gears = toothed_gears(mechanism, fits.teeth, fits.clearance)
         driven, driving = gears["driven"], gears["driving"]
         if driven is None or driving is None:
             return EllipticalOutline(mechanism)
-        return MeshedOutline(
-            mechanism, driven, driving, elliptical_teeth(mechanism, fits.teeth) or 0
-        )
+        teeth = elliptical_teeth(mechanism, fits.teeth) or 0
+        return EllipticalOutline(mechanism, (driven, driving), teeth)
     size, _ = _sized(mechanism)
     if isinstance(mechanism, GearDriven):
         return GearDrivenOutline(mechanism, fits.clearance)
@@ -128,15 +125,12 @@ def _(mechanism: Geneva, fits: Fits) -> list[Part]:
     outline: Any = outline_of(mechanism, fits)
     axis = size * outline.driver_shaft
     shaft = hole(axis, 0.0, fits.shaft_fit, "shaft")
-    pin_centres = outline.pin_centres(0.0) - mechanism.centre_distance
-    pins = [
-        hole(pin, size * complex(pin_centre), fits.pin_fit, "pin") for pin_centre in pin_centres
-    ]
+    centres = (size * (outline.pin_centres(0.0) - mechanism.centre_distance)).tolist()
+    pins = [hole(pin, centre, fits.pin_fit, "pin") for centre in centres]
     lock = outline.locking_edge
     marks: tuple[Curve, ...] = (lock.moved(size),) if lock else ()
     edge = Curve.circle(size * outline.crank_disc_radius)
-    centres = (0.0, *(size * pin_centres).tolist())
-    found = [Part("driver", edge, (shaft, *pins), marks, centres)]
+    found = [Part("driver", edge, (shaft, *pins), marks, (0.0, *centres))]
     if lock:
         # the crescent of an internal wheel does not reach the axis: it is fastened to the driver
         found.append(Part("locking-disc", marks[0], () if mechanism.internal else (shaft,)))
@@ -167,17 +161,16 @@ def _(mechanism: GearDriven, fits: Fits) -> list[Part]:
     arm, inner = mechanism.arm_over_fixed, outline.slot_end - outline.half_slot
     axis = fits.driver_shaft_radius or size * min(_SHAFT, 0.5 * outline.planet_radius, 0.5 * arm)
     follower_shaft = fits.follower_shaft_radius or size * min(_SHAFT, 0.5 * inner)
-    pin_centres = arm * np.exp(2j * np.pi * np.arange(mechanism.pins) / mechanism.pins)
-    pins = [
-        hole(pin, size * complex(pin_centre), fits.pin_fit, "pin") for pin_centre in pin_centres
-    ]
+    turns = np.exp(2j * np.pi * np.arange(mechanism.pins) / mechanism.pins)
+    centres = (size * arm * turns).tolist()
+    pins = [hole(pin, centre, fits.pin_fit, "pin") for centre in centres]
     shaft = hole(axis, 0.0, fits.shaft_fit, "shaft")
     centre = hole(follower_shaft, 0.0, fits.shaft_fit, "shaft")
     wheel = [curve.moved(size) for curve in outline.wheel_edges()]
     disc = Curve.circle(size * (arm + outline.pin_radius + _WALL))
     return [
         Part("follower", wheel[-1], (*wheel[:-1], *((centre,) if outline.inward else ()))),
-        Part("pin-disc", disc, (shaft, *pins), axes=(0.0, *(size * pin_centres).tolist())),
+        Part("pin-disc", disc, (shaft, *pins), axes=(0.0, *centres)),
         link("carrier", size * mechanism.carrier_over_fixed, follower_shaft, axis, fits),
         Part("planet", Curve.circle(size * outline.planet_radius), (shaft,), toothed=True),
         Part("fixed-gear", Curve.circle(size), (centre,), toothed=True),

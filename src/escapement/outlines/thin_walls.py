@@ -91,13 +91,7 @@ def _across(some_segments: Segments, segments: Segments, rounding: float) -> Com
     square, on_arc = square_points(some_segments, segments)
     points = np.concatenate([fixed, np.moveaxis(square, 2, 0)])
     known = np.concatenate([np.ones(fixed.shape, dtype=bool), np.moveaxis(on_arc, 2, 0)])
-    sense = np.where(some_segments.turn < 0.0, -1.0, 1.0)[:, None]
-    chord = (some_segments.end - some_segments.start)[:, None]
-    along = np.where(
-        some_segments.turn[:, None] == 0.0,
-        chord,
-        1j * sense * (points - some_segments.centre[:, None]),
-    )
+    along = Segments._make(column[:, None] for column in some_segments).along(points)
     reached, other = nearest_on(segments, points)
     crossing = reached - points
     width = np.abs(crossing)

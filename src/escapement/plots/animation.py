@@ -13,6 +13,7 @@ from escapement.mechanisms import EllipticalPlanetary, Geneva
 from escapement.mechanisms.protocol import Mechanism
 from escapement.plots import drawing, style
 from escapement.plots.clearance_drawing import draw_close_up, exaggerated
+from escapement.plots.films import FilmFigure
 from escapement.plots.geneva import plot_geneva
 from escapement.plots.motion_plots import plot_velocities
 from escapement.plots.planetary import draw_planetary, extent
@@ -40,7 +41,7 @@ def animate(
     start, stop : float
         Part of the motion that is shown [s]. Default: all of it.
     frames : int
-        Number of pictures, evenly spaced in time; ten take about a second.
+        Number of pictures, evenly spaced in time; some twenty take about a second.
     rate : float
         Pictures per second when shown [1/s]; no viewer shows more than 50 of a .gif.
 
@@ -71,7 +72,7 @@ def animate(
     rate = validate.positive("rate", rate, "25 pictures a second look smooth")
     times = np.linspace(start, last, count, endpoint=False)
     state = motion.at(times)
-    figure = style.new_figure(style.TWO_COLUMN, 3.2)
+    figure = FilmFigure(figsize=(style.TWO_COLUMN, 3.2), layout="constrained")
     loose = _loose(mechanism)
     shares = (1.1, 0.8, 1.1) if loose else (1.0, 1.35)
     scene, *aside, velocities = figure.subplots(1, len(shares), width_ratios=shares)
@@ -89,15 +90,19 @@ def animate(
     digits = max(0, math.ceil(-math.log10(factor * (last - start) / count)))
 
     def show(frame: int) -> None:
-        scene.clear()
+        for ax in (scene, *aside):
+            # to clear the axes would take longer: their scales and limits stay
+            for artist in (*ax.patches, *ax.lines, *ax.texts):
+                artist.remove()
         draw(frame)
         if wide is not None:
-            aside[0].clear()
             draw_close_up(aside[0], wide, float(state.theta[frame]), frame)
         shown_time = times[frame] * factor
         # a second picture leaves less room
         between = "\n" if loose else ", "
-        scene.set_title(f"{shown_time:.{digits}f} {unit}{between}{pace}", fontsize=style.SMALL_SIZE)
+        told = f"{shown_time:.{digits}f} {unit}{between}{pace}"
+        # a title of fixed height saves the search for a free one
+        scene.set_title(told, fontsize=style.SMALL_SIZE, y=1.0)
         instant.set_xdata([shown_time, shown_time])
         marks.set_data([shown_time, shown_time], [state.theta_dot[frame], state.phi_dot[frame]])
 
@@ -105,6 +110,7 @@ def animate(
     # if the layout were made again for every picture, the axes would tremble
     figure.draw_without_rendering()
     figure.set_layout_engine("none")
+    figure.moving = [scene, *aside, instant, marks]
     return FuncAnimation(figure, show, frames=count, interval=1e3 / rate)
 
 

@@ -1,6 +1,5 @@
 """A pin in a slot whose clearance is drawn wide enough to be seen."""
 
-import math
 from dataclasses import replace
 from typing import NamedTuple
 
@@ -16,7 +15,6 @@ from escapement.plots.geneva import draw_bodies
 
 _VISIBLE = 0.3
 """Clearance on each side that is well seen, over the radius of the pin [-]."""
-_STEPS = (1.0, 2.0, 5.0)
 _AROUND = 4.0
 """Half the width of a close-up, over the radius of the pin [-]."""
 
@@ -51,7 +49,7 @@ def exaggerated(wheel: Geneva, state: State) -> Exaggerated:
     width = GenevaOutline(wheel).pin_radius
     drawn = wheel if wheel.contact_radius else replace(wheel, pin_radius=width * unit)
     half_clearance = 0.5 * wheel.clearance / unit
-    factor = max(1.0, _round_below(_VISIBLE * width / half_clearance))
+    factor = max(1.0, style.round_below(_VISIBLE * width / half_clearance))
     cell, entry, leaving = wheel.cell_angle, float(wheel.breaks[0]), float(wheel.breaks[-1])
     engagement = np.floor((state.theta - entry) / cell + 1e-12)
     angle, phi = state.theta - engagement * cell, state.phi - engagement * wheel.follower_step
@@ -80,10 +78,4 @@ def draw_close_up(ax: Axes, scene: Exaggerated, theta: float, frame: int) -> Non
         draw_bodies(ax, scene.outline, theta, float(scene.phi[frame]))
     ax.set_axis_off()
     text = f"clearance {scene.factor:g} times wider\n{scene.touched[frame]}"
-    ax.set_title(text, fontsize=style.SMALL_SIZE)
-
-
-def _round_below(value: float) -> float:
-    """The greatest of 1, 2, 5, 10, 20, .. that is no more than a value."""
-    power = 10.0 ** math.floor(math.log10(value))
-    return max(step * power for step in _STEPS if step * power <= value * (1.0 + 1e-12))
+    ax.set_title(text, fontsize=style.SMALL_SIZE, y=1.0)

@@ -113,7 +113,9 @@ def bodies(
         else:
             curves = (Path(rows(edge.drawn()), closed=True) for edge in body.edges)
             patch = PathPatch(Path.make_compound_path(*curves), **given)
-        drawn[body.name] = ax.add_patch(patch)
+        # limits are set for the whole scene, so the axes need not find those of the patch
+        ax.add_artist(patch)
+        drawn[body.name] = patch
     return drawn
 
 

@@ -109,6 +109,7 @@ def plot_row(mechanisms: Mapping[str, GearDriven], theta: float, *, wheel: bool 
     for ax, (title, mechanism) in zip(panels, mechanisms.items(), strict=True):
         _draw(ax, GearDrivenOutline(mechanism), theta, wheel=wheel)
         # no room for other positions
+        ax.relim()
         box = ax.dataLim.padded(_GAP * ax.dataLim.height)
         ax.set(xlim=box.intervalx, ylim=box.intervaly)
         ax.set_title(title, fontsize=style.SMALL_SIZE)

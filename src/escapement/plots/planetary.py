@@ -74,9 +74,7 @@ def plot_planetary(
     drawing.arrow(ax, arc(0.42e3 * mechanism.sun_radius, behind + 0.9, behind - 0.9, 31))
     # the bar has the greatest round length below half the centre distance
     size, unit = drawn_unit()
-    most = 0.5 * mechanism.centre_distance / size
-    power = 10.0 ** np.floor(np.log10(most))
-    length = float(max(step for step in (1.0, 2.0, 5.0) if step * power <= most) * power)
+    length = style.round_below(0.5 * mechanism.centre_distance / size)
     point = (box[0] + 0.04 * distance, box[2] + _MARGIN * distance)
     drawing.length(ax, point, 1e3 * size * length, f"{length:g} {unit}")
     if legend:

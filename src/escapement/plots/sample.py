@@ -85,17 +85,17 @@ def plot_sample(study: Study, results: Sequence[str] | None = None) -> Figure:
     figure = style.new_figure(style.TWO_COLUMN, 0.9 + 1.75 * len(columns))
     # the last column is narrower: it holds the histogram
     widths = [1.0] * len(names) + [0.75]
-    shared: dict[str, Any] = {"sharex": "col", "sharey": "row", "squeeze": False}
-    panels = figure.subplots(len(columns), len(widths), width_ratios=widths, **shared)
+    made = style.new_panels(figure, len(columns), len(widths), width_ratios=widths, sharey="row")
+    panels: Any = np.reshape(made, (len(columns), len(widths)))  # type: ignore[arg-type]
     # every n-th case would cut through the pattern of a sample
     shown = np.sort(np.random.default_rng(0).permutation(failed.size)[:_MOST_POINTS])
     for line, (name, values) in zip(panels, columns.items(), strict=True):
         factor, unit = style.scaled(study.units.get(name, ""), values)
         for ax, along in zip(line, names, strict=False):
             x, y = study.sampled[along][shown], values[shown] * factor
-            _scatter(style.dress(ax), x, y, failed[shown])
+            _scatter(ax, x, y, failed[shown])
         line[0].set_ylabel(style.label(printed_name(study, name), unit, _LINE))
-        _distribution(style.dress(line[-1]), values[np.isfinite(values)] * factor)
+        _distribution(line[-1], values[np.isfinite(values)] * factor)
         _quantile_lines(line, values * factor)
         if lack := missing(study, name):
             note = f"{lack}: counted as longest"

@@ -8,17 +8,11 @@ import numpy as np
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
 
 from escapement.plots import style
 from escapement.plots.sample import QUANTILES, counted, missing, plot_sample, quantile, ran
-from escapement.plots.study_panels import (
-    NARROW,
-    draw_lines,
-    draw_map,
-    explain,
-    head,
-    legend_title,
-)
+from escapement.plots.study_panels import NARROW, columns_drawn, draw_lines, draw_map
 from escapement.plots.study_table import (
     Parameter,
     StudyTable,
@@ -74,7 +68,7 @@ def plot_lines(
     """
     table = tabulate(study, [result], x)
     ax = ax or style.new_axes(style.ONE_COLUMN, 3.1)
-    explain(ax, table, draw_lines(ax, table), table.note, legend)
+    _explain(ax, table, draw_lines(ax, table), table.note, legend)
     return ax
 
 
@@ -124,7 +118,7 @@ def plot_map(study: Study, result: str, ax: Axes | None = None, *, legend: bool 
     if key and legend:
         style.legend_above(ax, 1, handles=key)
     if alone:
-        head(ax.figure, table)
+        _head(ax.figure, table)
     return ax
 
 
@@ -198,63 +192,85 @@ def plot_study(study: Study, results: Sequence[str] | None = None) -> Figure:
     if study.sampled:
         draw = plot_spread if max(study.shape[:-1], default=1) > 1 else plot_sample
         return draw(study, results)
-    if sum(size > 1 for size in study.shape) == 1:
-        return _plot_single(study, chosen(study, results, _SINGLE))
-    tables = available(study, chosen(study, results, _FOREMOST))
+    alone = sum(size > 1 for size in study.shape) == 1
+    panels = available(study, chosen(study, results, _SINGLE if alone else _FOREMOST))
+    if alone:
+        return _stack(_joined(study, panels))
     # a contour map of fewer points would be misleading between them
-    if min(tables[0].values.shape[1:]) < _ENOUGH:
-        return _stack(tables)
-    return _plot_double(tables)
+    return (_stack if min(panels[0].values.shape[1:]) < _ENOUGH else _with_maps)(panels)
 
 
-def _stack(tables: Sequence[StudyTable], note: str = "") -> Figure:
-    """Panels of lines above one another, each with a legend or with one for all."""
-    figure = style.new_figure(style.ONE_COLUMN, 0.9 + 2.2 * len(tables))
-    panels = style.new_panels(figure, len(tables))
-    for ax, table in zip(panels, tables, strict=True):
-        lines = draw_lines(ax, table)
-        ax.label_outer()
-        if ax is panels[0] or table.lines.values.dtype.kind == "U":
-            explain(ax, table, lines, note)
-    head(figure, table)
-    return figure
-
-
-def _plot_single(study: Study, names: Sequence[str]) -> Figure:
-    """Results against the only varied parameter, similar ones in one panel."""
+def _joined(study: Study, panels: Sequence[StudyTable]) -> list[StudyTable]:
+    """Panels over the only varied parameter, those of similar results as one."""
     groups: dict[str, list[str]] = {}
-    for (name,), *_ in available(study, names):
+    for (name,), *_ in panels:
         groups.setdefault(_SHARED.get(study.units.get(name, ""), name), []).append(name)
-    tables = []
-    for title, group in groups.items():
-        table = tabulate(study, group)
-        if len(group) > 1:
-            entries = [name.removeprefix("velocity_").replace("_", " ") for name in group]
+    found = []
+    for title, names in groups.items():
+        table = tabulate(study, names)
+        if len(names) > 1:
+            entries = [name.removeprefix("velocity_").replace("_", " ") for name in names]
             lines = Parameter("", "", np.array(entries))
             shape: dict[str, Any] = {"values": table.values.T, "periods": table.periods.T}
             table = table._replace(name=title, lines=lines, **shape)
-        tables.append(table)
-    return _stack(tables)
+        found.append(table)
+    return found
 
 
-def _plot_double(tables: Sequence[StudyTable]) -> Figure:
-    """Lines above maps, in rows of three."""
-    rows = [tables[i : i + _BESIDE] for i in range(0, len(tables), _BESIDE)]
+def _stack(panels: Sequence[StudyTable], note: str = "") -> Figure:
+    """Panels of lines above one another, each with a legend or with one for all."""
+    figure = style.new_figure(style.ONE_COLUMN, 0.9 + 2.2 * len(panels))
+    for ax, table in zip(style.new_panels(figure, len(panels)), panels, strict=True):
+        lines = draw_lines(ax, table)
+        ax.label_outer()
+        if table is panels[0] or table.lines.values.dtype.kind == "U":
+            _explain(ax, table, lines, note)
+    _head(figure, table)
+    return figure
+
+
+def _with_maps(panels: Sequence[StudyTable]) -> Figure:
+    """Panels of lines, each above its map, in rows of three."""
+    rows = [panels[i : i + _BESIDE] for i in range(0, len(panels), _BESIDE)]
     figure = style.new_figure(style.TWO_COLUMN, 6.5 * len(rows))
-    heights = [1.0, 1.1] * len(rows)
-    parts: Any = figure.subfigures(len(heights), 1, height_ratios=heights)
+    parts: Any = figure.subfigures(2 * len(rows), 1, height_ratios=[1.0, 1.1] * len(rows))
     where: dict[str, Any] = {"handlelength": style.HANDLE}
     for row, upper, lower in zip(rows, parts[::2], parts[1::2], strict=True):
-        for ax, table in zip(style.new_panels(upper, 1, len(row)), row, strict=True):
-            lines = draw_lines(ax, table, NARROW if len(row) == _BESIDE else style.LINE)
-        title, above = legend_title(table), "outside upper center"
-        style.add_legend(upper, len(lines), title, handles=lines, loc=above, **where)
         keys = dict[Any, Artist]()
-        for ax, table in zip(style.new_panels(lower, 1, len(row)), row, strict=True):
-            keys |= {key.get_label(): key for key in draw_map(ax, table, bar="top")}
-            ax.label_outer()
+        axes, maps = (style.new_panels(part, 1, len(row)) for part in (upper, lower))
+        for ax, below, table in zip(axes, maps, row, strict=True):
+            lines = draw_lines(ax, table, NARROW if len(row) == _BESIDE else style.LINE)
+            keys |= {key.get_label(): key for key in draw_map(below, table, bar="top")}
+            below.label_outer()
+        title, above = _legend_title(table), "outside upper center"
+        style.add_legend(upper, len(lines), title, handles=lines, loc=above, **where)
         if keys:
-            below = "outside lower center"
-            style.add_legend(lower, 2, handles=[*keys.values()], loc=below, **where)
-    head(figure, table)
+            at = "outside lower center"
+            style.add_legend(lower, 2, handles=[*keys.values()], loc=at, **where)
+    _head(figure, table)
     return figure
+
+
+def _explain(
+    ax: Axes, table: StudyTable, lines: list[Line2D], note: str = "", legend: bool = True
+) -> None:
+    """A legend of the lines, above a panel in one column; for a single line only the note."""
+    if legend and table.lines.values.size > 1:
+        title = "\n".join(text for text in (note, _legend_title(table)) if text)
+        columns = 2 if len(lines) == 4 else 3
+        style.legend_above(ax, columns, title, handles=lines, handlelength=style.HANDLE)
+    else:
+        ax.set_title(note, fontsize=style.SMALL_SIZE)
+
+
+def _legend_title(table: StudyTable) -> str:
+    """Title of the lines, and how many of them are drawn: "Driving torque (in-lbf)"."""
+    text = style.label(table.lines.name, table.lines.unit)
+    count, shown = table.lines.values.size, len(columns_drawn(table))
+    return text if shown == count else f"{text}, {shown} of {count} values"
+
+
+def _head(figure: Any, table: StudyTable) -> None:
+    """A title above the figure with the fixed axes and their values."""
+    if table.note:
+        figure.suptitle(table.note, fontsize=style.SMALL_SIZE)

@@ -11,8 +11,6 @@ from matplotlib.axes import Axes
 from matplotlib.axis import Axis
 from matplotlib.collections import LineCollection
 from matplotlib.colors import BoundaryNorm, ListedColormap
-from matplotlib.contour import ContourSet
-from matplotlib.figure import Figure, SubFigure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
@@ -35,8 +33,7 @@ _STEPS = (
     (1.0, 1.2, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0, 8.0),
 )  # fmt: skip
 """Round numbers within a decade, in ratios that are about equal."""
-_EDGE = 0.06  # closer to the frame than this share of the map a number does not fit
-_APART = 0.1  # numbers closer than this share of the map would overlap
+_EDGE = 0.04  # closer to the frame than this share of the map a number does not fit
 
 
 def draw_lines(ax: Axes, table: StudyTable, line: int = LINE) -> list[Line2D]:
@@ -49,7 +46,7 @@ def draw_lines(ax: Axes, table: StudyTable, line: int = LINE) -> list[Line2D]:
     """
     check_number(table.results, table.first_values)
     x, drawn = table.x, list[Line2D]()
-    for look, column in zip(style.LOOKS, _columns_drawn(table), strict=False):
+    for look, column in zip(style.LOOKS, columns_drawn(table), strict=False):
         value = table.lines.values[column].item()
         name = value if isinstance(value, str) else number_text(value)
         # a jump breaks the line, and the band with it, by a point without a value
@@ -72,31 +69,6 @@ def draw_lines(ax: Axes, table: StudyTable, line: int = LINE) -> list[Line2D]:
     dress_axis(ax, "x", x, line)
     ax.set_ylabel(style.label(table.name, table.unit, TALL))
     return drawn
-
-
-def explain(
-    ax: Axes, table: StudyTable, lines: list[Line2D], note: str = "", legend: bool = True
-) -> None:
-    """A legend of the lines, above a panel in one column; for a single line only the note."""
-    if legend and table.lines.values.size > 1:
-        title = "\n".join(text for text in (note, legend_title(table)) if text)
-        columns = 2 if len(lines) == 4 else 3
-        style.legend_above(ax, columns, title, handles=lines, handlelength=style.HANDLE)
-    else:
-        ax.set_title(note, fontsize=style.SMALL_SIZE)
-
-
-def legend_title(table: StudyTable) -> str:
-    """Title of the lines, and how many of them are drawn: "Driving torque (in-lbf)"."""
-    text = style.label(table.lines.name, table.lines.unit)
-    count, shown = table.lines.values.size, len(_columns_drawn(table))
-    return text if shown == count else f"{text}, {shown} of {count} values"
-
-
-def head(figure: Figure | SubFigure, table: StudyTable) -> None:
-    """A title above the figure with the fixed axes and their values."""
-    if table.note:
-        figure.suptitle(table.note, fontsize=style.SMALL_SIZE)
 
 
 def draw_map(ax: Axes, table: StudyTable, bar: Literal["right", "top"]) -> list[Artist]:
@@ -131,7 +103,11 @@ def draw_map(ax: Axes, table: StudyTable, bar: Literal["right", "top"]) -> list[
         inside = levels[(levels > z.min()) & (levels < z.max())]
         if inside.size:
             look: dict[str, Any] = {"colors": style.BLACK, "linewidths": 0.6}
-            _label_contours(ax, ax.contour(x.values, y.values, z, inside, **look))
+            lines = ax.contour(x.values, y.values, z, inside, **look)
+            for number in ax.clabel(lines, fontsize=style.SMALL_SIZE, inline=False):
+                at = (ax.transData - ax.transAxes).transform(number.get_position())
+                room = 0.5 - np.abs(at - 0.5).max()
+                number.set(path_effects=style.HALO, visible=room > _EDGE)
     every = 1 + levels.size // _LEVELS  # only as many labels as there is room for
     key = ax.figure.colorbar(filled, ax=ax, location=bar, ticks=levels[::every])
     key.set_label(style.label(table.name, table.unit), size=style.TICK_SIZE)
@@ -178,26 +154,6 @@ def _levels(low: float, high: float, count: int) -> FloatArray:
     return min(found, key=lambda numbers: abs(numbers.size - count))
 
 
-def _label_contours(ax: Axes, lines: ContourSet) -> None:
-    """A number on the middle of each contour's longest piece, in a halo.
-
-    None is drawn where the frame or another number is in its way.
-    """
-    to_axes = ax.transData - ax.transAxes
-    placed: list[FloatArray] = []
-    for path in lines.get_paths():
-        pieces = [to_axes.transform(piece) for piece in path.to_polygons(closed_only=False)]
-        piece = max(pieces, key=len, default=np.zeros((1, 2)))
-        along = np.append(0.0, np.hypot(*np.diff(piece, axis=0).T).cumsum())
-        middle = np.array([np.interp(along[-1] / 2.0, along, column) for column in piece.T])
-        clear = all(np.hypot(*(middle - other)) > _APART for other in placed)
-        if clear and np.abs(middle - 0.5).max() < 0.5 - _EDGE:
-            placed.append(middle)
-    middles = [to_axes.inverted().transform(point) for point in placed]
-    for text in ax.clabel(lines, fontsize=style.SMALL_SIZE, inline=False, manual=middles) or ():
-        text.set_path_effects(style.HALO)
-
-
 def _edges(along: Parameter) -> FloatArray:
     """Ends of the cells about points, half-way between them."""
     even = np.log(along.values) if along.logarithmic else along.values
@@ -235,7 +191,7 @@ def dress_axis(ax: Axes, which: Literal["x", "y"], along: Parameter, line: int =
     axis.set_label_text(style.label(along.name, unit, line))
 
 
-def _columns_drawn(table: StudyTable) -> list[int]:
+def columns_drawn(table: StudyTable) -> list[int]:
     """Indices of the lines drawn: evenly spread, ends included."""
     count = table.lines.values.size
     most = min(count, len(style.LOOKS))

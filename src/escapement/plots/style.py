@@ -113,9 +113,11 @@ def new_axes(width: float = ONE_COLUMN, height: float | None = None) -> Axes:
     return dress(new_figure(width, height).add_subplot(axes_class=PictureAxes))
 
 
-def new_panels(figure: Figure | SubFigure, rows: int, columns: int = 1) -> list[Axes]:
+def new_panels(
+    figure: Figure | SubFigure, rows: int, columns: int = 1, **options: Any
+) -> list[Axes]:
     """Panels in house style, row by row; stacked ones share the abscissa."""
-    axes = figure.subplots(rows, columns, sharex="col", squeeze=False)
+    axes = figure.subplots(rows, columns, sharex="col", squeeze=False, **options)
     return [dress(ax) for ax in axes.ravel()]
 
 
@@ -239,3 +241,9 @@ def number_text(value: float) -> str:
     """A number to four figures, its power of ten written out."""
     mantissa, _, power = f"{value:.4g}".partition("e")
     return f"{mantissa}×10{superscript(int(power))}" if power else mantissa
+
+
+def round_below(value: float) -> float:
+    """The greatest of .., 1, 2, 5, 10, 20, .. that is no more than a positive value."""
+    power = 10.0 ** math.floor(math.log10(value))
+    return max(step * power for step in (1.0, 2.0, 5.0) if step * power <= value * (1.0 + 1e-12))
