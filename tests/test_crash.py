@@ -85,7 +85,7 @@ def test_one_wrong_bit_of_a_result_is_found(tmp_path):
     data[half + 10] ^= 4
     partial.write_bytes(data)
     for _ in range(2):
-        with pytest.raises(CannotCreate, match="a.h5.partial is damaged; start over with force"):
+        with pytest.raises(CannotCreate, match=r"a\.h5\.partial is damaged; start over with force"):
             tools.missing(path)
         assert partial.read_bytes() == data
     with pytest.raises(CannotCreate, match=r"got a.h5.partial; continue with resume=True"):

@@ -6,5 +6,5 @@ A study is planned, solved case by case, kept, and written. Read `plan` and `run
 - `scenes`, `checked`: equal scenes once, then each case with its own unit of time; some are checked
 - `running`, `pool`, `block`: blocks of cases on threads or on a cluster
 - `journal`, `writer`, `hdf5`, `table_files`: finished blocks, and the files that are made of them
-- `reader`, `stored`, `result`, `labelled`: the results, from a file or in memory
+- `reader`, `stored`, `result`: the results, from a file or in memory
 """
