@@ -190,7 +190,7 @@ def load_case(path: Path, selection: str | None) -> "tuple[StudyPlan, int]":
     import numpy as np
 
     from escapement.study.parse import parse_plan
-    from escapement.study.reader import read_configuration, read_sample_case
+    from escapement.study.reader import read_configuration
     from escapement.study.result import index_on
 
     written = path.suffix.lower() != ".toml"
@@ -200,8 +200,9 @@ def load_case(path: Path, selection: str | None) -> "tuple[StudyPlan, int]":
         if not (case := wanted.pop("case")).is_integer():
             raise InvalidValue(f"case must be a whole number, got {case:g}; cases count from 0")
         # another version of SciPy may draw other numbers: use the stored ones
-        row = read_sample_case(path, int(case))
-        configuration["sample"] = {"method": "list"} | {name: [row[name]] for name in row}
+        row = esc.read_study(path).at(case=case).sampled
+        drawn = {name: values.tolist() for name, values in row.items()}
+        configuration["sample"] = {"method": "list"} | drawn
     try:
         plan = parse_plan(configuration) if written else esc.load_plan(path)
     except InvalidValue as error:

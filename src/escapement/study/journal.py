@@ -28,7 +28,6 @@ SYNC_EVERY = 1.0
 """Seconds of work that a crash of the machine may cost; one of the process costs none."""
 
 _PATIENCE = 2.0  # s to wait for a killed process whose files are not closed yet
-_OLD = b"escapement partial results, "  # how the partial results of version 0.1 begin
 _TABLE = "escapement_partial_results"
 _COLUMNS = "number INTEGER PRIMARY KEY, failed INTEGER, checksum INTEGER, data BLOB"
 _SCHEMA = f"CREATE TABLE {_TABLE} ({_COLUMNS})"
@@ -48,8 +47,6 @@ _REFUSALS = {
     "busy": "must not be in use, and another process is writing it; wait, or name another output",
     "damaged": "must be resumed from whole partial results, and {name} is damaged; start over with "
     "force=True (--force) and without resume",
-    "earlier": "has partial results of an earlier version in {name}, got a run of this version; "
-    "finish them with that version, or start over with force=True (--force)",
     "ours": "must not have partial results yet, got {name}; continue with resume=True (--resume) "
     "or start over with force=True (--force)",
     "other": "must be resumed with the configuration it was begun with, got another: {}; use that "
@@ -226,10 +223,9 @@ class Journal:
         """Refuse a file that SQLite cannot open, unless it is ours and may be deleted."""
         with open(self.path, "rb") as file:
             head = file.read(1 << 17)
-        marked = _TABLE.encode() in head or head[68:72] == _APPLICATION.to_bytes(4, "big")
-        kind = "earlier" if head.startswith(_OLD) else "ours" if marked else "foreign"
-        if kind == "foreign" or not self._over:
-            raise self._refusal("damaged" if kind == "ours" and self._resume else kind)
+        ours = _TABLE.encode() in head or head[68:72] == _APPLICATION.to_bytes(4, "big")
+        if not (ours and self._over):
+            raise self._refusal(("damaged" if self._resume else "ours") if ours else "foreign")
 
     def _execute(self, text: str, values: tuple[Any, ...] = ()) -> list[Any]:
         with _os_errors(self.path):

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from escapement.base.errors import CannotCreate, EscapementError, InvalidValue
+from escapement.base.errors import CannotCreate, EscapementError
 from escapement.base.files import AnyPath
 from escapement.base.text import plain
 from escapement.study.configuration import difference, whole_configuration
@@ -84,24 +84,6 @@ def read_configuration(path: AnyPath) -> dict[str, Any]:
     """The configuration of a study file, without its results; errors as `read_study`."""
     with _open_study(path) as hdf5:
         return whole_configuration(configuration_of(hdf5), hdf5)
-
-
-def read_sample_case(path: AnyPath, case: int) -> dict[str, Any]:
-    """Sampled parameters of one case of a study file, in its units; errors as `read_study`.
-
-    Raises
-    ------
-    InvalidValue
-        When there is no such case.
-    """
-    with _open_study(path) as hdf5:
-        cases = hdf5["status"].shape[-1]
-        if not 0 <= case < cases:
-            raise InvalidValue(
-                f"case must be one of the {cases} cases of {path}, got {case}; "
-                f"they are numbered from 0 to {cases - 1}"
-            )
-        return {name: hdf5[name][case].item() for name in _coordinates(hdf5) if hdf5[name].shape}
 
 
 def _open_study(path: AnyPath) -> AbstractContextManager[Any]:

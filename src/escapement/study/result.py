@@ -232,6 +232,9 @@ def index_on(axis: NDArray[Any], name: str, value: float, owner: object) -> int:
     return nearest
 
 
+_FAILED = np.isin(np.arange(256), [member.value for member in Status if member.failed])
+
+
 def count_failed(status: NDArray[np.uint8]) -> int:
     """Number of statuses of cases that could not be computed."""
-    return int(np.isin(status, [member.value for member in Status if member.failed]).sum())
+    return int(_FAILED[status].sum())
