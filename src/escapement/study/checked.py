@@ -51,7 +51,7 @@ def check_scenes(
     some = _sample(sound, _due(kind, sound.size), figures, int(cases[0]))
     if all(_is_right(plan, cases[i], figures[:, i]) for i in some):
         return
-    _solved.pop(kind)  # the next ones are checked at once
+    _solved.pop(kind, None)  # the next ones are checked at once
     for i in sound:
         if not _is_right(plan, cases[i], figures[:, i]):
             figures[:, i], status[i] = np.nan, Status.NOT_CONVERGED
