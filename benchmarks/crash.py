@@ -35,8 +35,8 @@ def failing_calls(folder: Path, every: int) -> str:
 
 def damages(folder: Path, count: int) -> str:
     rng = random.Random(2)
-    lost = [tools.damage_once(folder, rng) for _ in range(count)]
-    return f"{count} damages, {sum(n == 0 for n in lost)} of them harmless"
+    told = [tools.damage_once(folder, rng) for _ in range(count)]
+    return f"{count} damages, {sum(map(bool, told))} of them refused, the others harmless"
 
 
 def main() -> None:

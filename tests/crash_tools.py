@@ -232,22 +232,35 @@ def damage(data, rng):
 
 
 def damage_once(folder, rng):
-    """Resume from damaged partial results; how many of its five blocks had to go."""
+    """Resume from damaged partial results, with the remedy of a refusal; "" where none was told."""
     path, reference = folder / "a.h5", folder / "reference.h5"
     if not reference.exists():
         write(reference, small_study())
         leave_half(folder / "half.h5")
     whole = partial_path(folder / "half.h5").read_bytes()
-    partial_path(path).write_bytes(damage(whole, rng))
-    computed: list[int] = []
+    damaged = damage(whole, rng)
+    partial_path(path).write_bytes(damaged)
+    refusal = ""
     try:
-        write(path, small_study(), added=computed, resume=True)
-    except CannotCreate:  # it no longer looks like partial results at all, and is moved away
-        partial_path(path).unlink()
-        write(path, small_study(), added=computed)
+        write(path, small_study(), resume=True)
+    except CannotCreate as error:
+        refusal = str(error)
+        assert "\n" not in refusal
+        assert str(path) in refusal
+        assert not path.exists()
+        if refusal.endswith("; move it away"):  # nothing tells that it was ours
+            partial_path(path).unlink()
+        else:
+            assert refusal.endswith("start over with force=True (--force) and without resume")
+        write(path, small_study(), force=True)
     assert path.read_bytes() == reference.read_bytes()
+    assert sorted(entry.name for entry in folder.iterdir()) == [
+        "a.h5",
+        "half.h5.partial",
+        "reference.h5",
+    ]
     path.unlink()
-    return len(computed) - 5
+    return refusal
 
 
 PROGRAM = """

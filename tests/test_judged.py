@@ -17,6 +17,12 @@ TIMER = esc.Escapement(esc.Geneva(4, crank_radius=0.01), INERTIA, 0.1 * INCH_POU
 UNEVEN = replace(TIMER, mechanism=replace(TIMER.mechanism, pin_angle_errors=(1e-3, 0.0, 0.0, 0.0)))
 
 
+@pytest.fixture(autouse=True)
+def nothing_solved(monkeypatch):
+    """As in a process that has not checked any scene yet."""
+    monkeypatch.setattr(checked, "_solved", {})
+
+
 @pytest.fixture
 def lossy(monkeypatch):
     """Losses that are read a hundred-thousandth too great."""
@@ -87,6 +93,7 @@ def test_a_study_whose_kernels_are_wrong_says_so(monkeypatch, timer, kernels):
 
 def test_one_wrong_extreme_is_found_and_the_others_are_kept(monkeypatch):
     right = study(TIMER, friction=np.linspace(0.1, 0.3, 10))
+    checked._solved.clear()
     planted(monkeypatch, batch, 4, share=2.0)
     found = study(TIMER, friction=np.linspace(0.1, 0.3, 10))
     failed = found["status"] == Status.NOT_CONVERGED
@@ -102,10 +109,33 @@ def test_a_study_that_asks_for_the_residual_is_judged_in_every_case(lossy):
     assert np.isnan(found["period"]).all()
 
 
-def test_few_cases_of_a_study_are_checked(monkeypatch):
-    cases = []
-    right = checked._is_right
-    monkeypatch.setattr(checked, "_is_right", lambda *given: cases.append(0) or right(*given))
+@pytest.fixture
+def cases(monkeypatch):
+    """Cases of studies that are checked."""
+    found, right = [], checked._is_right
+    monkeypatch.setattr(checked, "_is_right", lambda *given: found.append(0) or right(*given))
+    return found
+
+
+def test_the_first_scenes_of_each_kind_are_checked_and_then_one_of_many(cases):
+    for timer in (TIMER, replace(TIMER, load_torque=0.1 * TIMER.torque), UNEVEN):
+        before = len(cases)
+        for _ in range(5):
+            study(timer, friction=np.linspace(0.1, 0.3, 10))
+        assert len(cases) == before + 1
+    for _ in range(21):
+        study(TIMER, friction=np.linspace(0.1, 0.3, 100))
+    assert len(cases) == before + 2
+
+
+def test_wrong_kernels_are_found_again_in_each_study(monkeypatch):
+    planted(monkeypatch, batch, slice(None))
+    for _ in range(3):
+        found = study(TIMER, friction=np.linspace(0.1, 0.3, 10))
+        assert (found["status"] == Status.NOT_CONVERGED).all()
+
+
+def test_few_cases_of_a_study_are_checked(cases):
     found = study(TIMER, friction=np.linspace(0.0, 0.5, 3000))
     assert 1 <= len(cases) <= 3
     assert {*found["status"]} == {Status.OK, Status.NO_TERMINAL, Status.PAINLEVE}

@@ -6,7 +6,7 @@ import sys
 from pathlib import Path
 
 import escapement
-from escapement.study.running import numerics, sources
+from escapement.study.solving import numerics, sources
 
 PACKAGE = Path(escapement.__file__).parent
 DECIDE_NOTHING = {"__init__.py"}

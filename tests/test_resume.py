@@ -197,19 +197,6 @@ def test_a_file_of_someone_else_is_not_taken_for_partial_results(tmp_path, make)
     assert list(tmp_path.iterdir()) == [partial]
 
 
-def test_partial_results_of_the_version_before_are_named_and_kept(tmp_path):
-    partial = partial_path(tmp_path / "a.h5")
-    before = b"escapement partial results, process 7 on host".ljust(127) + b"\n" + bytes(99)
-    partial.write_bytes(before)
-    for options in ({}, {"resume": True}, {"force": True, "resume": True}):
-        with pytest.raises(CannotCreate, match="partial results of an earlier version") as caught:
-            tools.write(tmp_path / "a.h5", tools.small_study(), **options)
-        assert "\n" not in str(caught.value)
-        assert partial.read_bytes() == before
-    tools.write(tmp_path / "a.h5", tools.small_study(), force=True)
-    assert [entry.name for entry in tmp_path.iterdir()] == ["a.h5"]
-
-
 def test_files_with_names_like_those_of_partial_results_are_not_touched(tmp_path):
     for name in ("a.h5.unfinished", "a.unfinished", ".escapement-0123456789abcdef.partial"):
         (tmp_path / name).write_text("my own notes")

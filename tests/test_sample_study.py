@@ -10,8 +10,7 @@ import xarray
 import escapement as esc
 from escapement.base.errors import CannotCreate
 from escapement.base.units import INCH_POUND
-from escapement.study import varied
-from escapement.study.parse import parse_plan, plan_from
+from escapement.study.parse import parse_plan, plan_from, sample
 from escapement.study.reader import read_study
 from escapement.study.result import RESULTS
 from escapement.study.running import run_plan, sweep, write_plan
@@ -111,8 +110,8 @@ def test_an_interrupted_sample_is_continued(tmp_path):
 
 def test_numbers_drawn_otherwise_are_not_mixed(tmp_path, monkeypatch):
     """As another version of SciPy might draw them of the same seed."""
-    path, draw = interrupt(tmp_path / "a.h5"), varied.unit_cube
-    monkeypatch.setattr(varied, "unit_cube", lambda *given: draw(*given)[:, ::-1].copy())
+    path, draw = interrupt(tmp_path / "a.h5"), sample.unit_cube
+    monkeypatch.setattr(sample, "unit_cube", lambda *given: draw(*given)[:, ::-1].copy())
     with pytest.raises(CannotCreate, match="whose results may differ"):
         write_plan(many(), path, resume=True)
 
@@ -155,7 +154,7 @@ def test_on_the_command_line(command, report, monkeypatch):
     study = read_study("s.h5")
     assert shown == pytest.approx(study.sampled["torque"][0] * INCH_POUND, rel=1e-15)
     # redone as it was stored, whatever this version would draw
-    monkeypatch.setattr(varied, "unit_cube", None)
+    monkeypatch.setattr(sample, "unit_cube", None)
     again = report("run", "--from", "s.h5", "--select", "case=11")
     assert again["period"] == pytest.approx(study.results["period"][11], rel=1e-11)
     code, _, err = command("plot", "s.h5", "--units", "SI")
@@ -166,7 +165,7 @@ def test_on_the_command_line(command, report, monkeypatch):
     ("selection", "message"),
     [
         ("", "--select must choose one of the 16 values of case in s.h5, got none; add case=0"),
-        ("case=16", "case must be one of the 16 cases of s.h5, got 16; they are numbered from 0"),
+        ("case=16", "case must be a value of the study, got 16; the nearest is 15"),
         ("case=1.5", "case must be a whole number, got 1.5"),
         ("case=1,torque=0.1", "--select must name axes of s.h5, got 'torque'; it has case"),
     ],

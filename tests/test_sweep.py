@@ -18,11 +18,12 @@ from escapement.engines import simulate as simulation
 from escapement.engines import solver
 from escapement.mechanisms import GearDriven, Geneva
 from escapement.model.escapement import Escapement, Inertia
+from escapement.study.cases import evaluate
 from escapement.study.parse import parse_plan, plan_from
 from escapement.study.reader import read_study
 from escapement.study.result import RESULTS
-from escapement.study.running import Tally, _mixed, run_plan, sweep, write_plan
-from escapement.study.scenes import evaluate
+from escapement.study.running import Tally, run_plan, sweep, write_plan
+from escapement.study.solving import mixed
 from study_tools import assert_as_alone
 
 TIMER = Escapement(
@@ -308,7 +309,7 @@ def test_compiling_is_told_apart_from_solving(show, monkeypatch):
 
 def test_any_beginning_of_the_blocks_is_spread_over_all():
     for size in (1, 10, 640):
-        order = _mixed(range(size))
+        order = mixed(range(size))
         assert sorted(order) == [*range(size)]
         for share in (0.1, 0.3):
             first = np.sort(order[: max(1, round(share * size))])

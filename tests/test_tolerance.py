@@ -13,7 +13,7 @@ import escapement as esc
 from escapement.base.errors import InvalidValue
 from escapement.cli import main
 from escapement.model.numbers import with_number
-from escapement.study.varied import unit_cube
+from escapement.study.parse.sample import unit_cube
 from escapement.tolerance.dual import Dual
 from escapement.tolerance.figure_duals import figures_of
 from escapement.tolerance.indices import sobol_indices

@@ -21,8 +21,8 @@ from escapement.plots.study_table import (
     refusal,
     tabulate,
 )
+from escapement.study.plan import CASE
 from escapement.study.result import Study
-from escapement.study.varied import CASE
 
 _ENOUGH = 5  # fewest points of a contour map on either axis
 _BESIDE = 3  # number of maps that fit beside one another

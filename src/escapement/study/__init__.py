@@ -2,10 +2,11 @@
 
 A study is planned, solved case by case, kept, and written. Read `plan` and `running` first.
 
-- `parse`, `plan`, `varied`, `elements`, `sizes`, `configuration`: from a file to a plan
-- `scenes`, `checked`: equal scenes once, then each case with its own unit of time; some are checked
-- `running`, `pool`, `block`: blocks of cases on threads or on a cluster
+- `parse`: from a file or a design to a plan; `plan`, `configuration`: the plan, and its JSON
+- `scenes`, `checked`, `cases`: equal scenes once, some of them checked, then each case with its own
+  unit of time
+- `running`, `solving`, `pool`, `block`: blocks of cases on threads or on a cluster
 - `journal`, `writer`, `hdf5`, `table_files`: finished blocks, and the files that are made of them
-- `reader`, `stored`, `result`, `labelled`: the results, from a file or in memory
+- `reader`, `stored`, `result`: the results, from a file or in memory
 - `selection`: a case that is selected by its values, and a few cases to be shown
 """

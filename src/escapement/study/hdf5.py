@@ -19,7 +19,7 @@ def write_hdf5(
     """Write all blocks of a study; errors as `files.pending_file`."""
     cut = blocks_of(frame)
     with files.pending_hdf5(path, force, temporary) as (hdf5, disk):
-        results = _create_datasets(hdf5, frame, cut.tile)
+        results = create_datasets(hdf5, frame, cut.tile)
         for block in blocks:
             if disk.error is not None:
                 break
@@ -27,7 +27,7 @@ def write_hdf5(
                 dataset.id.write_direct_chunk(cut.offset(block.number), data)
 
 
-def _create_datasets(hdf5: Any, frame: Study, tile: tuple[int, ...]) -> list[Any]:
+def create_datasets(hdf5: Any, frame: Study, tile: tuple[int, ...]) -> list[Any]:
     """Write everything except the results; returns their datasets, which are empty."""
     hdf5.attrs.update(frame.root)
     for name, values in frame.axes.items():

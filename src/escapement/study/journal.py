@@ -1,7 +1,8 @@
 """Finished blocks of an unfinished file: rows of a SQLite database, each with a checksum.
 
 Row -1 identifies the study, the others are blocks by their numbers. The checksum of a row also
-covers the study, so that a damaged or foreign row is never accepted.
+covers the study, so that a damaged or foreign row is never accepted. SQLite keeps every finished
+row through a kill or a power failure. A database that is damaged all the same is refused.
 """
 
 import errno
@@ -10,12 +11,10 @@ import os
 import sqlite3
 import struct
 import time
-import warnings
 import zlib
 from collections.abc import Iterator
-from contextlib import closing, contextmanager, suppress
+from contextlib import contextmanager, suppress
 from dataclasses import replace
-from itertools import chain
 from pathlib import Path
 from typing import Any
 
@@ -29,7 +28,6 @@ SYNC_EVERY = 1.0
 """Seconds of work that a crash of the machine may cost; one of the process costs none."""
 
 _PATIENCE = 2.0  # s to wait for a killed process whose files are not closed yet
-_OLD = b"escapement partial results, "  # how the partial results of version 0.1 begin
 _TABLE = "escapement_partial_results"
 _COLUMNS = "number INTEGER PRIMARY KEY, failed INTEGER, checksum INTEGER, data BLOB"
 _SCHEMA = f"CREATE TABLE {_TABLE} ({_COLUMNS})"
@@ -47,8 +45,8 @@ _FIXED_AT_START = ("created", "package_version")
 """Attributes that a resumed study takes over, so that its file is that of one run."""
 _REFUSALS = {
     "busy": "must not be in use, and another process is writing it; wait, or name another output",
-    "earlier": "has partial results of an earlier version in {name}, got a run of this version; "
-    "finish them with that version, or start over with force=True (--force)",
+    "damaged": "must be resumed from whole partial results, and {name} is damaged; start over with "
+    "force=True (--force) and without resume",
     "ours": "must not have partial results yet, got {name}; continue with resume=True (--resume) "
     "or start over with force=True (--force)",
     "other": "must be resumed with the configuration it was begun with, got another: {}; use that "
@@ -78,7 +76,7 @@ class Journal:
     Raises
     ------
     CannotCreate
-        When another process writes it, or it holds something else.
+        When another process writes it, it is damaged, or it holds something else.
     OSError
         When it cannot be opened.
 
@@ -89,13 +87,14 @@ class Journal:
     """
 
     def __init__(self, path: Path, named: Any, *, force: bool, resume: bool) -> None:
-        self.path, self._named, self._force, self._resume = path, named, force, resume
+        self.path, self._named = path, named
+        self._over, self._resume = force and not resume, resume
         self.failed: dict[int, int] = {}
         self._begun = not path.exists()  # a new file that gets no block is removed
         self._next_sync = time.monotonic() + SYNC_EVERY
         self._open()
 
-    def begin(self, frame: Study, numerics: str, blocks: int) -> Study:
+    def begin(self, frame: Study, numerics: str) -> Study:
         """Find the blocks that are there, or start again.
 
         Parameters
@@ -104,8 +103,6 @@ class Journal:
             Everything but the results.
         numerics : str
             Differs whenever a version of this package may compute other results.
-        blocks : int
-            How many the study has.
 
         Returns
         -------
@@ -115,44 +112,43 @@ class Journal:
         Raises
         ------
         CannotCreate
-            When there are results of another study, or results for which the user must give
-            `resume` or `force`.
+            When there are results of another study, damaged ones, or results for which the user
+            must give `resume` or `force`.
         """
         attributes = dict(frame.attributes)
         fixed = {name: attributes.pop(name) for name in _FIXED_AT_START}
         study = {"attributes": attributes, "configuration": frame.configuration}
         head = json.loads(json.dumps({"study": study | {"numerics": numerics}, "fixed": fixed}))
         self._key = zlib.crc32(json.dumps(head["study"]).encode())
-        rows = self._value(f"SELECT count(*) FROM {_TABLE}")
-        first, sound = self._read(_HEAD), True
-        if self._resume:
-            there = head if first is None else json.loads(first.data)
-            old, new = there["study"], head["study"]
-            if text := difference(old, new):
-                raise self._refusal("other", text)
-            if old["numerics"] != new["numerics"]:
-                versions = (
-                    f"{h['fixed']['package_version']} ({h['study']['numerics']})"
-                    for h in (there, head)
-                )
-                raise self._refusal("version", *versions)
-            head = there
-            found = filter(None, map(self._read, range(blocks)))
-            self.failed = {block.number: block.failed for block in found}
-            sound = self._value("PRAGMA quick_check(1)") == "ok"
-            sound &= rows == len(self.failed) + (first is not None)
-        elif rows != 0 and not self._force:
-            raise self._refusal("ours")
-        if not sound:
-            self._warn()
+        try:
+            there = self._found(head)
+        except Damaged:
+            raise self._refusal("damaged" if self._resume else "ours") from None
         self._begun = True
-        row = Block(_HEAD, 0, json.dumps(head, allow_nan=False).encode())
-        if not sound or (rows != 0 and not self.failed):
-            self._renew(row)
-        else:
-            self._put(row)
+        if there is None:
+            self._put(Block(_HEAD, 0, json.dumps(head, allow_nan=False).encode()))
         sync_folder(self.path.parent)
-        return replace(frame, attributes=frame.attributes | head["fixed"])
+        return replace(frame, attributes=frame.attributes | (there or head)["fixed"])
+
+    def _found(self, head: dict[str, Any]) -> dict[str, Any] | None:
+        """The head that is there, None in a new database; raises `Damaged`, and as `begin`."""
+        numbers = {number for (number,) in self._execute(f"SELECT number FROM {_TABLE}")}
+        if numbers and not self._resume:
+            raise self._refusal("ours")
+        if self._execute("PRAGMA quick_check(1)") != [("ok",)]:
+            raise Damaged(errno.EIO, "SQLite found damage")
+        if not numbers:
+            return None
+        there: dict[str, Any] = json.loads(self.block(_HEAD).data)
+        if text := difference(there["study"], head["study"]):
+            raise self._refusal("other", text)
+        if there["study"]["numerics"] != head["study"]["numerics"]:
+            versions = (
+                f"{h['fixed']['package_version']} ({h['study']['numerics']})" for h in (there, head)
+            )
+            raise self._refusal("version", *versions)
+        self.failed = {number: self.block(number).failed for number in numbers - {_HEAD}}
+        return there
 
     def append(self, block: Block) -> None:
         """Keep a finished block; after an error the other blocks are unchanged."""
@@ -170,11 +166,15 @@ class Journal:
             raise FileNotFoundError(errno.ENOENT, message, str(self.path))
 
     def block(self, number: int) -> Block:
-        """A stored block; raises OSError if it was damaged since."""
-        block = self._read(number)
-        if block is None:
-            raise OSError(errno.EIO, f"block {number} of {self.path} is damaged")
-        return block
+        """A stored block; raises `Damaged` if it is not the one that was stored."""
+        query = f"SELECT failed, data, checksum FROM {_TABLE} WHERE number = ?"
+        # a damaged row may hold values of other types
+        with suppress(TypeError, struct.error):
+            for failed, data, checksum in self._execute(query, (number,)):
+                block = Block(number, failed, data)
+                if _checksum(block, self._key) == checksum:
+                    return block
+        raise Damaged(errno.EIO, f"row {number} of {self.path.name} is damaged")
 
     def close(self) -> None:
         """Release it for other processes; a new one without a block is deleted."""
@@ -199,74 +199,41 @@ class Journal:
         while True:
             try:
                 self._database = _connect(self.path)
-                # The previous owner may have removed the file while this process waited for it.
-                self._inode = self.path.stat().st_ino
-                return
+                if self._begun or not self._over:
+                    # The previous owner may have removed the file while this process waited.
+                    self._inode = self.path.stat().st_ino
+                    return
+                self.remove()
+                self._begun = True
             except FileNotFoundError:
                 self._database.close()
             except Damaged:
-                self._replace_damaged()
+                self._refuse_damaged()
+                _remove(self.path)
             except BlockingIOError:
                 if time.monotonic() > until:
                     raise self._refusal("busy") from None
+                time.sleep(0.05)
             except OSError:
                 if self._begun:
                     _remove(self.path)
                 raise
-            time.sleep(0.05)
 
-    def _replace_damaged(self) -> None:
-        """Remove a database that SQLite cannot open, if it is ours and may be deleted."""
+    def _refuse_damaged(self) -> None:
+        """Refuse a file that SQLite cannot open, unless it is ours and may be deleted."""
         with open(self.path, "rb") as file:
             head = file.read(1 << 17)
-        marked = _TABLE.encode() in head or head[68:72] == _APPLICATION.to_bytes(4, "big")
-        kind = "earlier" if head.startswith(_OLD) else "ours" if marked else "foreign"
-        force, resume = self._force, self._resume
-        if not {"earlier": force and not resume, "ours": force or resume}.get(kind):
-            raise self._refusal(kind)
-        if marked:
-            self._warn()
-        _remove(self.path)
-
-    def _renew(self, head: Block) -> None:
-        """Copy a head and all intact rows to a new database, which replaces this one."""
-        new = self.path.with_name(self.path.name + "-new")
-        _remove(new)
-        with closing(_connect(new)) as database, _os_errors(new):
-            for block in chain([head], map(self.block, self.failed)):
-                database.execute(*_insertion(block, self._key))
-        self._database.close()
-        # The log of the old database must not be applied to the new one.
-        _remove(self.path, _ENDS[:-1])
-        os.replace(new, self.path)
-        self._open()
+        ours = _TABLE.encode() in head or head[68:72] == _APPLICATION.to_bytes(4, "big")
+        if not (ours and self._over):
+            raise self._refusal(("damaged" if self._resume else "ours") if ours else "foreign")
 
     def _execute(self, text: str, values: tuple[Any, ...] = ()) -> list[Any]:
         with _os_errors(self.path):
             return self._database.execute(text, values).fetchall()
 
-    def _value(self, query: str) -> Any:
-        """The result of a query, None if the database is damaged."""
-        with suppress(Damaged):
-            return self._execute(query)[0][0]
-        return None
-
     def _put(self, block: Block) -> None:
-        self._execute(*_insertion(block, self._key))
-
-    def _read(self, number: int) -> Block | None:
-        """The block of a row, None if it is missing or damaged."""
-        query = f"SELECT failed, data, checksum FROM {_TABLE} WHERE number = ?"
-        # a damaged row may hold values of other types, or out of range
-        with suppress(Damaged, ValueError, TypeError, OverflowError, struct.error):
-            for failed, data, checksum in self._execute(query, (number,)):
-                block = Block(number, failed, data)
-                if _checksum(block, self._key) == checksum:
-                    return block
-        return None
-
-    def _warn(self) -> None:
-        warnings.warn(f"{self.path.name} is damaged; what was lost is computed again", stacklevel=2)
+        row = (block.number, block.failed, _checksum(block, self._key), block.data)
+        self._execute(f"INSERT OR REPLACE INTO {_TABLE} VALUES (?, ?, ?, ?)", row)
 
     def _refusal(self, why: str, *got: str) -> CannotCreate:
         text = _REFUSALS[why].format(*got, name=self.path.name)
@@ -313,17 +280,12 @@ def _os_errors(path: Path) -> Iterator[None]:
         raise OSError(number, str(error)) from None
 
 
-def _insertion(block: Block, key: int) -> tuple[str, tuple[Any, ...]]:
-    row = (block.number, block.failed, _checksum(block, key), block.data)
-    return f"INSERT OR REPLACE INTO {_TABLE} VALUES (?, ?, ?, ?)", row
-
-
 def _checksum(block: Block, key: int) -> int:
     """Checksum of a row; that of the head does not include the study, which it identifies."""
     head = struct.pack("<qqI", block.number, block.failed, 0 if block.number == _HEAD else key)
     return zlib.crc32(block.data, zlib.crc32(head))
 
 
-def _remove(path: Path, ends: tuple[str, ...] = _ENDS) -> None:
-    for end in ends:
+def _remove(path: Path) -> None:
+    for end in _ENDS:
         path.with_name(path.name + end).unlink(missing_ok=True)

@@ -3,7 +3,7 @@
 import math
 import re
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache, cached_property
 from typing import Any
 
@@ -23,11 +23,13 @@ from escapement.model.checks import idle_settings
 from escapement.model.escapement import Escapement, Inertia, Run, escapement_of
 from escapement.model.torque_curve import TorqueCurve
 from escapement.model.train import train_numbers
-from escapement.study.elements import joined
 from escapement.study.result import kept
-from escapement.study.varied import CASE
+
+CASE = "case"
+"""Name of the dimension along which a sample varies."""
 
 
+@cache
 def model_numbers() -> dict[str, Quantity]:
     """Numbers of an escapement, besides those of its mechanism, that may be axes, by name."""
     every = {**quantities(Escapement), **quantities(Inertia), **train_numbers(), **quantities(Run)}
@@ -49,17 +51,28 @@ def unit_kind(name: str) -> str:
     return _unit_kinds().get(name) or _unit_kinds().get(re.sub(r"_\d+$", "", name), "ratio")
 
 
-def settings_of(build: Any, meshed: bool) -> dict[str, Setting]:
+def settings_of(build: Any, meshed: bool, system: str = units.SYSTEMS[0]) -> dict[str, Setting]:
     """All settings of an escapement in a study, those of its mechanism first.
 
     build : the class of its mechanism, or a mechanism of the user's own, which is not changed.
     meshed : whether it has no slots, and its losses are given by an efficiency.
+    system : the system of units in which they are read.
     """
-    entries = declared(build) if isinstance(build, type) else {}
+    return _settings(build if isinstance(build, type) else None, meshed, system)
+
+
+@cache
+def _settings(kind: type | None, meshed: bool, system: str) -> dict[str, Setting]:
+    entries = {} if kind is None else declared(kind)
     # settings that cannot be an axis stand first in the configuration
-    ordered = dict(sorted(entries.items(), key=lambda item: item[1].axis))
-    words = {n: e for n, e in declared(Escapement).items() if not isinstance(e, Quantity)}
-    return ordered | {n: e for n, e in (words | model_numbers()).items() if e.applies_to(meshed)}
+    found = dict(sorted(entries.items(), key=lambda item: item[1].axis))
+    found |= {n: e for n, e in declared(Escapement).items() if not isinstance(e, Quantity)}
+    found |= model_numbers()
+    return {
+        name: replace(entry, system=system)
+        for name, entry in found.items()
+        if name in entries or entry.applies_to(meshed)
+    }
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -122,7 +135,7 @@ class StudyPlan(Shown):
         """Parameters of the sample in the user's units, by name; empty on a grid."""
         return self.varied.get(CASE, {})
 
-    @property
+    @cached_property
     def fixed(self) -> dict[str, float]:
         """Numbers that are the same in every case, in the user's units, except for idle zeros."""
         varied = {name for along in self.varied.values() for name in along}
@@ -247,12 +260,12 @@ class StudyPlan(Shown):
         if not isinstance(self.build, type):
             mechanism: Mechanism = self.build
             return mechanism
-        every = {n: joined(n, values) for n in declared(self.build) if n not in left_out}
+        every = {n: _joined(n, values) for n in declared(self.build) if n not in left_out}
         given = {name: value for name, value in every.items() if value is not None}
         built: Mechanism = self.build(**given)
         return built
 
-    @property
+    @cached_property
     def perfect(self) -> bool:
         """Whether no case has errors of its parts."""
         if not isinstance(self.build, type):
@@ -260,7 +273,7 @@ class StudyPlan(Shown):
         errors = [name for name in self.fixed_si if name.startswith(IMPERFECT)]
         return not any(np.any(self.every(name)) for name in errors)
 
-    @property
+    @cached_property
     def contact(self) -> bool:
         """Whether a case has clearance or stiffness."""
         if not isinstance(self.build, type) and self.build.clearance:
@@ -292,3 +305,13 @@ class StudyPlan(Shown):
         # if its numbers vary, a case that cannot be built gets a status instead
         if all(entry.section != "mechanism" for entry in varied):
             _ = self.mechanism(0).path
+
+
+def _joined(name: str, values: Mapping[str, Any]) -> Any:
+    """A setting of a case; a list is made from its numbers, times its factor."""
+    found = values.get(name)
+    if f"{name}_0" in values:
+        count = sum(key.startswith(f"{name}_") and key[-1].isdigit() for key in values)
+        found = tuple(values[f"{name}_{i}"] for i in range(count))
+    factor = values.get(f"{name}_factor", 1.0)
+    return tuple(factor * number for number in found) if found and factor != 1.0 else found

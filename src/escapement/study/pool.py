@@ -21,7 +21,7 @@ T = TypeVar("T")
 
 
 class Pool(NamedTuple):
-    """Threads or a cluster.
+    """Threads or a cluster; by default nothing but the thread that asks.
 
     executor : where tasks are submitted.
     in_advance : greatest number of tasks that are submitted and not finished.
@@ -29,8 +29,8 @@ class Pool(NamedTuple):
     alive : whether any worker or thread is there.
     """
 
-    executor: futures.Executor
-    in_advance: Callable[[], int]
+    executor: futures.Executor | None = None
+    in_advance: Callable[[], int] = lambda: 0
     share: Callable[[Any], Any] = lambda value: value
     alive: Callable[[], bool] = lambda: True
 
@@ -38,6 +38,9 @@ class Pool(NamedTuple):
         self, task: Callable[[Any, Any], T], common: Any, items: Iterable[Any]
     ) -> Iterator[T]:
         """`task(common, item)` of every item, in the order of their completion."""
+        if self.executor is None:
+            yield from (task(common, item) for item in items)
+            return
         shared, waiting = self.share(common), iter(items)
         running: set[futures.Future[T]] = set()
         try:

@@ -2,13 +2,14 @@
 
 import json
 import os
+from collections.abc import Iterable
 from contextlib import AbstractContextManager
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from escapement.base.errors import CannotCreate, EscapementError, InvalidValue
+from escapement.base.errors import CannotCreate, EscapementError
 from escapement.base.files import AnyPath
 from escapement.base.text import plain
 from escapement.study.configuration import difference, whole_configuration
@@ -16,16 +17,17 @@ from escapement.study.result import Study, count_failed, result_names
 from escapement.study.stored import (
     DAMAGE,
     SCHEMA_VERSION,
-    Stored,
+    StoredColumns,
     check_values,
     damaged,
     open_hdf5,
     opened,
+    stamp_of,
 )
 
 
 def read_study(path: AnyPath) -> Study:
-    """Read a study; arrays are read when they are needed, and for a slice only the slice.
+    """Read a study; each result is read when it is first used.
 
     Parameters
     ----------
@@ -42,57 +44,46 @@ def read_study(path: AnyPath) -> Study:
         file that was replaced or removed since.
     """
     target = os.path.realpath(path)
-
-    def stored(name: str, finite: bool = False) -> Any:
-        return Stored(target, hdf5[name], finite)
-
     with _open_study(path) as hdf5:
-        axes, beside = _dimensions(hdf5), _coordinates(hdf5)
+        stamp = stamp_of(target)
+        beside = _coordinates(hdf5)
         sampled = [name for name in beside if hdf5[name].shape]
         fixed = [name for name in beside if not hdf5[name].shape]
+        axes = {name: hdf5[name][()] for name in _dimensions(hdf5)}
+        for name, values in axes.items():
+            check_values(name, values, finite=True)
         configuration = configuration_of(hdf5)
         results = result_names(configuration)
+        shape = tuple(values.size for values in axes.values())
+        _check_columns(hdf5, sampled, shape[-1:])
+        _check_columns(hdf5, results, shape)
         names = [*axes, *beside, *results]
-        study = Study(
-            axes={name: stored(name, finite=True) for name in axes},
-            sampled={name: stored(name, finite=True) for name in sampled},
-            results={name: stored(name) for name in results},
+        return Study(
+            axes=axes,
+            sampled=StoredColumns(target, sampled, True, stamp),
+            results=StoredColumns(target, results, False, stamp),
             units={name: str(hdf5[name].attrs["units"]) for name in names},
             long_names={name: str(hdf5[name].attrs["long_name"]) for name in names},
             configuration=configuration,
             attributes=plain({k: v for k, v in hdf5.attrs.items() if k != "configuration"}),
             fixed={name: hdf5[name][()].item() for name in fixed},
         )
-        for name, values in study.columns.items():
-            along, _ = study.described(name)
-            shape = tuple(study.axes[axis].size for axis in along)
-            if np.shape(values) != shape or 0 in shape:
-                raise ValueError(f"{name} must have shape {shape}, got {np.shape(values)}")
-        return study
+
+
+def _check_columns(hdf5: Any, names: Iterable[str], shape: tuple[int, ...]) -> None:
+    """Raise ValueError unless these datasets hold numbers, in this shape."""
+    for name in names:
+        found = hdf5[name]
+        if found.shape != shape or 0 in shape or found.dtype.kind not in "fiu":
+            raise ValueError(
+                f"{name} must be numbers of shape {shape}, got {found.dtype}, {found.shape}"
+            )
 
 
 def read_configuration(path: AnyPath) -> dict[str, Any]:
     """The configuration of a study file, without its results; errors as `read_study`."""
     with _open_study(path) as hdf5:
         return whole_configuration(configuration_of(hdf5), hdf5)
-
-
-def read_sample_case(path: AnyPath, case: int) -> dict[str, Any]:
-    """Sampled parameters of one case of a study file, in its units; errors as `read_study`.
-
-    Raises
-    ------
-    InvalidValue
-        When there is no such case.
-    """
-    with _open_study(path) as hdf5:
-        cases = hdf5["status"].shape[-1]
-        if not 0 <= case < cases:
-            raise InvalidValue(
-                f"case must be one of the {cases} cases of {path}, got {case}; "
-                f"they are numbered from 0 to {cases - 1}"
-            )
-        return {name: hdf5[name][case].item() for name in _coordinates(hdf5) if hdf5[name].shape}
 
 
 def _open_study(path: AnyPath) -> AbstractContextManager[Any]:

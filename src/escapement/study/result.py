@@ -2,6 +2,7 @@
 
 import json
 import math
+from collections import ChainMap
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
@@ -17,7 +18,7 @@ from escapement.base.text import Shown
 from escapement.base.units import spelt
 from escapement.dynamics.figure_table import FIGURES
 from escapement.study.configuration import short_configuration
-from escapement.study.stored import LAYOUT
+from escapement.study.stored import LAYOUT, part_of
 
 if TYPE_CHECKING:
     from pandas import DataFrame
@@ -73,13 +74,13 @@ class Study(Shown):
         Numbers that are the same in every case, in the user's units.
     """
 
-    axes: dict[str, NDArray[Any]]
-    results: dict[str, NDArray[Any]]
+    axes: Mapping[str, NDArray[Any]]
+    results: Mapping[str, NDArray[Any]]
     units: dict[str, str]
     long_names: dict[str, str]
     configuration: dict[str, Any]
     attributes: dict[str, Any]
-    sampled: dict[str, NDArray[Any]] = field(default_factory=dict)
+    sampled: Mapping[str, NDArray[Any]] = field(default_factory=dict)
     fixed: dict[str, float] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
@@ -111,9 +112,10 @@ class Study(Shown):
         return math.prod(self.shape)
 
     @property
-    def columns(self) -> dict[str, Any]:
+    def columns(self) -> Mapping[str, Any]:
         """All names: axes, sampled and fixed parameters, results."""
-        return {**self.axes, **self.sampled, **self.fixed, **self.results}
+        kinds: Any = (self.results, self.fixed, self.sampled, self.axes)  # the last come first
+        return ChainMap(*kinds)
 
     def described(self, name: str) -> tuple[tuple[str, ...], dict[str, Any]]:
         """Dimensions and attributes of the array with this name, as in files and xarray."""
@@ -133,17 +135,21 @@ class Study(Shown):
         return self.attributes | LAYOUT | {"configuration": text}
 
     def to_xarray(self) -> "Dataset":
-        """The study as an `xarray.Dataset`; arrays of a file are read when they are needed.
+        """The study as an `xarray.Dataset`; all columns of a file are read.
 
         Raises
         ------
         MissingPackage
             When xarray is not installed.
         """
-        validate.package("xarray", "to_xarray")
-        from escapement.study.labelled import dataset
-
-        return dataset(self)
+        xarray = validate.package("xarray", "to_xarray")
+        found = {}
+        for name, values in self.columns.items():
+            along, attributes = self.described(name)
+            found[name] = xarray.Variable(along, values, attributes)
+        results = {name: found.pop(name) for name in self.results}
+        dataset: Dataset = xarray.Dataset(results, found, self.root)
+        return dataset
 
     def to_dataframe(self) -> "DataFrame":
         """The study as a `pandas.DataFrame` with a row for each case and the axes as its index.
@@ -205,8 +211,8 @@ class Study(Shown):
         return replace(
             self,
             axes={name: axis[kept[name]] for name, axis in self.axes.items()},
-            results={name: found[grid] for name, found in self.results.items()},
-            sampled={name: drawn[case] for name, drawn in self.sampled.items()},
+            results=part_of(self.results, grid),
+            sampled=part_of(self.sampled, (case,)),
         )
 
 
@@ -227,6 +233,9 @@ def index_on(axis: NDArray[Any], name: str, value: float, owner: object) -> int:
     return nearest
 
 
+_FAILED = np.isin(np.arange(256), [member.value for member in Status if member.failed])
+
+
 def count_failed(status: NDArray[np.uint8]) -> int:
     """Number of statuses of cases that could not be computed."""
-    return int(np.isin(status, [member.value for member in Status if member.failed]).sum())
+    return int(_FAILED[status].sum())

@@ -1,12 +1,9 @@
-"""Running a study: scenes first, then blocks, on threads or on a Dask cluster."""
+"""Running a study into memory or into a file, on threads or on a Dask cluster."""
 
-import hashlib
 from collections.abc import Callable, Mapping, Sequence
-from contextlib import nullcontext
+from contextlib import AbstractContextManager, nullcontext
 from dataclasses import replace
 from datetime import UTC, datetime
-from functools import cache
-from pathlib import Path
 from typing import Any, NamedTuple, TypedDict, Unpack
 
 import numpy as np
@@ -14,26 +11,21 @@ from numpy.typing import ArrayLike
 
 from escapement import __version__
 from escapement.base import validate
-from escapement.base.errors import InvalidValue
 from escapement.base.files import AnyPath
 from escapement.base.progress import Progress
 from escapement.engines.solver import Solver, choose_solver
 from escapement.model.escapement import Escapement
 from escapement.numerics.interpreted import compile_from_now_on
-from escapement.study import scenes, table_files
-from escapement.study.block import Block, Tiling, blocks_of, encode_block
+from escapement.study import table_files
+from escapement.study.block import Block, blocks_of
 from escapement.study.parse import plan_from
 from escapement.study.plan import StudyPlan
 from escapement.study.pool import Pool, in_cluster, in_threads
 from escapement.study.reader import read_study
-from escapement.study.result import Study, count_failed
+from escapement.study.result import Study
+from escapement.study.solving import Work, mixed, numerics, solve_block, solved_scenes
 from escapement.study.stored import LAYOUT
 from escapement.study.writer import Unfinished, study_writer
-
-_FEWEST, _MOST = 256, 16384  # scenes solved at a time: up to 0.2 s
-_GOLDEN = (5.0**0.5 - 1.0) / 2.0
-_ROOT = Path(__file__).parents[1]
-_ROOMS = ("base", "numerics", "mechanisms", "model", "dynamics", "engines", "study")
 
 Report = Callable[[int, int, int], object]
 
@@ -54,41 +46,6 @@ class Tally(NamedTuple):
     cases: int
     failed: int
     resumed: int = 0
-
-
-class Work(NamedTuple):
-    """Everything needed to solve any block of a study, in any process."""
-
-    plan: StudyPlan
-    cut: Tiling
-    numerics: str
-    shared: scenes.SharedScenes | None = None
-
-    def columns(self, number: int) -> scenes.Columns:
-        """Results of a block."""
-        if self.numerics != numerics():
-            raise InvalidValue(
-                f"workers must have the version of the client, numerics {self.numerics}, got "
-                f"{numerics()}; install the same geneva-escapement everywhere"
-            )
-        return scenes.evaluate(self.plan, *self.cut.span(number), self.shared)
-
-
-def solve_block(work: Work, number: int) -> Block:
-    """A task: a block in the form for files."""
-    return encode_block(work.cut, number, work.columns(number))
-
-
-def solve_columns(work: Work, number: int) -> Block:
-    """A task: a block as arrays."""
-    columns = work.columns(number)
-    return Block(number, count_failed(columns["status"]), columns)
-
-
-def solve_slice(plan: StudyPlan, part: tuple[int, Any]) -> tuple[int, scenes.SceneFigures]:
-    """A task: the scenes of some cases, and their indices."""
-    start, cases = part
-    return start, scenes.solve_scenes(plan, cases)
 
 
 def sweep(
@@ -183,7 +140,10 @@ def run_plan(plan: StudyPlan, path: AnyPath | None = None, **options: Unpack[Opt
         for name, values in results.items():
             values[slice(*cut.span(block.number))] = block.data[name]
 
-    _run(plan, Unfinished(cut, range(len(cut)), 0, 0, add), solve_columns, options)
+    workers = options.get("workers", 1)
+    # starting a thread takes as long as solving many cases
+    pool = in_threads(workers) if workers > 1 else nullcontext(Pool())
+    _run(plan, Unfinished(cut, range(len(cut)), 0, 0, add), pool, options, encoded=False)
     shaped = {name: values.reshape(frame.shape) for name, values in results.items()}
     return replace(frame, results=shaped)
 
@@ -203,8 +163,11 @@ def write_plan(plan: StudyPlan, path: AnyPath, **options: Unpack[Options]) -> Ta
     _check(plan, options)
     version = numerics() + plan.fingerprint
     keep = {"force": options.get("force", False), "resume": options.get("resume", False)}
+    workers, scheduler = options.get("workers", 1), options.get("scheduler")
     with study_writer(path, frame_of(plan), numerics=version, **keep) as study:
-        return _run(plan, study, solve_block, options)
+        here = scheduler is None or not study.missing
+        pool = in_threads(workers) if here else in_cluster(scheduler, workers)
+        return _run(plan, study, pool, options, encoded=True)
 
 
 def _check(plan: StudyPlan, options: Options) -> None:
@@ -214,12 +177,13 @@ def _check(plan: StudyPlan, options: Options) -> None:
 
 
 def _run(
-    plan: StudyPlan, study: Unfinished, task: Callable[[Work, int], Block], options: Options
+    plan: StudyPlan,
+    study: Unfinished,
+    pool: AbstractContextManager[Pool],
+    options: Options,
+    encoded: bool,
 ) -> Tally:
     """Solve the missing blocks, and keep each as it is finished."""
-    workers, scheduler = options.get("workers", 1), options.get("scheduler")
-    here = scheduler is None or not study.missing
-    pool = in_threads(workers) if here else in_cluster(scheduler, workers)
     compile_from_now_on()
     done, failed, progress = study.resumed, study.failed, options.get("progress")
     shown = nullcontext(progress) if callable(progress) else Progress(quiet=not progress)
@@ -229,44 +193,13 @@ def _run(
         report(done, plan.cases, failed)
         counted = report if isinstance(report, Progress) else None
         shared = solved_scenes(plan, solvers, counted) if study.missing else None
-        work = Work(plan, study.cut, numerics(), shared)
-        for block in solvers.completed(task, work, _mixed(study.missing)):
+        work = Work(plan, study.cut, numerics(), encoded, shared)
+        for block in solvers.completed(solve_block, work, mixed(study.missing)):
             study.add(block)
             start, stop = study.cut.span(block.number)
             done, failed = done + stop - start, failed + block.failed
             report(done, plan.cases, failed)
     return Tally(plan.cases, failed, study.resumed)
-
-
-def _mixed(items: Sequence[Any]) -> list[Any]:
-    """The items in an order of which every beginning is spread evenly over all of them.
-
-    The time that the first ones take then tells that of all, even if costly cases are neighbours.
-    """
-    return [items[i] for i in np.argsort(_GOLDEN * np.arange(len(items)) % 1.0).tolist()]
-
-
-def solved_scenes(
-    plan: StudyPlan, pool: Pool, progress: Progress | None = None
-) -> scenes.SharedScenes | None:
-    """The scenes that blocks have in common, solved; None where each block solves its own."""
-    shared = scenes.shared_scenes(plan)
-    if shared is None:
-        return None
-    size = shared.cases.size
-    step = min(max(size // 64, _FEWEST), _MOST)
-    figures, status = np.empty((len(plan.results) - 1, size)), np.empty(size, dtype=np.uint8)
-    starts = _mixed(range(0, size, step))
-    parts = ((start, shared.cases[start : start + step]) for start in starts)
-    if progress is not None:
-        progress.count("different cases")
-    for done, (start, found) in enumerate(pool.completed(solve_slice, plan, parts), 1):
-        figures[:, start : start + step], status[start : start + step] = found
-        if progress is not None:
-            progress(min(done * step, size), size, 0)
-    if progress is not None:
-        progress.count("cases")
-    return shared._replace(figures=figures, status=status)
 
 
 def frame_of(plan: StudyPlan) -> Study:
@@ -289,22 +222,3 @@ def frame_of(plan: StudyPlan) -> Study:
         configuration=plan.configuration, attributes=attributes, sampled=plan.sampled,
         fixed=plan.fixed,
     )  # fmt: skip
-
-
-def sources() -> list[Path]:
-    """The files that results may depend on, in order."""
-    rooms = ((_ROOT / room).rglob("*.py") for room in _ROOMS)
-    return sorted(path for room in rooms for path in room)
-
-
-@cache
-def numerics() -> str:
-    """Digest of these sources; equal digests, equal results.
-
-    A change of a comment changes the digest too: computing a study again is better than mixing
-    numbers of two versions.
-    """
-    digest = hashlib.sha256()
-    for path in sources():
-        digest.update(path.relative_to(_ROOT).as_posix().encode() + b"\0" + path.read_bytes())
-    return digest.hexdigest()[:12]

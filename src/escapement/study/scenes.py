@@ -1,4 +1,4 @@
-"""Solving cases of a plan: equal scenes once, then each case with its own unit of time.
+"""Solving the scenes of some cases of a plan, equal ones once.
 
 In natural units a case is its mechanism, inertia ratio, losses, load ratio and starting speed.
 From rest, without a load, a constant bearing torque and viscous drag, the torque changes only the
@@ -14,7 +14,6 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from escapement.base import units
 from escapement.base.errors import InvalidValue
 from escapement.base.quantity import quantities
 from escapement.base.status import Status
@@ -45,8 +44,6 @@ _PIN = Scene._fields.index("pin") - Scene._fields.index("rho")
 _LIMITS = ("critical_friction", "uniqueness_friction", "jam_margin")
 """Figures that a case has even if it does not move."""
 
-Columns = dict[str, NDArray[Any]]
-"""One array per result, over some cases."""
 SceneFigures = tuple[FloatArray, NDArray[np.uint8]]
 """The figures of merit that a study keeps, in natural units and in its order, shape (k, n), and
 the status, shape (n,)."""
@@ -81,7 +78,7 @@ def shared_scenes(plan: StudyPlan) -> SharedScenes | None:
         deciding -= {TORQUE, SPEED, *TORQUES}
     sizes = zip(plan.shape, plan.varied.values(), strict=True)
     shape = tuple(1 if deciding.isdisjoint(names) else size for size, names in sizes)
-    if _solver(plan) is not solve_scenes or not math.prod(shape) < min(plan.cases, MOST_SHARED + 1):
+    if not together(plan) or math.prod(shape) >= min(plan.cases, MOST_SHARED + 1):
         return None
     indices = np.indices(shape).reshape(len(shape), -1)
     cases = np.asarray(np.ravel_multi_index(tuple(indices), plan.shape))
@@ -102,32 +99,42 @@ def solve_scenes(plan: StudyPlan, cases: NDArray[np.int64]) -> SceneFigures:
         with contextlib.suppress(InvalidValue):
             if rows.size:
                 mechanism: Any = plan.mechanism(int(cases[first[rows[0]]]), ideal=True)
-                rows = rows[scene[_PIN, rows] < mechanism.widest_pin]
+                if scene[_PIN, rows].any():
+                    rows = rows[scene[_PIN, rows] < mechanism.widest_pin]
                 found = _solve(plan, mechanism, scene[:, rows], cases[first[rows]])
                 figures[:, rows], status[rows] = found
-    check_scenes(plan, cases[first], figures, status)
+    check_scenes(plan, _kind(plan, scene), cases[first], figures, status)
     return figures[:, which], status[which]
+
+
+def _kind(plan: StudyPlan, numbers: FloatArray) -> Any:
+    """What decides on the compiled code: the mechanism, and which numbers occur, shape (k, n)."""
+    build = plan.build if isinstance(plan.build, type) else type(plan.build)
+    return build, plan.perfect, numbers.any(axis=1).tobytes()
 
 
 def _distinct(plan: StudyPlan, cases: NDArray[np.int64]) -> tuple[NDArray[Any], ...]:
     """The scenes of some cases, each once, in the order of their mechanisms.
 
-    Returned are the first case of each, the scene of each case, what varies of the mechanisms
-    (m, n), the other numbers of the scenes (k, n), and whether they are in range.
+    Returned are the first case of each, the scene of each case, what varies of the mechanisms but
+    errors of their parts (m, n), the numbers of the scenes (k, n), and whether these are in range.
     """
     columns, ratios, w, sound = _in_natural_units(plan, cases)
     scene = [*(ratios[name] for name in Scene._fields if name in ratios), w]
-    numbers = [name for name, entry in plan.parameters.items() if entry.section == "mechanism"]
+    machine = [name for name in columns if plan.parameters[name].section == "mechanism"]
     # the path of a pin does not depend on its width
-    numbers = [name for name in numbers if name not in LENGTHS]
-    key = np.array([*scene, *(columns[name] for name in numbers if name in columns)])
+    machine = [name for name in machine if name not in LENGTHS]
+    errors = [name for name in machine if name.startswith(IMPERFECT)]
+    names = errors + [name for name in machine if name not in errors]
+    key = np.array([*scene, *(columns[name] for name in names)])
     order = np.lexsort(key)
     ordered = key[:, order]
     new = np.append(True, (ordered[:, 1:] != ordered[:, :-1]).any(axis=0))
     which = np.empty(order.size, dtype=np.int64)
     which[order] = np.cumsum(new) - 1
     first, ordered = order[new], ordered[:, new]
-    return first, which, ordered[len(scene) :], ordered[: len(scene)], sound[first]
+    others = len(scene) + len(errors)
+    return first, which, ordered[others:], ordered[: len(scene)], sound[first]
 
 
 def _in_natural_units(plan: StudyPlan, cases: NDArray[np.int64]) -> tuple[Any, ...]:
@@ -136,7 +143,7 @@ def _in_natural_units(plan: StudyPlan, cases: NDArray[np.int64]) -> tuple[Any, .
     """
     columns = plan.columns(cases)
     numbers = {
-        name: np.broadcast_to(np.asarray(value, dtype=float), cases.shape)
+        name: np.full(cases.shape, value, dtype=float)
         for name, value in (plan.fixed_si | plan.lengths | columns).items()
         if name in DECIDING and value is not None
     }
@@ -153,46 +160,38 @@ def _in_natural_units(plan: StudyPlan, cases: NDArray[np.int64]) -> tuple[Any, .
     return columns, ratios, w, sound
 
 
-def _solve_patterns(plan: StudyPlan, cases: NDArray[np.int64]) -> SceneFigures:
-    """Figures of the scenes of some cases with imperfect parts, each of which is a pattern."""
-    from escapement.engines.energy import pattern_rows
-
-    columns, ratios, w, sound = _in_natural_units(plan, cases)
-    values, unit = plan.fixed_si | columns, plan.lengths["crank_radius"] or 1.0
-    wheel: Any = plan.mechanism(int(cases[0]), ideal=True)
-
-    def errors(name: str, count: int, scale: float = 1.0) -> FloatArray:
-        fixed, factor = values.get(name) or (0.0,) * count, values.get(f"{name}_factor", 1.0)
-        each = [factor * values.get(f"{name}_{i}", fixed[i]) for i in range(count)]
-        rows = [np.broadcast_to(np.asarray(one, dtype=float), cases.shape) for one in each]
-        return np.asarray(np.stack(rows, axis=-1)[sound] / scale)
-
-    sound &= ratios["pin"] < wheel.widest_pin
-    m, n = wheel.pins, wheel.slots
-    longer = np.broadcast_to(values["centre_distance_error"], cases.shape)[sound] / unit
-    pins = errors("pin_angle_errors", m), errors("crank_radius_errors", m, unit)
-    slots = errors("slot_angle_errors", n), errors("slot_offsets", n, unit)
-    given = longer, np.stack(pins, axis=-1), np.stack(slots, axis=-1)
-    numbers = np.array([*(ratios[name] for name in Scene._fields if name in ratios), w])
-    figures = np.full((len(plan.results) - 1, cases.size), np.nan)
-    status = np.full(cases.size, Status.INVALID, dtype=np.uint8)
-    settings = plan.solver.tolerance, _extent(plan)
-    table, found = pattern_rows.solve(wheel, given, numbers[:, sound], *settings)
-    named = dict(zip(pattern_rows.COLUMNS, table.T, strict=True))
-    figures[:, sound], status[sound] = _in_order(plan, wheel, named, cases[sound]), found
-    check_scenes(plan, cases, figures, status)
-    return figures, status
-
-
 def _solve(
     plan: StudyPlan, mechanism: Any, scene: FloatArray, cases: NDArray[np.int64]
 ) -> SceneFigures:
     """Solve the scenes of one mechanism, shape (k, n), to which these cases belong."""
-    from escapement.engines.energy import batch, cycle
+    settings = plan.solver.tolerance, _extent(plan)
+    if plan.perfect:
+        from escapement.engines.energy import batch, cycle
 
-    table, status = batch.solve(mechanism, scene, plan.solver.tolerance, _extent(plan))
-    found = dict(zip(cycle.COLUMNS, table.T, strict=True))
+        table, status = batch.solve(mechanism, scene, *settings)
+        found = dict(zip(cycle.COLUMNS, table.T, strict=True))
+    else:
+        from escapement.engines.energy import pattern_rows
+
+        errors = _errors(plan, mechanism, cases)
+        table, status = pattern_rows.solve(mechanism, errors, scene, *settings)
+        found = dict(zip(pattern_rows.COLUMNS, table.T, strict=True))
     return _in_order(plan, mechanism, found, cases), status
+
+
+def _errors(plan: StudyPlan, wheel: Any, cases: NDArray[np.int64]) -> tuple[FloatArray, ...]:
+    """Errors of the parts in each case, in units of the crank radius, for `pattern_rows.solve`."""
+    values, unit = plan.fixed_si | plan.columns(cases), plan.lengths["crank_radius"] or 1.0
+
+    def each(name: str, count: int, scale: float = 1.0) -> FloatArray:
+        fixed, factor = values.get(name) or (0.0,) * count, values.get(f"{name}_factor", 1.0)
+        found = (factor * values.get(f"{name}_{i}", fixed[i]) for i in range(count))
+        return np.stack([np.full(cases.shape, x, dtype=float) for x in found], axis=-1) / scale
+
+    pins = each("pin_angle_errors", wheel.pins), each("crank_radius_errors", wheel.pins, unit)
+    slots = each("slot_angle_errors", wheel.slots), each("slot_offsets", wheel.slots, unit)
+    longer = np.full(cases.shape, values["centre_distance_error"], dtype=float) / unit
+    return longer, np.stack(pins, axis=-1), np.stack(slots, axis=-1)
 
 
 def _extent(plan: StudyPlan) -> int:
@@ -234,77 +233,20 @@ def _rest(plan: StudyPlan, case: int, names: Sequence[str], handoff: float) -> l
         count = len(escapement.scenes)
         cycle = simulate(escapement, engagements=count, duration=None, **settings)
         figures = replace(figures, motion=cycle)
-    return [getattr(figures, name) / _si_unit(FIGURES[name].kind, clock, torque) for name in names]
+    return [getattr(figures, name) / si_unit(FIGURES[name].kind, clock, torque) for name in names]
 
 
-def _si_unit(kind: str, clock: Any, torque: Any) -> Any:
+def si_unit(kind: str, clock: Any, torque: Any) -> Any:
     """Natural unit of a kind [SI]; no case of the study changes the length in it."""
     scales = {"speed": 1.0 / clock, "time": clock, "acceleration": clock**-2.0}
     return (scales | dict.fromkeys(("torque", "force", "energy"), torque)).get(kind, 1.0)
 
 
-def _solver(plan: StudyPlan) -> Any:
-    """The function that solves many cases at once; None if they are solved one by one."""
-    if plan.solver.engine != "energy":
-        return None
-    if plan.perfect:
-        return solve_scenes
+def together(plan: StudyPlan) -> bool:
+    """Whether many cases are solved at once; otherwise one by one."""
+    if plan.solver.engine != "energy" or plan.perfect:
+        return plan.solver.engine == "energy"
     varied = {name for along in plan.varied.values() for name in along}
     varied &= {name for name in plan.parameters if plan.parameters[name].section == "mechanism"}
     alike = all(name.startswith((*IMPERFECT, *LENGTHS)) for name in varied)
-    return _solve_patterns if alike and isinstance(plan.build, type) else None
-
-
-def evaluate(plan: StudyPlan, start: int, stop: int, shared: SharedScenes | None = None) -> Columns:
-    """Results of the cases start <= case < stop; a bad case never ends the study."""
-    cases = np.arange(start, stop)
-    if solve := _solver(plan):
-        found = solve(plan, cases) if shared is None else shared.of(plan, cases)
-        return _on_their_clocks(plan, cases, *found)
-    alone = [_alone(plan, case) for case in cases.tolist()]
-    columns = {name: np.array([getattr(it, name) for it in alone], "<f8") for name in plan.results}
-    return _in_its_units(plan, columns)
-
-
-def _on_their_clocks(
-    plan: StudyPlan, cases: NDArray[np.int64], figures: FloatArray, status: NDArray[np.uint8]
-) -> Columns:
-    """Figures of scenes in SI: the unit of time is the root of I_f / torque."""
-    values = referred(plan.fixed_si | plan.columns(cases))
-    with np.errstate(all="ignore"):
-        square = np.divide(values[FOLLOWER], values[TORQUE])
-    bad = np.broadcast_to(~ratio_in_range(square), cases.shape)
-    if bad.any():
-        figures[:, bad], status[bad] = np.nan, Status.INVALID
-        square = np.where(bad, 1.0, square)
-    clock = np.sqrt(square)
-    found = {
-        name: line * _si_unit(result.kind, clock, values[TORQUE])
-        for (name, result), line in zip(plan.results.items(), [*figures, status], strict=True)
-    }
-    return _in_its_units(plan, found)
-
-
-def _in_its_units(plan: StudyPlan, found: Columns) -> Columns:
-    """Results in the units and types of the file, from those in SI."""
-    system = plan.configuration["units"]
-    return {
-        name: (found[name] / units.factor(result.kind, system)).astype(result.dtype)
-        for name, result in plan.results.items()
-    }
-
-
-def _alone(plan: StudyPlan, case: int) -> Figures:
-    """One case by an engine that solves them one by one."""
-    speed, given = plan.values(case)[SPEED], plan.solver.given
-    if plan.solver.engine == "contact":
-        # on an axis that begins with zero clearance, each case has the engine that it needs
-        del given["engine"]
-    try:
-        found = simulation.terminal(plan.escapement(case), initial_speed=speed, **given)
-        found.energy_residual  # noqa: B018 - the status depends on it
-        return found
-    except InvalidValue:
-        return Figures(status=Status.INVALID)
-    except (ArithmeticError, ValueError, RuntimeError):
-        return Figures(status=Status.NOT_CONVERGED)
+    return alike and isinstance(plan.build, type)

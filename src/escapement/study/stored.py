@@ -1,13 +1,12 @@
-"""Result files, opened, and arrays in them that are read when they are needed."""
+"""Result files, opened, and their columns, which are read when they are needed."""
 
 import os
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from functools import cached_property
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
-from numpy.lib.mixins import NDArrayOperatorsMixin
 from numpy.typing import NDArray
 
 from escapement.base.errors import EscapementError, InputFileError
@@ -104,86 +103,61 @@ def check_values(name: str, values: Any, finite: bool = False) -> None:
         raise ValueError(f"{name} must be finite numbers")
 
 
-class Stored(NDArrayOperatorsMixin):
-    """An array of a study file, which behaves like an array in memory.
+@dataclass(frozen=True, eq=False)
+class StoredColumns(Mapping[str, NDArray[Any]]):
+    """Columns of a study file by name: arrays, each read when it is first asked for.
 
-    `stored[3]` and slices read only their own part; any other use reads the whole array, once.
     The file is open only while it is read.
 
-    Parameters
-    ----------
-    path : str
-        Absolute path of the file.
-    dataset : h5py.Dataset
-        The array.
-    finite : bool
-        Whether its numbers must be finite.
+    path : absolute path of the file.
+    names : of the columns.
+    finite : whether their numbers must be finite.
+    stamp : `stamp_of` the file when it was opened first.
+    part : the part of each column that is read.
     """
 
-    def __init__(self, path: str, dataset: Any, finite: bool) -> None:
-        self.shape, self.dtype = dataset.shape, dataset.dtype
-        self.ndim, self.size = dataset.ndim, dataset.size
-        self._path, self._name, self._finite = path, dataset.name.lstrip("/"), finite
-        self._stamp = _stamp(path)
-        if self.dtype.kind not in "fiu":
-            raise ValueError(f"{self._name} must be numbers, got {self.dtype}")
+    path: str
+    names: Sequence[str]
+    finite: bool
+    stamp: tuple[int, int, int]
+    part: tuple[slice, ...] = ()
+    _read: dict[str, NDArray[Any]] = field(default_factory=dict, init=False)
 
-    @cached_property
-    def values(self) -> NDArray[Any]:
-        """The whole array."""
-        whole: NDArray[Any] = self._read(())
-        return whole
+    def __getitem__(self, name: str) -> NDArray[Any]:
+        if name not in self.names:
+            raise KeyError(name)
+        if name not in self._read:
+            with opened(self.path, "study", "sweep", ("status",), SCHEMA_VERSION) as hdf5:
+                if stamp_of(self.path) != self.stamp:
+                    raise InputFileError(
+                        f"study {self.path} must be the file that was read first, and was replaced "
+                        "since; read it again"
+                    )
+                found = hdf5[name][self.part]
+                check_values(name, found, self.finite)
+            self._read[name] = found
+        return self._read[name]
 
-    def _read(self, key: Any) -> Any:
-        with opened(self._path, "study", "sweep", ("status",), SCHEMA_VERSION) as hdf5:
-            if _stamp(self._path) != self._stamp:
-                raise InputFileError(
-                    f"study {self._path} must be the file that was read first, and was replaced "
-                    "since; read it again"
-                )
-            found = hdf5[self._name][key]
-            check_values(self._name, found, self._finite)
-            return found
+    def __contains__(self, name: object) -> bool:
+        return name in self.names  # the base class would read the column
 
-    def __getitem__(self, key: Any) -> Any:
-        keys = key if isinstance(key, tuple) else (key,)
-        # HDF5 supports fewer kinds of indices than NumPy
-        simple = all(
-            isinstance(k, int | np.integer) or (isinstance(k, slice) and k.step in (None, 1))
-            for k in keys
-        )
-        if not simple or "values" in vars(self):
-            return self.values[key]
-        _ = np.broadcast_to(np.empty(()), self.shape)[key]  # NumPy's errors for an index outside
-        return self._read(key)
-
-    def __array__(self, dtype: Any = None, copy: bool | None = None) -> NDArray[Any]:
-        return np.array(self.values, dtype, copy=copy)
-
-    def __array_ufunc__(self, ufunc: Any, method: str, *inputs: Any, **options: Any) -> Any:
-        plain = [x.values if isinstance(x, Stored) else x for x in inputs]
-        if "out" in options:
-            options["out"] = tuple(x.values if isinstance(x, Stored) else x for x in options["out"])
-        return getattr(ufunc, method)(*plain, **options)
-
-    def __getattr__(self, name: str) -> Any:
-        if name.startswith("_"):  # protocols and copying look for such names
-            raise AttributeError(name)
-        return getattr(self.values, name)
+    def __iter__(self) -> Iterator[str]:
+        return iter(self.names)
 
     def __len__(self) -> int:
-        return len(self.values) if not self.shape else int(self.shape[0])
-
-    def __iter__(self) -> Iterator[Any]:
-        return iter(self.values)
-
-    def __repr__(self) -> str:
-        return repr(self.values)
-
-    def __str__(self) -> str:
-        return str(self.values)
+        return len(self.names)
 
 
-def _stamp(path: str) -> tuple[int, int, int]:
+def part_of(
+    columns: Mapping[str, NDArray[Any]], part: tuple[slice, ...]
+) -> Mapping[str, NDArray[Any]]:
+    """A part of each column; no more of a file is read."""
+    if isinstance(columns, StoredColumns) and not columns.part:
+        return replace(columns, part=part)
+    return {name: values[part] for name, values in columns.items()}
+
+
+def stamp_of(path: str) -> tuple[int, int, int]:
+    """What tells whether the file at a path is another one, or was changed."""
     found = os.stat(path)
     return found.st_ino, found.st_size, found.st_mtime_ns

@@ -92,7 +92,7 @@ def study_writer(
             again = old and suffix == table_files.CSV
             if complete is None:
                 files.check_target(path, force or again)
-                frame = journal.begin(frame, numerics, len(cut))
+                frame = journal.begin(frame, numerics)
         here = journal.failed
         storing = partial(files.storing, path, lambda: journal.path.name if here else "")
 

@@ -22,9 +22,9 @@ from escapement.mechanisms.protocol import FloatArray
 from escapement.mechanisms.wheel_checks import IMPERFECT
 from escapement.model.escapement import Escapement
 from escapement.model.numbers import numbers_of
+from escapement.study.parse.sample import correlation_matrix
 from escapement.study.plan import StudyPlan, unit_kind
 from escapement.study.result import Study
-from escapement.study.varied import correlation_matrix
 from escapement.tolerance import intervals
 from escapement.tolerance.differences import lossless, needs_differences, slopes_by
 from escapement.tolerance.figure_duals import figures_of

@@ -10,8 +10,8 @@ import numpy as np
 
 from escapement.mechanisms.protocol import FloatArray
 from escapement.mechanisms.wheel_checks import IMPERFECT
+from escapement.study.parse.columns import drawn_values
 from escapement.study.plan import StudyPlan
-from escapement.study.varied import drawn_values
 
 ENDS = 3.0
 """The worst case of a normal distribution is taken this many standard deviations out."""

@@ -25,10 +25,10 @@ from escapement.mechanisms.wheel_checks import IMPERFECT
 from escapement.model.escapement import Escapement
 from escapement.model.numbers import numbers_of
 from escapement.study.parse import parse_plan, plan_from
+from escapement.study.parse.columns import drawn_values
 from escapement.study.plan import StudyPlan
 from escapement.study.result import Study
 from escapement.study.running import run_plan
-from escapement.study.varied import drawn_values
 from escapement.tolerance import intervals
 from escapement.tolerance.indices import sobol_indices
 from escapement.tolerance.intervals import Estimate

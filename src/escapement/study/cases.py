@@ -1,0 +1,77 @@
+"""Results of cases: from their scenes, each with its own unit of time, or one by one."""
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from escapement.base import units
+from escapement.base.errors import InvalidValue
+from escapement.base.status import Status
+from escapement.dynamics.figures_of_merit import Figures
+from escapement.engines import simulate as simulation
+from escapement.mechanisms.protocol import FloatArray
+from escapement.model.checks import ratio_in_range
+from escapement.model.train import referred
+from escapement.study import scenes
+from escapement.study.plan import StudyPlan
+
+Columns = dict[str, NDArray[Any]]
+"""One array per result, over some cases."""
+
+
+def evaluate(
+    plan: StudyPlan, start: int, stop: int, shared: scenes.SharedScenes | None = None
+) -> Columns:
+    """Results of the cases start <= case < stop; a bad case never ends the study."""
+    cases = np.arange(start, stop)
+    if scenes.together(plan):
+        found = scenes.solve_scenes(plan, cases) if shared is None else shared.of(plan, cases)
+        return _on_their_clocks(plan, cases, *found)
+    alone = [_alone(plan, case) for case in cases.tolist()]
+    columns = {name: np.array([getattr(it, name) for it in alone], "<f8") for name in plan.results}
+    return _in_its_units(plan, columns)
+
+
+def _on_their_clocks(
+    plan: StudyPlan, cases: NDArray[np.int64], figures: FloatArray, status: NDArray[np.uint8]
+) -> Columns:
+    """Figures of scenes in SI: the unit of time is the root of I_f / torque."""
+    values = referred(plan.fixed_si | plan.columns(cases))
+    with np.errstate(all="ignore"):
+        square = np.divide(values[scenes.FOLLOWER], values[scenes.TORQUE])
+    bad = np.broadcast_to(~ratio_in_range(square), cases.shape)
+    if bad.any():
+        figures[:, bad], status[bad] = np.nan, Status.INVALID
+        square = np.where(bad, 1.0, square)
+    clock = np.sqrt(square)
+    found = {
+        name: line * scenes.si_unit(result.kind, clock, values[scenes.TORQUE])
+        for (name, result), line in zip(plan.results.items(), [*figures, status], strict=True)
+    }
+    return _in_its_units(plan, found)
+
+
+def _in_its_units(plan: StudyPlan, found: Columns) -> Columns:
+    """Results in the units and types of the file, from those in SI."""
+    system = plan.configuration["units"]
+    return {
+        name: (found[name] / units.factor(result.kind, system)).astype(result.dtype)
+        for name, result in plan.results.items()
+    }
+
+
+def _alone(plan: StudyPlan, case: int) -> Figures:
+    """One case by an engine that solves them one by one."""
+    speed, given = plan.values(case)[scenes.SPEED], plan.solver.given
+    if plan.solver.engine == "contact":
+        # on an axis that begins with zero clearance, each case has the engine that it needs
+        del given["engine"]
+    try:
+        found = simulation.terminal(plan.escapement(case), initial_speed=speed, **given)
+        found.energy_residual  # noqa: B018 - the status depends on it
+        return found
+    except InvalidValue:
+        return Figures(status=Status.INVALID)
+    except (ArithmeticError, ValueError, RuntimeError):
+        return Figures(status=Status.NOT_CONVERGED)

@@ -1,0 +1,105 @@
+"""A design in Python and what varies of it, as the content of a study file, planned."""
+
+import re
+import zlib
+from collections.abc import Mapping, Sequence
+from contextlib import suppress
+from dataclasses import asdict
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from escapement.base import validate
+from escapement.base.errors import InvalidValue
+from escapement.base.quantity import declared
+from escapement.mechanisms import KINDS, kind_of
+from escapement.mechanisms.protocol import Mechanism
+from escapement.model.escapement import Escapement
+from escapement.study.parse.configuration import parse_plan
+from escapement.study.plan import StudyPlan
+
+_NUMBERS = declared(Escapement)
+
+
+def plan_from(
+    escapement: Escapement,
+    axes: Mapping[str, ArrayLike | Mapping[str, Any]],
+    *,
+    sample: Mapping[str, Any] | None = None,
+    initial_speed: ArrayLike = 0.0,
+    results: Sequence[str] | None = None,
+    title: str | None = None,
+    **solver: Any,
+) -> StudyPlan:
+    """Plan a study of `escapement` over `axes`.
+
+    Parameters
+    ----------
+    escapement : Escapement
+        The nominal design; an axis replaces its value. Settings that the mechanism chose, such as
+        the pins of `Geneva(slots=4)`, are chosen again in each case.
+    axes : Mapping
+        Name of each axis and its values [SI]: numbers, or start, stop and num.
+    sample : Mapping, optional
+        Parameters that vary together, at every point of the grid: the [sample] table
+        of a study, in SI, spread around the values of `escapement`.
+    initial_speed : float or array
+        Driver speed at the first pin entry [rad/s], >= 0; an array is the last axis.
+    results : sequence of str, optional
+        Figures of merit to keep. Default: `result.DEFAULT`.
+    title : str, optional
+        One line for people.
+    **solver : optional
+        Fields of `Solver`.
+
+    Raises
+    ------
+    InvalidValue
+        When an argument breaks its rule.
+    """
+    if not isinstance(escapement, Escapement):
+        raise validate.fail("escapement", "an Escapement", escapement, "see escapement.Escapement")
+    machine, described = _describe(escapement.mechanism)
+    speed, axes = {"initial_speed": initial_speed}, dict(axes)
+    if np.ndim(initial_speed) > 0:
+        axes, speed = axes | speed, {}
+    given = escapement.settings.items()
+    numbers = {name: value for name, value in given if value != _NUMBERS[name].default}
+    tables = {"mechanism": machine, "inertia": asdict(escapement.inertia), "sweep": axes}
+    tables |= {role: asdict(train) for role, train in escapement.trains.items()}
+    chosen = {"title": title, "results": results, "sample": sample, "solver": solver}
+    chosen = {name: value for name, value in chosen.items() if value is not None}
+    return parse_plan(speed | numbers | tables | chosen, mechanism=described)
+
+
+def _describe(mechanism: Mechanism) -> tuple[dict[str, Any], Mechanism | None]:
+    """A mechanism as a [mechanism] table, or the mechanism itself if it is of no known kind."""
+    for name in KINDS:
+        if type(mechanism) is kind_of(name):
+            return {"kind": name} | _chosen(mechanism), None
+    # the numbers distinguish two mechanisms with the same repr
+    cell = (*mechanism.breaks, mechanism.cell_angle, mechanism.follower_step)
+    checksum = zlib.crc32(np.concatenate([mechanism.path.numbers, cell]).tobytes())
+    # an address in memory differs from process to process
+    text = re.sub(r" at 0x[0-9a-fA-F]+", "", repr(mechanism))
+    description = f"{text}, checksum {checksum:08x}"
+    return {"kind": type(mechanism).__qualname__, "description": description}, mechanism
+
+
+def _chosen(mechanism: Any) -> dict[str, Any]:
+    """The settings that were given, or that the mechanism would not have chosen by itself."""
+    kind, chosen = type(mechanism), dict(mechanism.settings)
+    entries = declared(kind).items()
+    needed = {name for name, entry in entries if entry.required or name in mechanism.given}
+    others = [name for name, _ in entries if name not in needed]
+    # mostly it would choose all the others again; if not, each is tried by itself
+    for left_out in [others, *([name] for name in others)]:
+        without = {key: value for key, value in chosen.items() if key not in left_out}
+        with suppress(InvalidValue):  # there may be no such mechanism
+            settings = kind(**without).settings
+            if all(settings[name] == chosen[name] for name in left_out):
+                chosen = without
+        if not chosen.keys() - needed:
+            break
+    return chosen

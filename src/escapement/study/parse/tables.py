@@ -1,0 +1,120 @@
+"""Tables of a study file: which key belongs in which, and what a study must give."""
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from escapement.base import validate
+from escapement.base.errors import InvalidValue
+from escapement.base.quantity import Numbers, Setting, declared
+from escapement.base.validate import known_keys
+from escapement.dynamics.figure_table import FIGURES
+from escapement.engines.solver import Solver
+from escapement.mechanisms import KINDS, kind_of
+from escapement.mechanisms.wheel_checks import IMPERFECT
+from escapement.model.train import ROLES
+from escapement.study.plan import CASE, model_numbers
+from escapement.study.result import DEFAULT
+
+SOLVER = declared(Solver)
+_TOP = ("title", "units", "results", "mechanism", "inertia", *ROLES, "sweep", "sample", "solver")
+Content = Mapping[str, Any]
+
+
+def table(content: Content, name: str) -> Content:
+    """The sub-table `name`, empty where it is absent; of "" the whole content."""
+    value = content.get(name, {}) if name else content
+    if not isinstance(value, Mapping):
+        raise validate.fail(name, "a table", value, f"write [{name}] on a line of its own")
+    return value
+
+
+def check_keys(content: Content, settings: Mapping[str, Setting]) -> None:
+    """Refuse a study in which nothing varies, and an unknown key, saying where it belongs."""
+    axes = [name for name, entry in settings.items() if entry.axis]
+    axes += [axis for axis in _factors(settings).values() if axis not in settings]
+    own = any(entry.section == "mechanism" for entry in settings.values())
+    known: dict[str, list[str]] = {"sweep": axes, "": [*_TOP]}
+    known |= {"mechanism": ["kind"] if own else ["kind", "description"], "inertia": []}
+    known |= {role: [] for role in ROLES} | {"solver": [*SOLVER]}
+    for entry in settings.values():
+        known[entry.section].append(entry.key)
+    for section, keys in known.items():
+        given = table(content, section)
+        if not given.keys() <= {*keys}:
+            where = f"in [{section}]" if section else "at the top level"
+            known_keys(given, keys, where, _homes(settings, section))
+    if not table(content, "sweep") and "sample" not in content:
+        raise InvalidValue(
+            "the study must sweep at least one parameter, got none; "
+            "add an axis (of a study file under [sweep]), for example friction = [0.2, 0.3]"
+        )
+
+
+def _factors(settings: Mapping[str, Setting]) -> dict[str, str]:
+    """The axis that scales each list of errors, by the name of the list."""
+    return {n: f"{n}_factor" for n in IMPERFECT if isinstance(settings.get(n), Numbers)}
+
+
+def _homes(settings: Mapping[str, Setting], section: str) -> dict[str, str]:
+    """Where each key belongs that does not belong in this section."""
+    machine = {name for name, entry in settings.items() if entry.section == "mechanism"}
+    homes: dict[str, str] = {}
+    for kind in KINDS:
+        for key in (*declared(kind_of(kind)), *kind_of(kind).other_sizes()):
+            others = f"{homes[key]} or" if key in homes else "[mechanism] of kind"
+            homes[key] = f"{others} {kind!r}"
+    for name in model_numbers().keys() - settings.keys():
+        slot = "with" if model_numbers()[name].slotted else "without"
+        homes[name] = f"a study of a mechanism {slot} a slot"
+    homes |= dict.fromkeys(("kind", *machine), "[mechanism]") | dict.fromkeys(SOLVER, "[solver]")
+    homes |= dict.fromkeys(("size", "seed"), "[sample]")
+    for name, axis in _factors(settings).items():
+        homes[name] = f"[mechanism], and its factor is {axis!r}"
+    for name, entry in settings.items() if section != "sweep" else ():
+        where = f"[{entry.section}]" if entry.section else "the top level"
+        # a number that the mechanism lacks, such as an efficiency, may belong to a train
+        key = homes.get(entry.key, where) if entry.section in ROLES else where
+        homes |= {name: f"{where} as {entry.key!r}", entry.key: key}
+    return homes
+
+
+def fixed_values(content: Content, settings: Mapping[str, Setting]) -> dict[str, Any]:
+    """Fixed and nominal values, including defaults; parameters that vary need none."""
+    varied = {**table(content, "sweep"), **table(content, "sample")}
+    fixed, missing = {}, []
+    sections = {name: table(content, name) for name in {e.section for e in settings.values()}}
+    for name, entry in settings.items():
+        section = sections[entry.section]
+        if entry.key in section:
+            fixed[name] = entry.read(entry.label, section[entry.key])
+        elif entry.required and name not in varied:
+            missing.append(f"{entry.label} ({entry.long_name})")
+        elif entry.axis and entry.default is not None:
+            fixed[name] = entry.default
+    if missing:
+        raise InvalidValue(
+            f"the study lacks {', '.join(missing)}; give each a fixed value or an axis"
+        )
+    return fixed
+
+
+def chosen_results(content: Content) -> dict[str, list[str]]:
+    """The figures of merit to keep, if they differ from the default ones."""
+    given = content.get("results", DEFAULT)
+    if isinstance(given, str) or not isinstance(given, Sequence) or not given:
+        raise validate.fail("results", "a list of names", given, 'for example ["period"]')
+    # the status is always kept, and a name that is given twice is kept once
+    every = (validate.choice("results", name, (*FIGURES, "status")) for name in given)
+    names = [name for name in dict.fromkeys(every) if name != "status"]
+    return {"results": names} if names != [*DEFAULT] else {}
+
+
+def title_of(content: Content, kind: str, varied: Mapping[str, Any]) -> str:
+    """The title given, or one made from what varies."""
+    over = [", ".join(name for name in varied if name != CASE)]
+    over += ["a sample of " + ", ".join(varied[CASE])] if CASE in varied else []
+    default = f"{kind} escapement over {' and '.join(filter(None, over))}"
+    title = content.get("title", default)
+    if not isinstance(title, str) or not title.isprintable():
+        raise validate.fail("title", "one line of text", title, "put it in quotation marks")
+    return title
