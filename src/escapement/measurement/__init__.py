@@ -5,9 +5,11 @@ Readings of encoders: read `comparison` first.
 - `readings`, `stamps`, `rollover`, `encoder`: files of readings, times of coarse clocks, counters
   of few bits, errors by the data sheet, and synthetic readings
 - `fit`, `comparison`: the fit of a position function, and errors with their statistics
-- `finding`, `error_columns`, `normal_equations`, `noise`: the search for all errors at once
-- `shaft_errors`, `slot_errors`, `changes`, `glitches`, `periodic`, `backlash`, `normality`: errors
-  that repeat, single slots and pins, changes for good, single readings, free play, and distribution
+- `findings`: what readings may show, each with its size and its words
+- `finding`, `error_columns`, `normal_equations`, `noise`: the search for all of it at once
+- `slot_errors`, `changes`, `glitches`, `backlash`: slots and pins, changes for good, single
+  readings and free play in that search
+- `periodic`, `normality`: periodogram and distribution of the errors
 - `causes`, `other_reading`, `verdict`: what all of them say together
 
 Motions and beats, which end in the same `Estimate` and `Verdict`:
@@ -19,13 +21,11 @@ Motions and beats, which end in the same `Estimate` and `Verdict`:
 - `beat_spectrum`: which lines of the spectrum pins and slots cause
 """
 
-from escapement.measurement.backlash import Backlash as Backlash
 from escapement.measurement.beat_spectrum import BeatLine as BeatLine
 from escapement.measurement.beat_spectrum import BeatSpectrum as BeatSpectrum
 from escapement.measurement.beat_spectrum import beat_spectrum as beat_spectrum
 from escapement.measurement.beats import BeatFit as BeatFit
 from escapement.measurement.beats import fit_beats as fit_beats
-from escapement.measurement.changes import Change as Change
 from escapement.measurement.comparison import Measurement as Measurement
 from escapement.measurement.comparison import measure as measure
 from escapement.measurement.comparison import write_errors as write_errors
@@ -35,10 +35,14 @@ from escapement.measurement.encoder import sensor_share as sensor_share
 from escapement.measurement.encoder import sensor_uncertainty as sensor_uncertainty
 from escapement.measurement.encoder import synthetic_readings as synthetic_readings
 from escapement.measurement.estimate import Estimate as Estimate
+from escapement.measurement.findings import Backlash as Backlash
+from escapement.measurement.findings import Change as Change
+from escapement.measurement.findings import Glitch as Glitch
+from escapement.measurement.findings import ShaftError as ShaftError
+from escapement.measurement.findings import SlotError as SlotError
 from escapement.measurement.fit import Fit as Fit
 from escapement.measurement.fit import position as position
 from escapement.measurement.fit import slope as slope
-from escapement.measurement.glitches import Glitch as Glitch
 from escapement.measurement.motion_fit import MotionFit as MotionFit
 from escapement.measurement.motion_fit import fit_motion as fit_motion
 from escapement.measurement.normality import Histogram as Histogram
@@ -54,8 +58,6 @@ from escapement.measurement.readings import Readings as Readings
 from escapement.measurement.readings import read_readings as read_readings
 from escapement.measurement.readings import write_readings as write_readings
 from escapement.measurement.rounds import Rounds as Rounds
-from escapement.measurement.shaft_errors import ShaftError as ShaftError
-from escapement.measurement.slot_errors import SlotError as SlotError
 from escapement.measurement.verdict import Verdict as Verdict
 
 Combination = Estimate

@@ -12,7 +12,7 @@ from escapement.mechanisms.protocol import FloatArray
 
 special = Lazy("scipy.special")
 SURE = 1e-3
-"""Noise alone causes a smaller p-value in less than one of a thousand fits."""
+"""A smaller probability that noise alone causes what was found counts as certainty."""
 
 
 class Estimate(NamedTuple):

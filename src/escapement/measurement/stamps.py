@@ -1,7 +1,6 @@
 """Times of samples: a coarse clock is allowed for, and a wrong unit is doubted."""
 
 import math
-from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -34,7 +33,7 @@ def checked_times(values: ArrayLike, lines: np.ndarray, where: str) -> tuple[Flo
     InvalidValue
         If there is not one finite time for each sample, or they do not increase.
     """
-    times = _numbers(values)
+    times = row_of("time", values, _REMEDY)
     if times.shape != lines.shape:
         raise validate.fail("time", f"a row of {lines.size} times", values, _REMEDY)
     unknown = np.flatnonzero(~np.isfinite(times))
@@ -61,11 +60,15 @@ def checked_times(values: ArrayLike, lines: np.ndarray, where: str) -> tuple[Flo
     )
 
 
-def _numbers(values: Any) -> FloatArray:
+def row_of(name: str, values: ArrayLike, remedy: str) -> FloatArray:
+    """A row of real numbers, NaN for those that are masked, or InvalidValue."""
     try:
-        return np.asarray(np.ma.filled(np.ma.asanyarray(values).astype(float), np.nan))
+        given = np.ma.asanyarray(values).astype(float, copy=False)
     except (TypeError, ValueError):
-        raise validate.fail("time", "real numbers", values, _REMEDY) from None
+        given = np.empty((0, 0))
+    if given.ndim != 1:
+        raise validate.fail(name, "a row of real numbers", values, remedy)
+    return np.asarray(np.ma.filled(given, np.nan))
 
 
 def spread(times: FloatArray, tick: float) -> FloatArray:

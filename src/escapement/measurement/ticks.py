@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike
 
 from escapement.base import validate
 from escapement.base.errors import InvalidValue
+from escapement.measurement.stamps import row_of
 from escapement.mechanisms.protocol import FloatArray
 
 _REMEDY = "give the times of the engagements in s, NaN for a missing one"
@@ -35,7 +36,7 @@ def ticks_of(given: ArrayLike, times: bool, pattern: int) -> tuple[FloatArray, t
     pattern : int
         Number of beats after which pins and slots meet again.
     """
-    values = _row(given)
+    values = row_of("beats", given, _REMEDY)
     beats = _differences(values) if times else values
     wrong = np.flatnonzero(~np.isnan(beats) & ~((beats > 0.0) & np.isfinite(beats)))
     if wrong.size:
@@ -52,16 +53,6 @@ def ticks_of(given: ArrayLike, times: bool, pattern: int) -> tuple[FloatArray, t
     mended, faults = _counted(beats, float(np.median(known)))
     faults += [*_displaced(mended, pattern)]
     return mended, tuple(faults)
-
-
-def _row(given: ArrayLike) -> FloatArray:
-    try:
-        values = np.ma.asanyarray(given).astype(float, copy=False)
-    except (TypeError, ValueError):
-        values = np.empty((0, 0))
-    if values.ndim != 1:
-        raise validate.fail("beats", "a row of real numbers", given, _REMEDY)
-    return np.asarray(np.ma.filled(values, np.nan))
 
 
 def _differences(stamps: FloatArray) -> FloatArray:
