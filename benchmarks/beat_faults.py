@@ -56,6 +56,7 @@ class Case(NamedTuple):
     heard: Callable[[Array, Random], Array]
     parts: str = "both"
     times: bool = False
+    rounds: int = ROUNDS
 
 
 def as_they_are(ticks: Array, random: Random) -> Array:
@@ -112,12 +113,20 @@ CASES = {
         5, 3, FIVE, THREE, lambda it, random: missed(1)(jitter(it, random), random), times=True
     ),
     "stamps, and noise of beats": Case(5, 3, FIVE, THREE, jitter, times=True),
+    "three rounds of stamps": Case(5, 3, FIVE, THREE, jitter, times=True, rounds=3),
+    "three rounds of stamps, and noise of beats": Case(
+        5, 3, FIVE, THREE, jitter, times=True, rounds=3
+    ),
+    "three rounds of stamps, and as much noise of beats": Case(
+        5, 3, FIVE, THREE, jitter, times=True, rounds=3
+    ),
     "four slots, their errors": Case(4, 4, FOUR, (), as_they_are, "slots"),
     "six slots, their errors": Case(6, 3, SIX, (), as_they_are, "slots"),
     "six slots, three pins' errors": Case(6, 3, (), THREE, as_they_are, "pins"),
 }
 LONE = {"stamps with jitter": 0.0, "their differences": 0.0, "stamps, and noise of beats": 0.3}
-LONE["stamps with jitter, a tick missed"] = 0.0
+LONE |= {"stamps with jitter, a tick missed": 0.0, "three rounds of stamps": 0.0}
+LONE["three rounds of stamps, and noise of beats"] = 0.3
 
 
 def fits_of(name: str, case: Case, seeds: int) -> list[BeatFit]:
@@ -125,7 +134,7 @@ def fits_of(name: str, case: Case, seeds: int) -> list[BeatFit]:
     wheel = esc.Geneva(case.slots, pins=case.pins, crank_radius=0.02)
     design = esc.Escapement(wheel, INERTIA, torque=0.0113, friction=0.3)
     bad = replace(wheel, pin_angle_errors=case.pin_errors, slot_angle_errors=case.slot_errors)
-    beats = np.tile(esc.terminal(replace(design, mechanism=bad)).beats, ROUNDS)
+    beats = np.tile(esc.terminal(replace(design, mechanism=bad)).beats, case.rounds)
     found = []
     for seed in range(seeds):
         random = np.random.default_rng(seed)

@@ -17,7 +17,7 @@ import escapement as esc
 from escapement.base.text import print_columns
 from escapement.benchmark import write_csv
 from escapement.measurement import position
-from escapement.measurement.shaft_errors import SURE
+from escapement.measurement.estimate import SURE
 
 ROOT = Path(__file__).resolve().parents[1]
 DEG = np.pi / 180.0

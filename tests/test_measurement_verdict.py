@@ -237,25 +237,37 @@ def test_a_suspected_slip_is_no_noise_of_the_input():
     assert search.noise.of_input < (0.5 * NOISE) ** 2
 
 
-def test_what_may_be_rounding_cannot_say():
-    """Positions that return every turn, read in counts of ten times the noise."""
-    theta = 0.4 + 2.0 * math.pi * np.arange(1200) / 40
-    random = np.random.default_rng(12)
-    step = 2.0 * math.pi / 360
-    output = follower(theta) + 0.1 * step * random.standard_normal(1200)
-    found = verdict(esc.Readings(theta - theta[0], step * np.round(output / step)))
-    assert found.good is not True
-    if found.good is None:
-        assert "the rounding of the encoders" in found.text
+@pytest.mark.parametrize("start", [0.4, 2.2])
+@pytest.mark.parametrize("seed", range(3))
+def test_what_may_be_rounding_cannot_say(start, seed):
+    """Positions that return every turn, read in counts of ten times the noise, of a good drive."""
+    theta, step = start + 2.0 * math.pi * np.arange(1200) / 40, 2.0 * math.pi / 360
+    noise = 0.1 * step * np.random.default_rng(seed).standard_normal(1200)
+
+    def judged(size):
+        output = follower(theta) + size * np.sin(follower(theta)) + noise
+        return verdict(esc.Readings(theta - theta[0], step * np.round(output / step)))
+
+    good = judged(0.0)
+    assert good.good is None
+    assert "or is the rounding of the encoders" in good.text
+    assert "cannot be told from their rounding" in good.text
+    # an error of one and a half counts is none of rounding
+    wrong = judged(1.5 * step)
+    assert wrong.good is False
+    assert "repeats once a turn of the output" in wrong.text
 
 
 def test_noise_of_both_encoders_is_told_apart():
     random = np.random.default_rng(9)
-    slope = np.abs(np.sin(np.linspace(0.0, 60.0, 20_000)))
-    errors = 2.0 * random.standard_normal(20_000) + 3.0 * slope * random.standard_normal(20_000)
-    a, b = noise_of(errors, slope, (0.0, 0.0))
-    assert (a, b) == pytest.approx((4.0, 9.0), rel=0.1)
-    assert noise_of(2.0 * random.standard_normal(20_000), slope, (0.0, 0.0))[1] == 0.0
+    slope = np.abs(np.sin(np.linspace(0.0, 300.0, 100_000)))
+    output, driver = random.standard_normal((2, 100_000))
+    # a slow error, a slip and a reading far out are no noise
+    added = 50.0 * np.sin(np.linspace(0.0, 9.0, 100_000)) + 20.0 * (np.arange(100_000) > 300)
+    added[77] += 1e3
+    errors = 2.0 * output + 3.0 * slope * driver + added
+    assert noise_of(errors, slope, (0.0, 0.0)) == pytest.approx((4.0, 9.0), rel=0.1)
+    assert noise_of(2.0 * output, slope, (0.0, 0.0))[1] == 0.0
 
 
 @pytest.mark.parametrize("noise", [0.05, 0.1, 0.3, 0.6])
@@ -296,12 +308,11 @@ def test_the_report_has_all_that_was_found(command, tmp_path):
 
 def test_sums_by_segments_are_those_of_single_samples(monkeypatch):
     """Long files are summed in segments; the change that is found is the same."""
-    slip = 7.2 * DEG * (np.arange(5000) > 2600)
+    slip = 7.2 * DEG * (np.arange(5000) > 2654)  # while the follower moves
     readings = read(turns=30.0, rows=5000, driver=lambda theta: theta - slip)
-    (coarse,) = esc.measure(readings, WHEEL).changes
-    monkeypatch.setattr(error_columns, "_EDGES", 10**6)
-    monkeypatch.setattr(error_columns, "_NUMBERS", 1e9)
     (single,) = esc.measure(readings, WHEEL).changes
+    monkeypatch.setattr(error_columns, "_EDGES", 70)
+    (coarse,) = esc.measure(readings, WHEEL).changes
     assert coarse.line == single.line
     assert coarse.size == pytest.approx(single.size, rel=1e-9)
 

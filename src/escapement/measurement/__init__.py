@@ -3,38 +3,30 @@
 Readings of encoders: read `comparison` first.
 
 - `readings`, `stamps`, `rollover`, `encoder`: files of readings, times of coarse clocks, counters
-  of
-  few bits, errors by the data sheet, and synthetic readings
+  of few bits, errors by the data sheet, and synthetic readings
 - `fit`, `comparison`: the fit of a position function, and errors with their statistics
-- `finding`, `error_columns`, `normal_equations`, `noise`: the search for all errors at once
-- `shaft_errors`, `slot_errors`, `changes`, `glitches`, `periodic`, `backlash`, `normality`: errors
-  that
-  repeat, single slots and pins, changes for good, single readings, free play, and distribution
+- `findings`: what readings may show, each with its size and its words
+- `finding`, `error_columns`, `normal_equations`, `noise`: the search for all of it at once
+- `slot_errors`, `changes`, `glitches`, `backlash`: slots and pins, changes for good, single
+  readings and free play in that search
+- `periodic`, `normality`: periodogram and distribution of the errors
 - `causes`, `other_reading`, `verdict`: what all of them say together
 - `measurement_record`: what is reported of a measurement and of a measured motion
 
-Motions:
+Motions and beats, which end in the same `Estimate` and `Verdict`:
 
+- `estimate`: a number with its interval, or the reason why it is not known
 - `motion_fit`, `motion_task`: the fit of a simulated motion to a measured run-up
-- `residual_tests`, `time_unit`: whether it explains the readings, and doubts about the unit of
-  times
-
-Beats:
-
 - `ticks`, `rounds`: beats without missed or doubled ticks, sorted by pin and slot
-- `beats`, `beat_unknowns`, `jitter`, `curvature`, `estimate`: the fit of parts to beats, and what
-  it says
-- `beat_verdict`: whether the parts explain the beats
+- `beats`, `beat_unknowns`, `part_estimates`: the fit of parts to beats, and what it says
 - `beat_spectrum`: which lines of the spectrum pins and slots cause
 """
 
-from escapement.measurement.backlash import Backlash as Backlash
 from escapement.measurement.beat_spectrum import BeatLine as BeatLine
 from escapement.measurement.beat_spectrum import BeatSpectrum as BeatSpectrum
 from escapement.measurement.beat_spectrum import beat_spectrum as beat_spectrum
 from escapement.measurement.beats import BeatFit as BeatFit
 from escapement.measurement.beats import fit_beats as fit_beats
-from escapement.measurement.changes import Change as Change
 from escapement.measurement.comparison import Measurement as Measurement
 from escapement.measurement.comparison import measure as measure
 from escapement.measurement.comparison import write_errors as write_errors
@@ -43,11 +35,15 @@ from escapement.measurement.encoder import SensorShare as SensorShare
 from escapement.measurement.encoder import sensor_share as sensor_share
 from escapement.measurement.encoder import sensor_uncertainty as sensor_uncertainty
 from escapement.measurement.encoder import synthetic_readings as synthetic_readings
-from escapement.measurement.estimate import Combination as Combination
+from escapement.measurement.estimate import Estimate as Estimate
+from escapement.measurement.findings import Backlash as Backlash
+from escapement.measurement.findings import Change as Change
+from escapement.measurement.findings import Glitch as Glitch
+from escapement.measurement.findings import ShaftError as ShaftError
+from escapement.measurement.findings import SlotError as SlotError
 from escapement.measurement.fit import Fit as Fit
 from escapement.measurement.fit import position as position
 from escapement.measurement.fit import slope as slope
-from escapement.measurement.glitches import Glitch as Glitch
 from escapement.measurement.motion_fit import MotionFit as MotionFit
 from escapement.measurement.motion_fit import fit_motion as fit_motion
 from escapement.measurement.normality import Histogram as Histogram
@@ -63,6 +59,7 @@ from escapement.measurement.readings import Readings as Readings
 from escapement.measurement.readings import read_readings as read_readings
 from escapement.measurement.readings import write_readings as write_readings
 from escapement.measurement.rounds import Rounds as Rounds
-from escapement.measurement.shaft_errors import ShaftError as ShaftError
-from escapement.measurement.slot_errors import SlotError as SlotError
 from escapement.measurement.verdict import Verdict as Verdict
+
+Combination = Estimate
+"""An angle that the beats determine although they do not determine the single errors."""

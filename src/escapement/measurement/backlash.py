@@ -6,7 +6,6 @@ behind what drives it, in either sense, and crosses over after each reversal.
 
 import math
 from itertools import accumulate
-from typing import NamedTuple
 
 import numpy as np
 
@@ -17,22 +16,6 @@ _ROOM = (
     0.1  # the first estimate is at most this share of the travel, so that the backlash is crossed
 )
 _WIDE = 4.0  # a backlash is narrower than this many standard deviations of errors that it causes
-
-
-class Backlash(NamedTuple):
-    """Free play of a shaft, fitted together with all errors that are significant.
-
-    shaft : "input" or "output".
-    width : width of the backlash, as an angle of that shaft [rad]. If it is negative, the output
-        leads, as it does if the input's encoder is loose.
-    standard_error : standard error of the width [rad].
-    p_value : probability that independent normal errors cause this width or more (F test).
-    """
-
-    shaft: str
-    width: float
-    standard_error: float
-    p_value: float
 
 
 def with_backlash(angle: FloatArray, width: float) -> FloatArray:
@@ -60,31 +43,19 @@ def first_engaged(share: FloatArray) -> int | None:
     return int(min(map(np.argmax, ends)))
 
 
-def first_width(angle: FloatArray, errors: FloatArray, slope: float) -> float:
-    """A first estimate of the width from the size of the errors, rather too wide [rad]."""
-    room = _ROOM * float(np.ptp(angle))
-    return min(_WIDE * float(errors.std()) / slope, room) if slope > 0.0 else room
-
-
 def first_widths(
     driver: FloatArray, follower: FloatArray, slope: FloatArray, errors: FloatArray
 ) -> tuple[dict[str, float], int]:
-    """For each shaft that turns both ways, a first estimate of its backlash [rad].
+    """For each shaft that turns both ways, a first estimate of its backlash, rather too wide [rad].
 
     Also returned is the first sample at which the side of each backlash is known.
     """
     found, start = {}, 0
     through = math.sqrt(float(np.mean(slope**2)))
     for name, angle, rate in (("input", driver, through), ("output", follower, 1.0)):
-        width = first_width(angle, errors, rate)
+        width = _ROOM * float(np.ptp(angle))
+        width = min(_WIDE * float(errors.std()) / rate, width) if rate > 0.0 else width
         first = first_engaged(lag(angle, width)) if width > 0.0 else None
         if first is not None:
             found[name], start = width, max(start, first)
     return found, start
-
-
-def next_width(found: tuple[float, float, float], last: float) -> float:
-    """The width for the next fit from amplitude, standard error and p-value of this one."""
-    width = max(abs(found[0]), 3.0 * found[1])
-    # a width that could not be fitted stays as it was
-    return width if math.isfinite(width) and width > 0.0 else last

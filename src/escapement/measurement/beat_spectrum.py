@@ -73,27 +73,20 @@ def beat_spectrum(beats: ArrayLike, mechanism: Mechanism, *, times: bool = False
     """
     wheel = checked_wheel(mechanism)
     rounds, pins = rounds_of(beats, wheel, times), wheel.pins or 1
-    size, mean = rounds.pattern, float(rounds.means.mean())
-    within = rounds.samples - size
-    inverse = np.linalg.inv(rounds.root)
+    size, within = rounds.pattern, rounds.samples - rounds.pattern
     # standard deviation of a beat's noise
     noise = math.sqrt(rounds.scatter / within) if within > 0 else math.nan
-    lines = []
+    inverse, lines = np.linalg.inv(rounds.root), []
     for k in range(1, size // 2 + 1):
-        alternates = 2 * k == size
-        weights = np.exp(-2j * np.pi * k / size * np.arange(size)) * (1 if alternates else 2) / size
+        freedom = 1 if 2 * k == size else 2
+        weights = np.exp(-2j * np.pi * k / size * np.arange(size)) * freedom / size
         value = complex(weights @ rounds.means)
-        amplitude, freedom = abs(value), 1 if alternates else 2
         along = (weights * np.exp(-1j * np.angle(value))).real
         error = noise * float(np.linalg.norm(along @ inverse))
-        share = (amplitude / error) ** 2 / freedom if error > 0.0 else math.nan
-        culprits = [
-            name for name, n in (("pins", pins), ("slots", wheel.slots)) if k * n % size == 0
-        ]
-        lines.append(
-            BeatLine(
-                k * pins / size, " or ".join(culprits) or "pairs", amplitude, error,
-                float(special.fdtrc(freedom, within, share)) if within > 0 else math.nan,
-            )
-        )  # fmt: skip
-    return BeatSpectrum(tuple(lines), mean, rounds)
+        share = (abs(value) / error) ** 2 / freedom if error > 0.0 else math.nan
+        p_value = float(special.fdtrc(freedom, within, share)) if within > 0 else math.nan
+        shafts = ("pins", pins), ("slots", wheel.slots)
+        culprits = [name for name, count in shafts if k * count % size == 0]
+        culprit = " or ".join(culprits) or "pairs"
+        lines.append(BeatLine(k * pins / size, culprit, abs(value), error, p_value))
+    return BeatSpectrum(tuple(lines), float(rounds.means.mean()), rounds)

@@ -33,6 +33,7 @@ from escapement.numerics.jit import as_python
 _RTOL = 1e-12
 _LARGEST = 0.2  # steps beyond this share of a follower step are not tried: a pin may miss its slot
 _LAST = 3  # slots that are tried as the last one, where there are more beats than unknowns
+_SAME = 1e-6  # errors that differ by less are the same [rad]
 _PIN, _IMPACT = 1e-4, 0.02  # sizes that show the response to a late pin, and to an impact
 
 
@@ -47,6 +48,11 @@ class Errors(NamedTuple):
         """Angle errors of the slots about their mean [rad]."""
         angles = np.cumsum(self.steps)
         return np.asarray(angles - angles.mean())
+
+    def same_as(self, other: "Errors") -> bool:
+        """Whether both cause the same beats; steps that are not struck may differ."""
+        steps = np.maximum(self.steps, 0.0) - np.maximum(other.steps, 0.0)
+        return bool(max(np.abs(self.pins - other.pins).max(), np.abs(steps).max()) < _SAME)
 
 
 class Parts:

@@ -1,9 +1,9 @@
 """From measured beats to parts: angle errors of pins and slots, by least squares."""
 
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass, field
-from itertools import combinations
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -13,22 +13,19 @@ from escapement.base.errors import InvalidValue
 from escapement.base.lazy import Lazy
 from escapement.base.text import Shown
 from escapement.measurement.beat_unknowns import Parts, starts
-from escapement.measurement.beat_verdict import verdict_on
-from escapement.measurement.curvature import curved
-from escapement.measurement.estimate import (
-    Combination,
-    Doubt,
-    PartEstimate,
-    doubt_of,
-    estimate,
-    joint_estimate,
-    remarks,
-    spanned,
+from escapement.measurement.estimate import SURE, Estimate, checked_confidence
+from escapement.measurement.part_estimates import (
+    BeatSolution,
+    Uncertainty,
+    joined_estimates,
+    pairs_of,
+    steps_of,
+    uncertainty_of,
+    undetermined,
     within_range,
-    without,
 )
 from escapement.measurement.rounds import Rounds, checked_wheel, rounds_of
-from escapement.measurement.time_unit import check_unit
+from escapement.measurement.stamps import check_unit
 from escapement.measurement.verdict import Verdict
 from escapement.mechanisms.protocol import FloatArray
 from escapement.model.escapement import Escapement
@@ -36,9 +33,10 @@ from escapement.model.escapement import Escapement
 optimize = Lazy("scipy.optimize")
 PARTS = ("both", "pins", "slots")
 _ROUGH = {"xtol": 1e-3, "ftol": 1e-2, "gtol": 1e-12, "max_nfev": 8}
-_NEAR = 1e3  # a rough fit that is worse by this factor is not made exact
-_SAME = 1e-6  # errors that differ by less are the same [rad]
 _EXACT = {"xtol": 1e-9, "ftol": 1e-10, "gtol": 1e-12, "max_nfev": 30}
+_NEAR = 1e3  # a rough fit that is worse by this factor is not made exact
+_ALIKE = 0.1  # a smaller correlation of neighbouring residuals hardly changes an interval
+_FAILED = 1e3  # residual of a wheel that cannot run, which explains no beats
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -58,7 +56,7 @@ class BeatFit(Shown):
         middle of its interval.
     pin_half_widths, slot_half_widths : ndarray, shapes (m,) and (n,)
         Half the widths of the intervals [rad].
-    combinations : tuple of Combination
+    combinations : tuple of Estimate
         Other angles that are determined; empty if all single errors are.
     rate, rate_half_width : float
         Measured time divided by computed time, which corrects an inexact torque [-]; NaN if the
@@ -87,7 +85,7 @@ class BeatFit(Shown):
     slot_angle_errors: FloatArray
     pin_half_widths: FloatArray
     slot_half_widths: FloatArray
-    combinations: tuple[Combination, ...]
+    combinations: tuple[Estimate, ...]
     rate: float
     rate_half_width: float
     computed: FloatArray = field(repr=False)
@@ -101,8 +99,83 @@ class BeatFit(Shown):
 
     @property
     def verdict(self) -> Verdict:
-        """Whether angle errors of the parts explain the beats, and which parts are in error."""
-        return verdict_on(self)
+        """Whether angle errors of the parts explain the beats, and which parts are in error.
+
+        It is "no" where the residuals contradict the model, "cannot say" where the beats are too
+        few to contradict it or do not determine the parts, and "yes" where both were possible and
+        passed.
+        """
+        if wrong := [text for text, _ in self._contradictions()]:
+            return Verdict(
+                False, f"Angle errors of the parts do not explain the beats: {'; '.join(wrong)}."
+            )
+        subject = "angle errors of the parts explain the beats"
+        if doubt := self._doubt():
+            return Verdict(None, f"Cannot say whether {subject}: {doubt}.")
+        return Verdict(True, f"A{subject[1:]}. {self._found()}")
+
+    def _contradictions(self) -> Iterator[tuple[str, str]]:
+        """What in the residuals noise does not cause, and what follows."""
+        if self.p_value < SURE:
+            yield (
+                f"the residuals are greater than the noise explains (p {self.p_value:.1g})",
+                "something besides these angles differs from the design, for example the friction, "
+                "a length or the centre distance",
+            )
+        if abs(self.autocorrelation) > max(_ALIKE, 4.0 / math.sqrt(self.rounds.samples)):
+            yield (
+                f"neighbouring residuals are alike (correlation {self.autocorrelation:.2f})",
+                "the intervals assume that the noise of each beat is independent: do not trust "
+                "their widths",
+            )
+
+    def _doubt(self) -> str:
+        """Why the beats could not contradict the parts, or do not determine them, else ""."""
+        if not np.isfinite([*self.pin_angle_errors, *self.slot_angle_errors, self.rate]).all():
+            return "they do not determine all of these errors; the message says which, and why"
+        if not math.isnan(self.p_value):
+            return ""
+        if self.unknowns >= self.rounds.pattern:
+            return (
+                f"{self.unknowns} unknowns can explain any beats of {self.rounds.pattern} pairs "
+                "of a pin and a slot; if either kind of part is good, fit the other one alone"
+            )
+        return (
+            "no pair of a pin and a slot was measured twice, so that the noise is not known; "
+            "measure longer, or give the noise"
+        )
+
+    def _found(self) -> str:
+        """The parts that are certainly in error, and the rate."""
+        shown = []
+        for name, sizes, halves in (
+            ("pin", self.pin_angle_errors, self.pin_half_widths),
+            ("slot", self.slot_angle_errors, self.slot_half_widths),
+        ):
+            low, high = np.degrees(sizes - halves), np.degrees(sizes + halves)
+            shown += [
+                f"{name} {k} ({low[k]:.3g} to {high[k]:.3g} degrees)"
+                for k in np.flatnonzero((low > 0.0) | (high < 0.0))
+            ]
+        ends = self.rate - self.rate_half_width, self.rate + self.rate_half_width
+        return (
+            f"Their {100.0 * self.confidence:g} % intervals leave out zero for "
+            f"{', '.join(shown) or 'no part'}. The beats take {ends[0]:.5g} to {ends[1]:.5g} times "
+            "as long as those of the design."
+        )
+
+    def _remarks(self, found: list[Estimate], reason: str) -> Iterator[str]:
+        """What a user of the fit must know, one sentence at a time."""
+        yield from self.rounds.faults
+        yield from filter(None, (reason,))
+        yield from undetermined(found)
+        if self.unknowns >= self.rounds.pattern and np.isfinite(self.slot_angle_errors).all():
+            yield (
+                "there are as many unknowns as pairs of a pin and a slot, so other sets of errors "
+                "may explain the beats equally well; the intervals hold only near the set that was "
+                "found"
+            )
+        yield from (f"{text}; {meaning}" for text, meaning in self._contradictions())
 
     @property
     def residuals(self) -> FloatArray:
@@ -160,8 +233,9 @@ def fit_beats(
     Notes
     -----
     The noise is assumed to be normal and independent from beat to beat, or from time stamp to time
-    stamp; the shares of both come from restricted maximum likelihood, where durations show with
-    certainty that they are differences of stamps, or where stamps are given.
+    stamp. Where stamps are given, or durations show with certainty that they are differences of
+    stamps, the result is the mean over all shares of both, weighted by their restricted
+    likelihood; so the intervals allow for a share that few beats do not determine.
 
     Intervals that are much too short or too long, and that alone or with their neighbours make a
     whole number of beats, are mended: the parts of an echo are joined, and a beat whose own
@@ -178,9 +252,7 @@ def fit_beats(
     if noise is not None:
         noise = validate.positive("noise", noise, "give the standard deviation of a beat in s")
     validate.choice("parts", parts, PARTS)
-    share = validate.number("confidence", confidence, remedy := "give a share, as 0.95")
-    if not 0.0 < share < 1.0:
-        raise validate.fail("confidence", "between 0 and 1", confidence, remedy)
+    share = checked_confidence(confidence)
     pins, slots = parts != "slots", parts != "pins"
     unknown = Parts(escapement, pins, slots).size
     if noise is None and rounds.samples <= unknown:
@@ -189,29 +261,48 @@ def fit_beats(
             "measure longer, or give their noise"
         )
     _check_times(escapement, rounds)
-    best, *others = _fitted(escapement, rounds, pins, slots)
-    doubt = doubt_of(best.parts, best.unknowns, rounds, noise, share)
+    best, *others = _solutions(escapement, rounds, pins, slots)
+    known = uncertainty_of(best, rounds, noise, share)
+    combinations, reason = steps_of(best, known)
     if parts == "both" and math.gcd(wheel.pins, wheel.slots) > 1:
-        known = joint_estimate(best.parts, rounds, doubt)
+        found, combinations = pairs_of(best.parts, rounds, known)
+        reason = ""
     else:
         # a fit that is worse by no more than the edge of an interval may be true as well
-        edge = best.cost + 0.5 * (doubt.reach * doubt.noise / rounds.means.mean()) ** 2
-        sets = [best] + [it for it in others if it.cost <= edge and not _alike(it, best)]
-        doubts = [doubt_of(*it[:2], rounds, noise, share) for it in sets]
-        solutions = [
-            _estimate(it, rounds, doubt_of_set)
-            for it, doubt_of_set in zip(sets, doubts, strict=True)
-        ]
-        known = spanned(solutions, _joined(sets, rounds, edge))
-    known = within_range(known, best.parts)
+        edge, errors = best.cost + known.unit**2, best.parts.errors(best.unknowns)
+        sets = [best] + [
+            it for it in others
+            if it.cost <= edge and not it.parts.errors(it.unknowns).same_as(errors)
+        ]  # fmt: skip
+        each = [known] + [uncertainty_of(it, rounds, noise, share) for it in sets[1:]]
+        spanned, several = joined_estimates(sets, each, rounds, edge)
+        found = [*within_range(spanned, best.parts)]
+        if len(sets) > 1:
+            combinations, reason = (), "; ".join(filter(None, (several, reason)))
+    fit = _fit_of(best, known, found, combinations, rounds, share)
+    vars(fit)["message"] = "; ".join(fit._remarks(found, reason))
+    return fit
+
+
+def _fit_of(
+    best: BeatSolution, known: Uncertainty, found: list[Estimate],
+    combinations: tuple[Estimate, ...], rounds: Rounds, share: float,
+) -> BeatFit:  # fmt: skip
+    rest, near = rounds.independent(known.computed), np.diff(rounds.known) == 1
+    alike = 0.0
+    if near.any() and rest.any():
+        alike = float(np.mean((rest[1:] * rest[:-1])[near]) / np.mean(rest**2))
+    table = {
+        kind: np.array([one[1:3] for one in found if one.name.startswith(kind)]).T
+        for kind in ("pin", "slot")
+    }
     return BeatFit(
         escapement=best.parts.built(best.unknowns),
-        pin_angle_errors=known.pins, slot_angle_errors=known.slots,
-        pin_half_widths=known.pin_widths, slot_half_widths=known.slot_widths,
-        combinations=known.combinations, rate=known.rate, rate_half_width=known.rate_width,
-        computed=doubt.computed, rounds=rounds, noise=doubt.noise, p_value=doubt.p_value,
-        autocorrelation=doubt.alike, unknowns=best.unknowns.size, confidence=share,
-        message="; ".join(remarks(known, doubt, rounds)),
+        pin_angle_errors=table["pin"][0], slot_angle_errors=table["slot"][0],
+        pin_half_widths=table["pin"][1], slot_half_widths=table["slot"][1],
+        combinations=combinations, rate=found[0].value, rate_half_width=found[0].half_width,
+        computed=known.computed, rounds=rounds, noise=known.noise, p_value=known.p_value,
+        autocorrelation=alike, unknowns=best.unknowns.size, confidence=share, message="",
     )  # fmt: skip
 
 
@@ -224,72 +315,30 @@ def _check_times(escapement: Escapement, rounds: Rounds) -> None:
     check_unit("beats", mean / design, took, torque)
 
 
-class _Trial(NamedTuple):
-    """Unknowns with one of the slots as the last one, and their residuals."""
-
-    parts: Parts
-    unknowns: FloatArray
-    cost: float
-
-    def left(self) -> float:
-        """What to sort by."""
-        return self.cost
-
-
-def _fitted(escapement: Escapement, rounds: Rounds, pins: bool, slots: bool) -> list[_Trial]:
+def _solutions(
+    escapement: Escapement, rounds: Rounds, pins: bool, slots: bool
+) -> list[BeatSolution]:
     """The fits from all starts that are nearly as good as the best, which is the first."""
+
+    def improved(parts: Parts, start: FloatArray, tolerances: dict[str, float]) -> BeatSolution:
+        mean = rounds.means.mean()
+
+        def rest(at: FloatArray) -> FloatArray:
+            computed = parts.beats(at)
+            if computed is None:
+                return np.full(rounds.pattern, _FAILED)
+            return np.asarray(rounds.root @ (computed - rounds.means) / mean)
+
+        bounds = parts.bounds(start[0])
+        found = optimize.least_squares(rest, start, bounds=bounds, **tolerances)
+        return BeatSolution(parts, found.x, 2.0 * float(found.cost) * mean**2)
+
+    def cost(solution: BeatSolution) -> float:
+        return solution.cost
+
     some = starts(escapement, pins, slots, rounds.means)
-    rough = sorted((_improved(*one, rounds, _ROUGH) for one in some), key=_Trial.left)
+    rough = sorted((improved(*one, _ROUGH) for one in some), key=cost)
     # where there are as many unknowns as beats, any start may lead to errors that explain them
     more = rough[0].unknowns.size < rounds.pattern
     near = [one for one in rough if not more or one.cost <= _NEAR * rough[0].cost]
-    return sorted((_improved(*one[:2], rounds, _EXACT) for one in near), key=_Trial.left)
-
-
-def _estimate(trial: _Trial, rounds: Rounds, doubt: Doubt) -> PartEstimate:
-    """What one fit says, NaN where its intervals do not hold."""
-    found = estimate(trial.parts, trial.unknowns, doubt.root)
-    return without(found, trial.parts, curved(trial.parts, trial.unknowns, rounds, doubt))
-
-
-def _joined(sets: list[_Trial], rounds: Rounds, edge: float) -> bool:
-    """Whether sets of errors between those that were found explain the beats as well.
-
-    The regions about each of them are then one, and greater than their intervals.
-    """
-    for one, other in combinations(sets, 2):
-        if one.parts.last == other.parts.last:
-            middle = 0.5 * (one.unknowns + other.unknowns)
-            rest = _rest(one.parts, middle, rounds)
-            if 0.5 * float(rest @ rest) <= edge:
-                return True
-    return False
-
-
-def _alike(one: _Trial, other: _Trial) -> bool:
-    """Whether two fits have found the same errors."""
-    a, b = (trial.parts.errors(trial.unknowns) for trial in (one, other))
-    # steps that are not struck may differ
-    return bool(
-        np.abs(a.pins - b.pins).max() < _SAME
-        and np.abs(np.maximum(a.steps, 0.0) - np.maximum(b.steps, 0.0)).max() < _SAME
-    )
-
-
-def _improved(
-    parts: Parts, start: FloatArray, rounds: Rounds, tolerances: dict[str, float]
-) -> _Trial:
-    """The unknowns with the least sum of squares."""
-    found = optimize.least_squares(
-        lambda at: _rest(parts, at, rounds), start, bounds=parts.bounds(start[0]), **tolerances
-    )
-    return _Trial(parts, found.x, float(found.cost))
-
-
-def _rest(parts: Parts, unknowns: FloatArray, rounds: Rounds) -> FloatArray:
-    """Computed less mean beats, made independent, as shares of the mean of all."""
-    computed = parts.beats(unknowns)
-    if computed is None:
-        # a wheel that cannot run explains no beats
-        return np.full(rounds.pattern, 1e3)
-    return np.asarray(rounds.root @ (computed - rounds.means) / rounds.means.mean())
+    return sorted((improved(*one[:2], _EXACT) for one in near), key=cost)

@@ -6,21 +6,13 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from escapement.measurement.changes import Change
-from escapement.measurement.error_columns import Key
-from escapement.measurement.glitches import Glitch
-from escapement.measurement.shaft_errors import (
-    DOUBT_PARTS,
-    SURE,
-    backlash_text,
-    chance,
-    interval,
-)
-from escapement.measurement.slot_errors import SlotError
+from escapement.measurement.estimate import SURE
+from escapement.measurement.findings import DOUBT_PARTS, Glitch, Key, interval
 
 _NOISE, ROUNDING = "noise", "the rounding of the encoders"
 _ALIKE = "noise with correlated neighbours"
 _NAMED = 3  # lines of readings far out that are named
+_LEAST = 5e-324  # it stands for a p-value that is too small for a double
 
 
 class Cause(NamedTuple):
@@ -48,29 +40,21 @@ def causes_of(result: Any, small: float) -> Iterator[Cause]:
     shape by which a mechanism is recognised. A slip has no limit.
     """
     through = math.sqrt(float(np.mean(result.fit.slope**2)))
-    for found in result.shaft_errors:
-        if found.p_value < SURE:
-            doubt = _doubt(result, found, (found.shaft, found.order))
-            effect = found.amplitude * (through if found.shaft == "input" else 1.0)
-            room = small if found.shaft == "cell" else 2.0 * small
-            yield Cause(found.text(not doubt), doubt, effect / room)
-    for slot in result.slot_errors:
-        if slot.p_value < DOUBT_PARTS:
-            doubt = _doubt(result, slot, (slot.shaft, "parts"))
-            effect = abs(slot.size) * (through if slot.shaft == "input" else 1.0)
-            yield Cause(_slot_text(slot, not doubt), doubt, 0.5 * effect / small)
-    for backlash in result.backlash:
-        if backlash.p_value < SURE:
-            doubt = _doubt(result, backlash, (backlash.shaft, "lag"))
-            yield Cause(backlash_text(backlash, not doubt), doubt)
-    for change in result.changes:
-        doubt = _doubt(result, change, ("change", change.line))
-        verb = "change" if not doubt else "may change"
-        yield Cause(
-            f"the errors {verb} for good behind line {change.line}, as if the {change.shaft} had "
-            f"slipped by {_size_text(change)}",
-            doubt,
-        )
+    listed: list[tuple[Any, Key, float, float]] = []
+    for wave in result.shaft_errors:
+        room = small if wave.shaft == "cell" else 2.0 * small
+        listed.append((wave, (wave.shaft, wave.order), SURE, wave.amplitude / room))
+    listed += [
+        (part, (part.shaft, "parts"), DOUBT_PARTS, 0.5 * abs(part.size) / small)
+        for part in result.slot_errors
+    ]
+    listed += [(play, (play.shaft, "lag"), SURE, 0.0) for play in result.backlash]
+    listed += [(one, ("change", one.line), math.inf, 0.0) for one in result.changes]
+    for found, key, level, effect in listed:
+        if found.p_value < level:
+            doubt = _doubt(result, found.p_value, key)
+            size = effect * (through if found.shaft == "input" else 1.0)
+            yield Cause(found.text(not doubt), doubt, size)
     yield from _far_out(result.glitches)
     if result.fit.phase_error == 0.0:
         yield from _mean(result)
@@ -82,13 +66,12 @@ def _far_out(glitches: tuple[Glitch, ...]) -> Iterator[Cause]:
         some = [one for one in glitches if (one.p_value < SURE) == certain]
         if not some:
             continue
-        lines = [str(one.line) for one in some]
-        rest = len(lines) - _NAMED
+        lines, rest = [str(one.line) for one in some], len(some) - _NAMED
         named = f"lines {', '.join(lines[:_NAMED])}" if len(lines) > 1 else f"line {lines[0]}"
         named += f" and {rest} more" if rest > 0 else ""
-        verb = "is" if certain else "may be"
         size = math.degrees(max(abs(one.size) for one in some))
         off = f"off by {'up to ' if len(lines) > 1 else ''}{size:.3g} degrees"
+        verb = "is" if certain else "may be"
         yield Cause(f"the reading in {named} {verb} {off}", "" if certain else _NOISE)
 
 
@@ -97,42 +80,25 @@ def _mean(result: Any) -> Iterator[Cause]:
     error = result.standard_deviation / math.sqrt(result.errors.size)
     p_value = math.erfc(abs(result.mean) / error / math.sqrt(2.0))
     if p_value < SURE:
-        size = interval(abs(result.mean), error)
         alike = chance(p_value, result.autocorrelation) >= SURE
         verb, doubt = ("may be", _ALIKE) if alike else ("is", "")
-        yield Cause(f"the mean error {verb} {size} with the zeros given", doubt)
+        yield Cause(
+            f"the mean error {verb} {interval(result.mean, error)} with the zeros given", doubt
+        )
 
 
-def _size_text(change: Change) -> str:
-    if math.isnan(change.size):
-        return "an angle that cannot be told"
-    return interval(abs(change.size), change.standard_error)
-
-
-def _slot_text(slot: SlotError, certain: bool) -> str:
-    part = "pin" if slot.shaft == "input" else "slot"
-    verb = "is" if certain else "may be"
-    direction = "ahead of" if slot.size > 0.0 else "behind"
-    if math.isnan(slot.size):
-        return f"{part} {slot.number} of {slot.parts} {verb} in error, by an angle that is hidden"
-    return (
-        f"{part} {slot.number} of {slot.parts}, counted from the one at the first sample, {verb} "
-        f"{direction} the others by {interval(abs(slot.size), slot.standard_error)}"
-    )
-
-
-def _doubt(result: Any, found: Any, key: Key) -> str:
+def _doubt(result: Any, p_value: float, key: Key) -> str:
     """What else an error may be, "" if nothing."""
     if key in result.rounded:
         return ROUNDING
-    if chance(found.p_value, result.rest_autocorrelation) >= SURE:
-        return _ALIKE if found.p_value < SURE else _NOISE
+    if chance(p_value, result.rest_autocorrelation) >= SURE:
+        return _ALIKE if p_value < SURE else _NOISE
     return ""
 
 
-def encoders_explain(result: Any) -> float:
-    """Standard deviation of errors that the encoders alone cause, as far as is known [rad]."""
-    if result.sensor_share:
-        return float(result.sensor_share.standard)
-    through = math.sqrt(float(np.mean(result.fit.slope**2)))
-    return math.hypot(result.steps[1], through * result.steps[0]) / math.sqrt(12.0)
+def chance(p_value: float, correlation: float) -> float:
+    """The p-value of an F test, corrected for correlated noise."""
+    # In the fit of a slow wave, n errors with correlation r count as n (1 - r)/(1 + r) independent
+    # ones. In an F test with two degrees of freedom p is then raised to that share.
+    worth = (1.0 - correlation) / (1.0 + correlation) if correlation > 0.0 else 1.0
+    return float(max(p_value, _LEAST) ** worth)

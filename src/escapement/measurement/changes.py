@@ -34,58 +34,37 @@ _OPPOSITE = -0.999  # beyond it T hardly depends on the correlation
 _SEPARATE = 1e-6  # a change that others explain except for such a share is not tried
 
 
-class Change(NamedTuple):
-    """A change of the errors that lasts to the last sample.
-
-    shaft : "input" or "output", whose slip would cause it.
-    line : line of the last sample before it.
-    size : angle by which this shaft seems to have slipped [rad].
-    standard_error : standard error of the size [rad].
-    p_value : probability that independent normal errors show such a change behind any sample.
-    """
-
-    shaft: str
-    line: int
-    size: float
-    standard_error: float
-    p_value: float
-
-
 class Candidate(NamedTuple):
     """The change that explains most.
 
+    shaft : "input" or "output", whose slip would cause it.
     edge : index of the edge behind which it acts.
     column : the column that it repeats behind this edge.
-    log_p : logarithm of its p-value.
-    size, standard_error : as those of a `Change` [rad].
-    explained : sum of squares that it explains.
-    variance : of what it leaves.
+    fitted : its size, and what it explains.
+    log_p : logarithm of the p-value of the greatest of all changes.
     """
 
     shaft: str
     edge: int
     column: int
+    fitted: Fitted
     log_p: float
-    size: float
-    standard_error: float
-    explained: float
-    variance: float
 
 
 def best_change(sums: NormalEquations, others: list[Indices]) -> Candidate | None:
     """The most significant change beside others, None where none can be separated from them."""
-    found = [_best_of(sums, others, shaft) for shaft in _ACTS]
-    known = [one for one in found if one is not None]
+    known = [one for shaft in _ACTS if (one := _best_of(sums, others, shaft)) is not None]
     return min(known, key=lambda one: one.log_p, default=None)
 
 
 def _best_of(sums: NormalEquations, others: list[Indices], shaft: str) -> Candidate | None:
     """The most significant change of one shaft."""
-    factors = _ACTS[shaft]
+    column = _ACTS[shaft]
     base, inverse = sums.beside(others)
-    rows, whole = sums.behind[:, factors, :], sums.behind[:, factors, factors]
-    shared = rows[:, base] @ inverse
-    square = whole - (shared * rows[:, base]).sum(axis=1)
+    rows = sums.behind[:, column - OFFSET]
+    whole, beside = rows[:, column], rows[:, base]
+    shared = beside @ inverse
+    square = whole - (shared * beside).sum(axis=1)
     inside = (sums.edges >= _LEAST) & (sums.edges <= sums.samples - _LEAST)
     tried = np.flatnonzero(inside & (square > _SEPARATE * whole[0]))
     if not tried.size:
@@ -96,22 +75,16 @@ def _best_of(sums: NormalEquations, others: list[Indices], shaft: str) -> Candid
     # a slip of the input does not show in the dwell, so there it may have happened anywhere
     same = np.flatnonzero(explained >= (1.0 - _SEPARATE) * explained.max())
     best = int(same[same.size // 2])
-    freedom = sums.samples - len(base) - 1
-    left = float(sums.gram[ERRORS, ERRORS] - against @ inverse @ against) - explained[best]
-    if not (left > 0.0 and explained[best] > 0.0):
+    freedom, gain = sums.samples - len(base) - 1, float(explained[best])
+    left = float(sums.gram[ERRORS, ERRORS] - against @ inverse @ against) - gain
+    if not (left > 0.0 and gain > 0.0):
         return None
-    behind = rows[tried[1:]][:, base]
-    pairs = whole[tried[1:]] - np.einsum("ij,ij->i", shared[tried[:-1]], behind)
+    size, variance = square[tried[best]], left / freedom
+    fitted = Fitted(product[[best]] / size, np.array([[variance / size]]), gain, freedom, variance)
+    pairs = whole[tried[1:]] - np.einsum("ij,ij->i", shared[tried[:-1]], beside[tried[1:]])
     alike = pairs / np.sqrt(square[tried[:-1]] * square[tried[1:]])
-    fitted = Fitted(np.zeros(1), np.zeros((1, 1)), float(explained[best]), freedom, left / freedom)
-    height = math.sqrt(explained[best] * freedom / left)
-    log_p = log_of(len(_ACTS) * _chance_of_greatest(height, freedom, alike), fitted)
-    at, log_p = int(tried[best]), min(log_p, 0.0)
-    size, error = float(product[best] / square[at]), math.sqrt(fitted.variance / square[at])
-    return Candidate(
-        shaft=shaft, edge=at, column=factors, log_p=log_p, size=size, standard_error=error,
-        explained=fitted.explained, variance=fitted.variance,
-    )  # fmt: skip
+    chance = len(_ACTS) * _chance_of_greatest(math.sqrt(gain / variance), freedom, alike)
+    return Candidate(shaft, int(tried[best]), column, fitted, log_of(chance, fitted))
 
 
 def _chance_of_greatest(height: float, freedom: int, alike: FloatArray) -> float:

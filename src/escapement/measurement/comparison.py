@@ -9,17 +9,22 @@ import numpy as np
 
 from escapement.base import validate
 from escapement.base.errors import InvalidValue
-from escapement.base.lazy import Lazy
 from escapement.base.text import Shown
 from escapement.measurement import encoder as sensors
 from escapement.measurement import normality, periodic
-from escapement.measurement.backlash import Backlash
-from escapement.measurement.changes import Change
 from escapement.measurement.encoder import Encoders, SensorShare
-from escapement.measurement.error_columns import Key
-from escapement.measurement.finding import Found, find_errors
+from escapement.measurement.estimate import checked_confidence, correlation, reach_of
+from escapement.measurement.finding import find_errors
+from escapement.measurement.findings import (
+    Backlash,
+    Change,
+    Found,
+    Glitch,
+    Key,
+    ShaftError,
+    SlotError,
+)
 from escapement.measurement.fit import Fit, fit_zeros
-from escapement.measurement.glitches import Glitch
 from escapement.measurement.readings import (
     TURN,
     Readings,
@@ -27,12 +32,9 @@ from escapement.measurement.readings import (
     read_readings,
     write_table,
 )
-from escapement.measurement.shaft_errors import ShaftError
-from escapement.measurement.slot_errors import SlotError
 from escapement.measurement.verdict import Verdict, remarks_on, verdict_on
 from escapement.mechanisms.protocol import FloatArray, Mechanism
 
-special = Lazy("scipy.special")
 _EXPECTED = 5  # the chi-squared distribution holds for so many errors in a class on average
 
 
@@ -106,21 +108,20 @@ class Measurement(Shown):
         mean -+ m sd with Phi(m) - Phi(-m) = confidence, eq. 19 of the paper. The paper calls it
         the confidence interval of the mean, which is `mean_interval`.
         """
-        half = special.ndtri(0.5 + 0.5 * self.confidence) * self.standard_deviation
-        return self.mean - float(half), self.mean + float(half)
+        half = reach_of(self.confidence, math.inf) * self.standard_deviation
+        return self.mean - half, self.mean + half
 
     @property
     def mean_interval(self) -> tuple[float, float]:
         """Confidence interval of the mean error, by Student's distribution [rad]."""
-        n, deviation = self.errors.size, self.standard_deviation
-        half = special.stdtrit(n - 1, 0.5 + 0.5 * self.confidence) * deviation / math.sqrt(n)
-        return self.mean - float(half), self.mean + float(half)
+        n = self.errors.size
+        half = reach_of(self.confidence, n - 1) * self.standard_deviation / math.sqrt(n)
+        return self.mean - half, self.mean + half
 
     @cached_property
     def autocorrelation(self) -> float:
         """Correlation of each error with the next one, -1 to 1 [-]."""
-        rest = self.errors - self.mean
-        return float(rest[1:] @ rest[:-1] / (rest @ rest))
+        return correlation(self.errors - self.mean)
 
     @property
     def shaft_errors(self) -> tuple[ShaftError, ...]:
@@ -253,9 +254,7 @@ def measure(
     Source: Prikhodko (2020), section 3.
     """
     sensors.check_drive(mechanism, encoder)
-    share = validate.number("confidence", confidence, remedy := "give a share, as 0.99")
-    if not 0.0 < share < 1.0:
-        raise validate.fail("confidence", "between 0 and 1", confidence, remedy)
+    share = checked_confidence(confidence)
     known = None if zeros is None else sensors.checked_zeros(zeros)
     if not isinstance(readings, Readings | str | PathLike):
         remedy = "give Readings(input, output) in rad"

@@ -4,8 +4,6 @@ A reading is judged by its error over the standard deviation of the others (Rosn
 greatest is tested, then the greatest of the rest, and so on, so that some do not hide others.
 """
 
-from typing import NamedTuple
-
 import numpy as np
 
 from escapement.base.lazy import Lazy
@@ -14,19 +12,6 @@ from escapement.mechanisms.protocol import FloatArray
 special = Lazy("scipy.special")
 _MOST = 0.01  # if more readings than this share are far out, the errors are just not normal
 _FEWEST = 3  # but so many are always tried
-
-
-class Glitch(NamedTuple):
-    """A reading far from all others.
-
-    line : line of the sample.
-    size : its error after all errors that were found are removed [rad].
-    p_value : probability that the greatest of as many normal errors is as great.
-    """
-
-    line: int
-    size: float
-    p_value: float
 
 
 def far_out(errors: FloatArray, level: float) -> tuple[np.ndarray, FloatArray]:

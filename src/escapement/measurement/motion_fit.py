@@ -10,12 +10,18 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from escapement.base import spoken, validate
+from escapement.base import spoken
 from escapement.base.lazy import Lazy
 from escapement.base.text import Shown, words
 from escapement.base.units import factor
-from escapement.measurement import residual_tests
-from escapement.measurement.motion_task import is_share, task_of
+from escapement.measurement.estimate import (
+    SURE,
+    checked_confidence,
+    correlation,
+    interval_root,
+    reach_of,
+)
+from escapement.measurement.motion_task import MotionTask, is_share, task_of
 from escapement.measurement.readings import Readings
 from escapement.measurement.verdict import Verdict
 from escapement.mechanisms.protocol import FloatArray
@@ -23,8 +29,13 @@ from escapement.model.escapement import Escapement
 from escapement.study.plan import unit_kind
 
 optimize, special = Lazy("scipy.optimize"), Lazy("scipy.special")
-_EXACT = {"xtol": 1e-9, "ftol": 1e-12, "gtol": 1e-12, "max_nfev": 60}
+_TOLERANCES = {"xtol": 1e-9, "ftol": 1e-12, "gtol": 1e-12, "max_nfev": 60}
 _ALIKE = 0.05  # a smaller correlation of neighbouring residuals hardly changes an interval
+_SLOW = 6  # slow changes that are looked for have up to so many half waves
+_EXACT = 1e-8  # a scatter below this share of the travel is rounding, and is no evidence
+_DEGREE = 3  # of the smooth curve
+_ODDS = 1000.0  # the model must be so much more likely than the smooth curve
+_LEAST = 12  # degrees of freedom that the tests need
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -90,7 +101,7 @@ class MotionFit(Shown):
     def contradicted(self) -> bool:
         """Whether the residuals have what independent noise does not have."""
         alike = self.autocorrelation > max(3.3 / math.sqrt(self.residuals.size), _ALIKE)
-        return alike or self.p_value < residual_tests.SURE
+        return alike or self.p_value < SURE
 
     @property
     def explained(self) -> bool:
@@ -163,31 +174,27 @@ def fit_motion(
     readings cannot say so, and nor the contrary, if a cubic curve explains them about as well.
     """
     task = task_of(readings, escapement, tuple(parameters))
-    share = validate.number("confidence", confidence, remedy := "give a share, as 0.95")
-    if not 0.0 < share < 1.0:
-        raise validate.fail("confidence", "between 0 and 1", confidence, remedy)
+    share = checked_confidence(confidence)
     found = optimize.least_squares(
-        task.residuals, task.begin(), task.slopes, bounds=task.bounds(), x_scale="jac", **_EXACT
+        task.residuals, task.begin(), task.slopes, bounds=task.bounds, x_scale="jac", **_TOLERANCES
     )
     task.check_determined(found.jac)
-    n, unknowns = task.time.size, found.x.size + 1
-    noise = math.sqrt(2.0 * float(found.cost) / (n - unknowns))
-    reach = float(special.stdtrit(n - unknowns, 0.5 + 0.5 * share))
-    spread = np.linalg.norm(np.linalg.pinv(found.jac), axis=1)
-    scale = np.array([task.numbers[name] for name in task.parameters])
-    angle, start = task.angles(found.x), float(found.x[-1]) * task.span
-    rest = task.centred(task.angle - angle)
+    angle, start = np.asarray(task.state(found.x).theta), float(found.x[-1]) * task.span
+    freedom = task.time.size - found.x.size - 1
+    noise = math.sqrt(2.0 * float(found.cost) / freedom)
+    root = interval_root(found.jac, noise, reach_of(share, freedom))
     apart = np.diff(task.time) > 0.0
     speeds, computed = (
         np.diff(one)[apart] / np.diff(task.time)[apart] for one in (task.angle, angle)
     )
-    middle = task.clock + 0.5 * (task.time[1:] + task.time[:-1])[apart]
-    alike, p_value, doubt = task.judged(rest, found.jac, angle, start)
+    alike, p_value, doubt = _judged(task, found.fun, found.jac, angle, start)
     fit = MotionFit(
-        escapement=task.changed(found.x), parameters=task.parameters, values=found.x[:-1] * scale,
-        half_widths=reach * noise * spread[:-1] * scale, confidence=share,
-        start=task.clock + start, time=task.clock + task.time, residuals=rest, noise=noise,
-        mid_time=middle, speeds=speeds, computed_speeds=computed,
+        escapement=task.changed(found.x), parameters=task.parameters,
+        values=found.x[:-1] * task.given,
+        half_widths=np.linalg.norm(root[:-1], axis=1) * task.given, confidence=share,
+        start=task.clock + start, time=task.clock + task.time, residuals=found.fun, noise=noise,
+        mid_time=task.clock + 0.5 * (task.time[1:] + task.time[:-1])[apart],
+        speeds=speeds, computed_speeds=computed,
         autocorrelation=alike, p_value=p_value, doubt=doubt, message="",
     )  # fmt: skip
     vars(fit)["message"] = "; ".join(_remarks(fit, readings))
@@ -211,3 +218,58 @@ def _remarks(fit: MotionFit, readings: Readings) -> Iterator[str]:
             f"{fit.autocorrelation:.2f}, p of slow or repeated changes {fit.p_value:.1g}): the "
             "model does not explain the motion, and the intervals are too narrow"
         )
+
+
+def _judged(
+    task: MotionTask, rest: FloatArray, slopes: FloatArray, angle: FloatArray, start: float
+) -> tuple[float, float, str]:
+    """Correlation of residuals, their p-value, and why they cannot say whether a model holds."""
+    if np.abs(rest).max() <= _EXACT * np.ptp(task.angle):
+        return 0.0, math.nan, ""
+    moving, doubt = task.time > start, ""
+    chance = _chance(rest, slopes, angle / task.escapement.mechanism.cell_angle)
+    if math.isnan(chance):
+        doubt = f"{rest.size} samples are too few to test it; take more samples"
+    elif _smooth_as_well(task.time[moving], task.angle[moving], rest[moving]):
+        doubt = (
+            "a smooth curve explains the readings about as well, so that they do not show the "
+            "engagements; take more samples, over more engagements, with less noise"
+        )
+    return correlation(rest), chance, doubt
+
+
+def _chance(rest: FloatArray, slopes: FloatArray, cells: FloatArray) -> float:
+    """Probability that independent noise leaves as much slow or repeated change; NaN if unknown.
+
+    An F test of half waves over the recording, and of one and two waves over a cell, beyond what
+    the unknowns and the zero of the encoder could have fitted. `cells` is the driver angle in cells
+    of the mechanism.
+    """
+    size, unknowns = rest.size, slopes.shape[1] + 1
+    if size - unknowns < _LEAST:
+        return math.nan
+    halves = np.pi * (np.arange(size) + 0.5) / size
+    slow = [np.cos(k * halves) for k in range(1, _SLOW + 1)]
+    repeated = [wave(2.0 * np.pi * k * cells) for k in (1, 2) for wave in (np.cos, np.sin)]
+    waves = np.column_stack([*slow[:2], *repeated, *slow[2:]])[:, : (size - unknowns) // 3]
+    lengths = np.linalg.norm(slopes, axis=0)
+    scaled = slopes / np.where(lengths > 0.0, lengths, 1.0)
+    fitted, _ = np.linalg.qr(np.column_stack([np.ones(size), scaled]))
+    basis, sizes, _ = np.linalg.svd(waves - fitted @ (fitted.T @ waves), full_matrices=False)
+    basis = basis[:, sizes > 1e-6 * math.sqrt(size)]
+    rest = rest - fitted @ (fitted.T @ rest)
+    explained, count = float(np.sum((basis.T @ rest) ** 2)), basis.shape[1]
+    left = size - unknowns - count
+    noise = (float(rest @ rest) - explained) / left
+    return float(special.fdtrc(count, left, explained / count / noise)) if noise > 0.0 else math.nan
+
+
+def _smooth_as_well(time: FloatArray, angle: FloatArray, rest: FloatArray) -> bool:
+    """Whether a smooth curve explains the readings after the release about as well as the model."""
+    if time.size < _LEAST:
+        return True
+    curve = np.polynomial.Polynomial.fit(time, angle, _DEGREE)
+    left = float(np.sum((angle - curve(time)) ** 2))
+    # the likelihood of normal noise falls with the n-th power of the scatter
+    square = max(float(rest @ rest), 1e-30 * left)
+    return left <= 0.0 or 0.5 * time.size * math.log(left / square) < math.log(_ODDS)

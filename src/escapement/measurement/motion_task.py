@@ -15,9 +15,8 @@ from escapement.base.errors import InvalidValue
 from escapement.base.status import Status
 from escapement.dynamics.motion import State
 from escapement.engines import simulate as simulation
-from escapement.measurement import residual_tests
 from escapement.measurement.readings import Readings
-from escapement.measurement.time_unit import check_unit
+from escapement.measurement.stamps import check_unit
 from escapement.mechanisms.protocol import FloatArray
 from escapement.model.escapement import Escapement
 from escapement.model.numbers import numbers_of, with_number
@@ -42,13 +41,14 @@ class MotionTask:
     Its unknowns are the fitted numbers, divided by their given values, and the time of the release
     from the first sample that is used, divided by `span`.
 
+    given : values of the fitted numbers, shape (m,).
     clock : time of that sample by the logger's clock [s].
     time, angle : of the samples that are used, from the first on, shape (n,) [s, rad].
     """
 
     escapement: Escapement
     parameters: tuple[str, ...]
-    numbers: dict[str, float]
+    given: FloatArray
     clock: float
     time: FloatArray
     angle: FloatArray
@@ -58,76 +58,57 @@ class MotionTask:
         """Time from the first to the last sample [s]."""
         return float(self.time[-1])
 
+    @property
+    def bounds(self) -> tuple[FloatArray, FloatArray]:
+        """Least and greatest unknowns: positive numbers, and a release during the recording.
+
+        The release may also come before it, by at most the length of the recording. An efficiency
+        is at most 1.
+        """
+        most = [
+            1.0 / size if is_share(name) else math.inf
+            for name, size in zip(self.parameters, self.given.tolist(), strict=True)
+        ]
+        return np.array([*np.full(len(most), _LEAST), -1.0]), np.array([*most, 1.0])
+
     def changed(self, unknowns: FloatArray) -> Escapement:
         """The escapement that belongs to the unknowns."""
         found = self.escapement
-        for name, share in zip(self.parameters, unknowns, strict=False):
-            found = with_number(found, name, float(share) * self.numbers[name])
+        for name, share, given in zip(self.parameters, unknowns, self.given, strict=False):
+            found = with_number(found, name, float(share * given))
         return found
 
     def state(self, unknowns: FloatArray) -> State:
-        """The motion from the release to the last sample, at each sample.
+        """The motion at each sample; before the release it is the state at rest.
 
-        Before the release it is the state at rest.
+        Raises InvalidValue where there is no motion with these numbers.
         """
         since = self.time - unknowns[-1] * self.span
         duration = max(float(since[-1]), 1e-3 * self.span)
         motion = simulation.simulate(self.changed(unknowns), duration=duration)
         return motion.at(np.clip(since, 0.0, motion.end_time))
 
-    def angles(self, unknowns: FloatArray) -> FloatArray:
-        """Driver angle at each sample, counted from pin entry; before the release it is 0 [rad]."""
-        return np.asarray(self.state(unknowns).theta)
+    def _tried(self, unknowns: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Angles and speeds at each sample, 0 where there is no motion with these numbers."""
+        try:
+            state = self.state(unknowns)
+        except InvalidValue:
+            return np.zeros_like(self.time), np.zeros_like(self.time)
+        return np.asarray(state.theta), np.asarray(state.theta_dot)
 
     def residuals(self, unknowns: FloatArray) -> FloatArray:
         """Measured less computed angle, with the encoder's zero that makes their mean 0 [rad]."""
-        try:
-            return self.centred(self.angle - self.angles(unknowns))
-        except InvalidValue:
-            # without a motion for these numbers, the computed angle counts as constant
-            return self.centred(self.angle)
+        return centred(self.angle - self._tried(unknowns)[0])
 
     def slopes(self, unknowns: FloatArray) -> FloatArray:
         """Derivatives of the residuals: by the numbers from differences, by the release exactly."""
-        columns, low = [], np.maximum(unknowns - _STEP * np.maximum(unknowns, _SMALL), _LEAST)
-        high = np.minimum(unknowns + _STEP * np.maximum(unknowns, _SMALL), self.bounds()[1])
+        columns, step = [], _STEP * np.maximum(unknowns, _SMALL)
+        low, high = np.maximum(unknowns - step, _LEAST), np.minimum(unknowns + step, self.bounds[1])
         for index in range(len(self.parameters)):
-            less, more = unknowns.copy(), unknowns.copy()
-            less[index], more[index] = low[index], high[index]
-            change = self.residuals(more) - self.residuals(less)
+            at = [np.where(np.arange(unknowns.size) == index, end, unknowns) for end in (low, high)]
+            change = self.residuals(at[1]) - self.residuals(at[0])
             columns.append(change / (high[index] - low[index]))
-        try:
-            speed = np.asarray(self.state(unknowns).theta_dot)
-        except InvalidValue:
-            speed = np.zeros_like(self.time)
-        return np.column_stack([*columns, self.centred(self.span * speed)])
-
-    def judged(
-        self, rest: FloatArray, slopes: FloatArray, angle: FloatArray, start: float
-    ) -> tuple[float, float, str]:
-        """Correlation of residuals, their p-value, and why they cannot say whether a model holds.
-
-        rest, slopes, angle, start : residuals, their derivatives, computed angles, and release.
-        """
-        if residual_tests.is_exact(rest, float(np.ptp(self.angle))):
-            return 0.0, math.nan, ""
-        alike = residual_tests.correlation(rest)
-        chance = residual_tests.chance(rest, slopes, angle / self.escapement.mechanism.cell_angle)
-        moving = self.time > start
-        if math.isnan(chance):
-            doubt = f"{rest.size} samples are too few to test it; take more samples"
-        elif residual_tests.smooth_as_well(self.time[moving], self.angle[moving], rest[moving]):
-            doubt = (
-                "a smooth curve explains the readings about as well, so that they do not show the "
-                "engagements; take more samples, over more engagements, with less noise"
-            )
-        else:
-            doubt = ""
-        return alike, chance, doubt
-
-    @staticmethod
-    def centred(values: FloatArray) -> FloatArray:
-        return np.asarray(values - values.mean())
+        return np.column_stack([*columns, centred(self.span * self._tried(unknowns)[1])])
 
     def begin(self) -> FloatArray:
         """Unknowns at which the search begins: the best of several near the given numbers.
@@ -137,13 +118,13 @@ class MotionTask:
         """
         cells = math.ceil(float(self.angle[-1]) / self.escapement.mechanism.cell_angle) + 1
         moving = self.angle > _MOVING * self.angle[-1]
-        times, scales = self.time[moving], "torque" in self.parameters
-        free = len(self.parameters) - scales
+        times, is_torque = self.time[moving], np.array(self.parameters) == "torque"
+        free = int(np.sum(~is_torque))
         tries, message = [], ""
         for shares in product(_SHARES[: 5 if free < 3 else 3], repeat=free):
-            others = iter(shares)
-            trial = np.array([1.0 if it == "torque" else next(others) for it in self.parameters])
-            trial = np.minimum(trial, self.bounds()[1][:-1])
+            trial = np.ones(len(self.parameters))
+            trial[~is_torque] = shares
+            trial = np.minimum(trial, self.bounds[1][:-1])
             motion = simulation.simulate(self.changed(trial), min(cells, _CELLS))
             if motion.status is not Status.OK:
                 message = message or motion.message
@@ -154,14 +135,9 @@ class MotionTask:
             rate, start = np.polyfit(time, times, 1)
             if not rate > 0.0:
                 continue
-            pace = rate if scales else 1.0
-            start = start if scales else float(np.mean(times - time))
-            trial = np.array(
-                [
-                    pace**-2.0 if it == "torque" else x
-                    for it, x in zip(self.parameters, trial, strict=True)
-                ]
-            )
+            pace = rate if is_torque.any() else 1.0
+            start = start if is_torque.any() else float(np.mean(times - time))
+            trial[is_torque] = pace**-2.0
             miss = float(np.square(times - start - pace * time).sum())
             tries.append((miss, *trial, start / self.span, rate))
         if not tries:
@@ -170,26 +146,18 @@ class MotionTask:
                 "values of parameters, at which the search begins"
             )
         *found, rate = min(tries)[1:]
-        self.check_times(rate)
-        return np.asarray(np.clip(found, *self.bounds()))
+        self._check_times(rate)
+        return np.asarray(np.clip(found, *self.bounds))
 
-    def check_times(self, rate: float) -> None:
+    def _check_times(self, rate: float) -> None:
         """Raise an error if measured times are not of the order of the design's.
 
         rate : measured over computed time of the same angles [-].
         """
         took, turns = self.span, float(self.angle[-1]) / (2.0 * math.pi)
         text = f"{took:.3g} s for {turns:.3g} turns of the driver, which take {took / rate:.3g} s"
-        check_unit("time", rate, text, self.numbers.get("torque"))
-
-    def bounds(self) -> tuple[FloatArray, FloatArray]:
-        """Least and greatest unknowns: positive numbers, and a release during the recording.
-
-        The release may also come before it, by at most the length of the recording. An efficiency
-        is at most 1.
-        """
-        most = [1.0 / self.numbers[it] if is_share(it) else math.inf for it in self.parameters]
-        return np.array([*np.full(len(most), _LEAST), -1.0]), np.array([*most, 1.0])
+        curve = isinstance(self.escapement.torque, TorqueCurve)
+        check_unit("time", rate, text, None if curve else numbers_of(self.escapement)["torque"])
 
     def check_determined(self, slopes: FloatArray) -> None:
         """Raise an error if these readings do not determine each of the numbers."""
@@ -212,6 +180,7 @@ class MotionTask:
 
 
 def task_of(readings: Readings, escapement: Escapement, parameters: tuple[str, ...]) -> MotionTask:
+    """The problem for these readings, or InvalidValue."""
     if not isinstance(readings, Readings) or readings.time is None:
         remedy = "give read_readings(path, time='time')"
         raise validate.fail("readings", "Readings with times", readings, remedy)
@@ -229,11 +198,17 @@ def task_of(readings: Readings, escapement: Escapement, parameters: tuple[str, .
             raise validate.fail(name, "above 0 to be fitted", numbers[name], remedy)
     if len({*parameters}) < len(parameters):
         raise validate.fail("parameters", "different numbers", parameters, "name each once")
+    time, angle = _used(readings)
+    given, clock = np.array([numbers[name] for name in parameters], float), float(time[0])
+    return MotionTask(escapement, parameters, given, clock, time - clock, angle)
+
+
+def _used(readings: Readings) -> tuple[FloatArray, FloatArray]:
+    """Times, and angles that grow from 0, from the last sample at rest on."""
     known = np.isfinite(readings.input)
-    time, angle = readings.time[known], readings.counted_input[known]
+    time, angle = np.asarray(readings.time)[known], readings.counted_input[known]
     # an encoder may count against the driver, which never turns back
     angle = (angle - angle[0]) * (1.0 if angle[-1] > angle[0] else -1.0)
-    # the last of the samples at rest says as much as all of them
     first = max(int(np.argmax(angle != 0.0)) - 1, 0)
     # the scatter of steps is that of the readings where the driver stands or turns evenly
     travel, scatter = float(np.ptp(angle)), float(np.diff(angle).std()) / math.sqrt(2.0)
@@ -243,9 +218,14 @@ def task_of(readings: Readings, escapement: Escapement, parameters: tuple[str, .
             f"{math.degrees(scatter):.3g} degrees within {math.degrees(travel):.3g}; "
             "check the columns and the unit of the angles"
         )
-    clock = float(time[first])
-    return MotionTask(escapement, parameters, numbers, clock, time[first:] - clock, angle[first:])
+    return time[first:], angle[first:]
+
+
+def centred(values: FloatArray) -> FloatArray:
+    """Values less their mean."""
+    return np.asarray(values - values.mean())
 
 
 def is_share(name: str) -> bool:
+    """Whether a number of the escapement is at most 1."""
     return name.endswith("efficiency")

@@ -10,6 +10,8 @@ from escapement.mechanisms.protocol import FloatArray
 
 _ROUNDS = 20  # the variances converge in a few
 _UNEVEN = 3.3  # the noise counts as uneven beyond so many standard errors, once in a thousand sets
+_FAR = 5.0  # standard deviations of a difference that is no noise
+_MEDIAN = 0.455  # of the square of a normal number of variance 1
 _LEAST = 1e-2  # share of the mean variance below which the noise is nowhere assumed
 _REVISITED = 0.75  # a smaller share of the positions expected at random means that they repeat
 _TERMS = np.arange(1, 40)
@@ -34,18 +36,6 @@ class Noise(NamedTuple):
         return Noise(share * self.of_output, share * self.of_input)
 
 
-def first_noise(errors: FloatArray, slope: FloatArray, steps: tuple[float, float]) -> Noise:
-    """The same as `noise_of` before any cause is known, from differences of neighbours.
-
-    A cause whose errors change slowly from sample to sample hardly counts in them.
-
-    Source: J. Rice, Bandwidth choice for nonparametric regression, 1984.
-    """
-    apart = np.diff(errors) / math.sqrt(2.0)
-    between = np.sqrt(0.5 * (slope[1:] ** 2 + slope[:-1] ** 2))
-    return noise_of(apart, between, steps)
-
-
 def noise_of(errors: FloatArray, slope: FloatArray, steps: tuple[float, float]) -> Noise:
     """Variance a of the noise of the output, and b of that of the input [rad^2].
 
@@ -53,22 +43,51 @@ def noise_of(errors: FloatArray, slope: FloatArray, steps: tuple[float, float]) 
     through the transmission g, so the variance of a sample is a + b g^2 (maximum likelihood).
     Unless the errors show that they scatter more where g is greater, b is that of rounding alone.
 
+    The variances come from differences of neighbours, in which a cause whose errors change slowly
+    hardly counts, whether it was found or not.
+
     Parameters
     ----------
     errors : ndarray, shape (n,)
-        What the fit leaves, without readings far out [rad].
+        What the fit leaves [rad].
     slope : ndarray, shape (n,)
         Transmission g [-].
     steps : (float, float)
         Steps of the encoders of input and output, 0 if unknown [rad].
+
+    Source: J. Rice, Bandwidth choice for nonparametric regression, 1984.
     """
-    squares, through = errors**2, slope**2
+    squares = 0.5 * np.diff(errors) ** 2
+    through = 0.5 * (slope[1:] ** 2 + slope[:-1] ** 2)
+    first = _typical(squares, through, steps)
+    # a reading far out is no noise
+    near = squares <= _FAR**2 * (first.of_output + first.of_input * through)
+    return _likeliest(squares[near], through[near], steps)
+
+
+def _typical(squares: FloatArray, through: FloatArray, steps: tuple[float, float]) -> Noise:
+    """A first estimate from medians, which neither a reading far out nor a slip changes."""
+    groups = through > through.mean(), through <= through.mean()
+    (high, fast), (low, slow) = (
+        (float(np.median(squares[some])) / _MEDIAN, float(through[some].mean()))
+        if some.any()
+        else (0.0, 0.0)
+        for some in groups
+    )
+    b = max((high - low) / (fast - slow) if fast > slow else 0.0, steps[0] ** 2 / 12.0)
+    a = max(low - b * slow, steps[1] ** 2 / 12.0) or float(squares.mean())
+    return Noise(a, b)
+
+
+def _likeliest(squares: FloatArray, through: FloatArray, steps: tuple[float, float]) -> Noise:
+    """The variances that make squares with the means a + b `through` most likely."""
     mean, spread = float(squares.mean()), through - through.mean()
     scale = float(spread @ spread)
     known = steps[0] ** 2 / 12.0
     least = max(_LEAST * mean, steps[1] ** 2 / 12.0)
-    # the score test: squares of normal errors have a variance of twice the square of their mean
-    if not scale > 0.0 or float(spread @ squares) < _UNEVEN * mean * math.sqrt(2.0 * scale):
+    # the score test: squares of normal differences have a variance of twice the square of their
+    # mean, and neighbours, which share an error, add half as much
+    if not scale > 0.0 or float(spread @ squares) < _UNEVEN * mean * math.sqrt(3.0 * scale):
         return Noise(max(mean - known * float(through.mean()), least), known)
     a, b = mean, 0.0
     for _ in range(_ROUNDS):

@@ -1,7 +1,8 @@
 """Least squares on sums of products, and the test whether some columns explain errors.
 
-The sums are kept for the samples behind each of many edges. The sums of a column that acts only
-behind an edge, as that of a lost step does, are then known without another pass over the samples.
+The sums of offset and phase are kept for the samples behind each of many edges. So the sums of a
+column that acts only behind an edge, as that of a lost step does, are known without another pass
+over the samples.
 """
 
 import math
@@ -49,7 +50,7 @@ class Fitted(NamedTuple):
 def log_of(p_value: float, fitted: Fitted) -> float:
     """Logarithm of a p-value, also where a double cannot hold the latter."""
     if p_value > _UNDERFLOW:
-        return math.log(p_value)
+        return min(math.log(p_value), 0.0)
     share = fitted.explained / (fitted.freedom * fitted.variance)
     # the tail of the F distribution; exact for two columns
     return -0.5 * fitted.freedom * math.log1p(share)
@@ -58,33 +59,27 @@ def log_of(p_value: float, fitted: Fitted) -> float:
 class NormalEquations(NamedTuple):
     """Sums of the products of each two columns.
 
-    behind : sums over the samples from each edge on, shape (k, p, p); the first edge is the first
-        sample.
+    gram : sums over all samples, shape (p, p).
+    behind : sums of the products of offset and phase with all columns over the samples from each
+        edge on, shape (k, 2, p).
     edges : samples before which they lie, ascending, shape (k,).
     samples : number of samples.
     """
 
+    gram: FloatArray
     behind: FloatArray
     edges: np.ndarray
     samples: int
 
-    @property
-    def gram(self) -> FloatArray:
-        """Sums over all samples, shape (p, p)."""
-        return np.asarray(self.behind[0])
-
-    def _base(self, others: list[Indices]) -> list[int]:
-        return [OFFSET, PHASE, *(column for other in others for column in other)]
-
     def beside(self, others: list[Indices]) -> tuple[list[int], FloatArray]:
         """Offset, phase and some others, and the inverse of the products of these columns."""
-        base = self._base(others)
+        base = [OFFSET, PHASE, *(column for other in others for column in other)]
         square = self.gram[np.ix_(base, base)]
         return base, np.asarray(np.linalg.pinv(square, rcond=1e-12, hermitian=True), float)
 
     def fitted(self, chosen: Indices, others: list[Indices]) -> Fitted | None:
         """Fit of columns together with others; None if it cannot separate them."""
-        base, inverse = self.beside(others)
+        base, inverse = self.beside([it for it in others if it != chosen])
         kept = [ERRORS, *chosen]
         cross = self.gram[np.ix_(base, kept)]
         left = self.gram[np.ix_(kept, kept)] - cross.T @ inverse @ cross
@@ -108,13 +103,10 @@ class NormalEquations(NamedTuple):
         found[base] = inverse @ self.gram[base, ERRORS]
         return found
 
-    def with_column_behind(self, edge: int, column: int) -> "NormalEquations":
-        """The same with one more column, equal to another one behind an edge and 0 before it."""
-        sums_behind = self.behind[np.maximum(np.arange(len(self.edges)), edge)]
-        row, square = sums_behind[:, column, :], sums_behind[:, column, column]
-        size = len(self.gram)
-        behind = np.empty((len(self.edges), size + 1, size + 1))
-        behind[:, :size, :size] = self.behind
-        behind[:, size, :size] = behind[:, :size, size] = row
-        behind[:, size, size] = square
-        return self._replace(behind=behind)
+    def with_change(self, edge: int, column: int) -> "NormalEquations":
+        """The same with one more column, equal to offset or phase behind an edge and 0 before."""
+        row = self.behind[edge, column - OFFSET]
+        gram = np.block([[self.gram, row[:, None]], [row, row[column]]])
+        later = self.behind[np.maximum(np.arange(len(self.edges)), edge)]
+        behind = np.concatenate([self.behind, later[:, :, [column]]], axis=2)
+        return self._replace(gram=gram, behind=behind)

@@ -15,7 +15,7 @@ from escapement.base.files import write_file
 from escapement.base.headings import COUNTS
 from escapement.base.text import Shown
 from escapement.measurement.rollover import unrolled
-from escapement.measurement.stamps import checked_times
+from escapement.measurement.stamps import checked_times, row_of
 from escapement.mechanisms.protocol import FloatArray
 
 TURN = 2.0 * np.pi
@@ -125,13 +125,7 @@ class Readings(Shown):
 
 def _column(name: str, values: ArrayLike, lines: np.ndarray, where: str) -> FloatArray:
     remedy = "give a row of angles in rad, NaN for a missing reading"
-    try:
-        given = np.ma.asanyarray(values).astype(float, copy=False)
-    except (TypeError, ValueError):
-        given = np.empty((0, 0))
-    if given.ndim != 1:
-        raise validate.fail(name, "a row of real numbers", values, remedy)
-    angles = np.asarray(np.ma.filled(given, np.nan))
+    angles = row_of(name, values, remedy)
     far = np.flatnonzero(np.abs(angles) > FARTHEST)
     if far.size:
         got = f"{float(angles[far[0]])!r} rad in {where} {lines[far[0]]}"

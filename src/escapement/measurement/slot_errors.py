@@ -5,7 +5,6 @@ pin whose angle is wrong acts as an error of the input. Each part is compared wi
 others.
 """
 
-import math
 from collections.abc import Iterator
 from fractions import Fraction
 from typing import NamedTuple
@@ -14,30 +13,11 @@ import numpy as np
 
 from escapement.base.lazy import Lazy
 from escapement.measurement.normal_equations import Fitted, log_of
+from escapement.measurement.readings import TURN
 from escapement.mechanisms.protocol import FloatArray, Mechanism
 
 special = Lazy("scipy.special")
 _MOST = 64  # parts of a shaft
-_TURN = 2.0 * math.pi
-
-
-class SlotError(NamedTuple):
-    """The part of a shaft that is farthest from where the others say it should be.
-
-    shaft : "output" for a slot, "input" for a pin.
-    number : the part, counted from the one that is engaged at the first sample, which is 1.
-    parts : how many of them were seen.
-    size : its angle ahead of the mean of the others [rad].
-    standard_error : standard error of the size [rad].
-    p_value : probability that independent normal errors show so great an error of any part.
-    """
-
-    shaft: str
-    number: int
-    parts: int
-    size: float
-    standard_error: float
-    p_value: float
 
 
 class Parts(NamedTuple):
@@ -69,8 +49,8 @@ def parts_met(mechanism: Mechanism, driver: FloatArray) -> dict[str, Parts]:
     angles = {"input": mechanism.cell_angle, "output": abs(mechanism.follower_step)}
     found = {}
     for shaft, angle in angles.items():
-        share = Fraction(angle / _TURN).limit_denominator(_MOST)
-        if share.numerator != 1 or abs(float(share) * _TURN - angle) > 1e-9:
+        share = Fraction(angle / TURN).limit_denominator(_MOST)
+        if share.numerator != 1 or abs(float(share) * TURN - angle) > 1e-9:
             continue
         since = np.mod(cells - cells[0], share.denominator)
         numbers, index = np.unique(since, return_inverse=True)

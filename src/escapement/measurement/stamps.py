@@ -1,15 +1,19 @@
-"""Times of samples: they increase, and a coarse clock that gives some the same is allowed for."""
+"""Times of samples: a coarse clock is allowed for, and a wrong unit is doubted."""
 
-from typing import Any
+import math
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from escapement.base import validate
+from escapement.base import spoken, validate
 from escapement.base.errors import InvalidValue
 from escapement.mechanisms.protocol import FloatArray
 
 _REMEDY = "give the time of each sample in s"
+_DOUBTFUL = 10.0  # a ratio of times beyond this means a torque that is wrong a hundred times
+_CLOSE = 4.0  # a ratio within this factor of that of a unit may come from the unit
+_READ_AS_S = {"ns": 1e9, "us": 1e6, "ms": 1e3, "minutes": 1.0 / 60.0, "hours": 1.0 / 3600.0}
+"""Units of time, and by how much times in them are too long if they are read as seconds."""
 
 
 def checked_times(values: ArrayLike, lines: np.ndarray, where: str) -> tuple[FloatArray, str]:
@@ -29,7 +33,7 @@ def checked_times(values: ArrayLike, lines: np.ndarray, where: str) -> tuple[Flo
     InvalidValue
         If there is not one finite time for each sample, or they do not increase.
     """
-    times = _numbers(values)
+    times = row_of("time", values, _REMEDY)
     if times.shape != lines.shape:
         raise validate.fail("time", f"a row of {lines.size} times", values, _REMEDY)
     unknown = np.flatnonzero(~np.isfinite(times))
@@ -56,11 +60,15 @@ def checked_times(values: ArrayLike, lines: np.ndarray, where: str) -> tuple[Flo
     )
 
 
-def _numbers(values: Any) -> FloatArray:
+def row_of(name: str, values: ArrayLike, remedy: str) -> FloatArray:
+    """A row of real numbers, NaN for those that are masked, or InvalidValue."""
     try:
-        return np.asarray(np.ma.filled(np.ma.asanyarray(values).astype(float), np.nan))
+        given = np.ma.asanyarray(values).astype(float, copy=False)
     except (TypeError, ValueError):
-        raise validate.fail("time", "real numbers", values, _REMEDY) from None
+        given = np.empty((0, 0))
+    if given.ndim != 1:
+        raise validate.fail(name, "a row of real numbers", values, remedy)
+    return np.asarray(np.ma.filled(given, np.nan))
 
 
 def spread(times: FloatArray, tick: float) -> FloatArray:
@@ -78,3 +86,33 @@ def spread(times: FloatArray, tick: float) -> FloatArray:
     # the first step is seen from somewhere in it to its end
     position[: counts[0]] += tick / gaps[0] - counts[0]
     return np.asarray(times + np.repeat(gaps, counts) * position - 0.5 * tick)
+
+
+def check_unit(name: str, ratio: float, text: str, torque: float | None = None) -> None:
+    """Raise InvalidValue where measured times are far from those of a design.
+
+    Parameters
+    ----------
+    name : str
+        Argument that holds the measured times.
+    ratio : float
+        Measured time divided by the time of the design, above 0 [-].
+    text : str
+        Both times in words.
+    torque : float, optional
+        The design's torque [N m]; the message says with which torque the times would be right.
+    """
+    if 1.0 / _DOUBTFUL <= ratio <= _DOUBTFUL:
+        return
+    unit = min(_READ_AS_S, key=lambda one: abs(math.log(ratio / _READ_AS_S[one])))
+    guess = ""
+    if abs(math.log(ratio / _READ_AS_S[unit])) < math.log(_CLOSE):
+        guess = f", which may be {unit} taken as s"
+    right = "correct the numbers of the escapement"
+    if torque is not None:
+        needed = spoken.as_spoken(torque / ratio**2, "torque", 2)
+        right = f"give the escapement a torque of about {needed}"
+    raise InvalidValue(
+        f"{name} must be of the order of the design's, got {text}; check the unit of the "
+        f"times{guess}, or, if it is right, {right}"
+    )

@@ -1,39 +1,31 @@
 """Beats from durations or time stamps, without ticks that were missed, doubled or out of place.
 
-A tick that was not heard makes one interval of two beats, an echo two intervals of one beat, and a
-tick out of place two intervals that only together are two beats. In all three cases intervals that
-differ much from the others add up to a whole number of beats, which keeps the numbers of pins and
-slots of all later beats right.
+Ticks are followed one by one. One that comes a whole number of beats after the last is taken, and
+one that comes at another time is passed over; so the numbers of pins and slots of all later beats
+stay right. A beat whose own duration is not known with certainty is left out.
 """
 
 from collections.abc import Iterator
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from escapement.base import validate
 from escapement.base.errors import InvalidValue
+from escapement.measurement.stamps import row_of
 from escapement.mechanisms.protocol import FloatArray
 
 _REMEDY = "give the times of the engagements in s, NaN for a missing one"
 _SHORT, _LONG = 0.7, 1.4  # errors of parts keep beats between these shares of the median
-_NEAR = 0.25  # a sum this near to a whole number of beats is that number
+_NEAR = 0.25  # a time this near to a whole number of beats is that number
 _MOST = 20  # beats in a gap; the number of more cannot be counted surely
 _IRREGULAR = 0.25  # with a larger share of such intervals the median is no beat
 _INCREASING = 8  # so many durations do not increase throughout
 _OUT, _ROUNDS = 6.0, 4  # standard deviations that no noise has, and rounds that show it
 
 
-class Ticks(NamedTuple):
-    """Beats in turn [s], NaN where one is missing, and what was found amiss, in words."""
-
-    beats: FloatArray
-    faults: tuple[str, ...]
-
-
-def ticks_of(given: ArrayLike, times: bool, pattern: int) -> Ticks:
-    """Beats from durations, or from time stamps, with the faults that are certain mended.
+def ticks_of(given: ArrayLike, times: bool, pattern: int) -> tuple[FloatArray, tuple[str, ...]]:
+    """Beats in turn [s], NaN where one is missing, and what was found amiss, in words.
 
     Parameters
     ----------
@@ -44,7 +36,7 @@ def ticks_of(given: ArrayLike, times: bool, pattern: int) -> Ticks:
     pattern : int
         Number of beats after which pins and slots meet again.
     """
-    values = _row(given)
+    values = row_of("beats", given, _REMEDY)
     beats = _differences(values) if times else values
     wrong = np.flatnonzero(~np.isnan(beats) & ~((beats > 0.0) & np.isfinite(beats)))
     if wrong.size:
@@ -57,20 +49,10 @@ def ticks_of(given: ArrayLike, times: bool, pattern: int) -> Ticks:
             "stamps do; give times=True if they are"
         )
     if not known.size:
-        return Ticks(beats, ())
+        return beats, ()
     mended, faults = _counted(beats, float(np.median(known)))
     faults += [*_displaced(mended, pattern)]
-    return Ticks(mended, tuple(faults))
-
-
-def _row(given: ArrayLike) -> FloatArray:
-    try:
-        values = np.ma.asanyarray(given).astype(float, copy=False)
-    except (TypeError, ValueError):
-        values = np.empty((0, 0))
-    if values.ndim != 1:
-        raise validate.fail("beats", "a row of real numbers", given, _REMEDY)
-    return np.asarray(np.ma.filled(values, np.nan))
+    return mended, tuple(faults)
 
 
 def _differences(stamps: FloatArray) -> FloatArray:
@@ -91,71 +73,65 @@ def _counted(beats: FloatArray, typical: float) -> tuple[FloatArray, list[str]]:
             f"beats must be alike, got {off.sum()} of {beats.size} that differ by more than a "
             f"third from their median of {typical:.3g} s; check how ticks are detected"
         )
-    unit = float(beats[~off & np.isfinite(beats)].mean())
+    shares = beats / beats[~off & np.isfinite(beats)].mean()
+    taken, counts, doubtful = [0], list[int](), set[int]()
+    for tick in range(1, beats.size + 1):
+        # if it does not fit the last tick, that one may be an echo, and the one before it right
+        for back, start in enumerate(taken[-1:-3:-1]):
+            count = _whole(shares[start:tick], bool(off[start]))
+            # of two ticks that are close to each other either may be the echo
+            if count and (back == 0 or shares[tick - 1] >= _NEAR):
+                left = len(taken) - back
+                taken, counts = [*taken[:left], tick], [*counts[: left - 1], count]
+                # a tick that is passed over close to one that is taken may be the right one
+                passed = tick - start > 1
+                doubtful |= {start} if passed and shares[start] < _NEAR else set()
+                doubtful |= {tick} if passed and shares[tick - 1] < _NEAR else set()
+                break
     found: list[float] = []
-    faults, index = [], 0
-    while index < beats.size:
-        if not off[index]:
-            found.append(float(beats[index]))
-            index += 1
-            continue
-        stop = index + 1
-        while stop < beats.size and off[stop]:
-            stop += 1
-        before, after, count = _window(beats, found, index, stop, unit)
-        del found[len(found) - before :]
-        total = float(np.sum(beats[index - before : stop + after]))
-        found += [total] if count == 1 else [np.nan] * count
-        faults.append(_fault(beats / unit, index, stop, after, count))
-        index = stop + after
+    faults = []
+    for start, tick, count in zip(taken[:-1], taken[1:], counts, strict=True):
+        known = count == 1 and not {start, tick} & doubtful
+        found += [float(beats[start:tick].sum())] if known else [np.nan] * count
+        if tick - start > 1 or off[start]:
+            faults.append(_fault(shares[start:tick], start, count, known))
+    if (start := taken[-1]) < beats.size:
+        # a tick after the last beat changes no number of a pin or slot
+        if not shares[start:].sum() < _SHORT:
+            raise InvalidValue(
+                f"beat {start} must be a whole number of beats, alone or with its neighbours, got "
+                f"{shares[start]:.2f} times the mean of the others; take the recording from the "
+                "beat after it on, or put NaN for as many beats as there were"
+            )
+        faults.append(_fault(shares[start:], start, 0, False))
     return np.array(found), faults
 
 
-def _window(
-    beats: FloatArray, found: list[float], index: int, stop: int, unit: float
-) -> tuple[int, int, int]:
-    """How many neighbours before and after intervals make a whole number of beats, and which."""
-    alone = float(beats[index:stop].sum())
-    left = found[-1] if found else np.nan
-    right = float(beats[stop]) if stop < beats.size else np.nan
-    whole = {}
-    for window, more in {(0, 0): 0.0, (0, 1): right, (1, 0): left, (1, 1): left + right}.items():
-        number = (alone + more) / unit
-        count = round(number) if np.isfinite(number) else 0
-        if 1 <= count <= _MOST and abs(number - count) < _NEAR:
-            whole[window] = count
-    both = (0, 1) in whole and (1, 0) in whole
-    for window in ((0, 0), (1, 1)) if both else ((0, 0), (0, 1), (1, 0), (1, 1)):
-        if window in whole:
-            return *window, whole[window]
-    if stop == beats.size and alone < _SHORT * unit:
-        # a tick after the last beat changes no number of a pin or slot
-        return 0, 0, 0
-    raise InvalidValue(
-        f"beat {index} must be a whole number of beats, alone or with its neighbours, got "
-        f"{beats[index] / unit:.2f} times the mean of the others; take the recording from the "
-        "beat after it on, or put NaN for as many beats as there were"
-    )
+def _whole(shares: FloatArray, off: bool) -> int:
+    """Beats in some intervals together, 0 if they are no whole number of beats."""
+    if shares.size == 1 and not off:
+        return 1
+    total = float(shares.sum())
+    count = round(total) if np.isfinite(total) else 0
+    return count if count <= _MOST and abs(total - count) < _NEAR else 0
 
 
-def _fault(shares: FloatArray, index: int, stop: int, after: int, count: int) -> str:
+def _fault(shares: FloatArray, index: int, count: int, known: bool) -> str:
     """What was found at intervals, and what was done, in words."""
-    rows = range(index, stop + (after if count else 0))
-    name = f"beat {index} is" if len(rows) == 1 else f"beats {index} to {rows[-1]} are"
-    sizes = " and ".join(f"{shares[k]:.2f}" for k in rows)
+    alone = shares.size == 1
+    name = f"beat {index} is" if alone else f"beats {index} to {index + shares.size - 1} are"
+    sizes = " and ".join(f"{share:.2f}" for share in shares)
     if count == 0:
-        return f"{name} {sizes} of the others: a tick after the last beat, which is left out"
-    if count == 1:
-        return f"{name} {sizes} of the others: an echo, whose parts are joined"
-    if len(rows) == 1 and shares[index] > 1.0:
+        what = "a tick after the last beat, which is left out"
+    elif known:
+        what = "an echo, whose parts are joined"
+    elif alone:
         missed = "a tick was" if count == 2 else f"{count - 1} ticks were"
-        return (
-            f"{name} {sizes} times the others: {missed} not heard, and {count} beats are left out"
-        )
-    return (
-        f"{name} {sizes} of the others: ticks are missing, out of place or too many, and "
-        f"{count} beats are left out"
-    )
+        what = f"{missed} not heard, and {count} beats are left out"
+    else:
+        left = "the beat is" if count == 1 else f"{count} beats are"
+        what = f"ticks are missing, out of place or too many, and {left} left out"
+    return f"{name} {sizes} of the others: {what}"
 
 
 def _displaced(beats: FloatArray, pattern: int) -> Iterator[str]:
@@ -172,8 +148,7 @@ def _displaced(beats: FloatArray, pattern: int) -> Iterator[str]:
     steps = np.diff(np.unique(beats[np.isfinite(beats)]))
     # a coarse clock may show a difference of two steps of its own
     least = 2.0 * float(steps.min()) if steps.size else 0.0
-    with np.errstate(invalid="ignore"):
-        out = np.flatnonzero(np.abs(apart) > _OUT * scatter + least)
+    out = np.flatnonzero(np.nan_to_num(np.abs(apart)) > _OUT * scatter + least)
     if out.size > 0.1 * beats.size:
         return
     for index in out.tolist():

@@ -13,10 +13,10 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from escapement.base.lazy import Lazy
-from escapement.measurement.causes import ROUNDING, Cause, causes_of, encoders_explain
+from escapement.measurement.causes import ROUNDING, Cause, causes_of
+from escapement.measurement.estimate import SURE
 from escapement.measurement.other_reading import other_reading
 from escapement.measurement.readings import TURN, wraps
-from escapement.measurement.shaft_errors import SURE
 
 special = Lazy("scipy.special")
 _ALIKE = 0.05  # a smaller correlation of neighbouring errors hardly changes a p-value
@@ -109,7 +109,11 @@ def unexplained(result: Any) -> float:
     # rounding and linearity may make neighbours alike, as far as they explain the variance
     share = 0.0
     if result.scatter > 0.0:
-        share = min(1.0, (encoders_explain(result) / result.scatter) ** 2)
+        through = math.sqrt(float(np.mean(result.fit.slope**2)))
+        explained = math.hypot(result.steps[1], through * result.steps[0]) / math.sqrt(12.0)
+        if result.sensor_share:
+            explained = result.sensor_share.standard
+        share = min(1.0, (explained / result.scatter) ** 2)
     excess = result.rest_autocorrelation - share
     return float(special.ndtr(-excess * math.sqrt(result.errors.size)))
 
