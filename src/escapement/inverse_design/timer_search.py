@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import warnings
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.optimize import minimize
@@ -17,14 +17,7 @@ from escapement.base.text import Shown
 from escapement.engines.run_down import rundown
 from escapement.inverse_design.front import spread_out, undominated
 from escapement.inverse_design.requirement import BOUNDS, Requirement
-from escapement.inverse_design.similarity import (
-    UnitWheel,
-    Values,
-    exact,
-    in_si,
-    unit_wheel,
-    wheels_for,
-)
+from escapement.inverse_design.similarity import UnitWheel, Values, wheels_for
 from escapement.mechanisms import Geneva
 from escapement.mechanisms.protocol import FloatArray
 from escapement.model.escapement import Escapement, Inertia
@@ -38,6 +31,9 @@ _STEPS = 150
 FOIL = 1e-4
 """Discs and walls that are thinner than this cannot be cut [m]."""
 _VARIED = ("inertia_ratio", "crank_radius", "torque")
+_THICK = ("driver_thickness", "follower_thickness")
+_OF_INERTIA = ("driver_inertia", "follower_inertia", "mass", *_THICK)
+"""Figures that are proportional to the inertias."""
 
 
 @dataclass(frozen=True, repr=False)
@@ -54,8 +50,7 @@ class Design(Shown):
     @property
     def can_be_cut(self) -> bool:
         """Whether its discs and their walls are thicker than foil, `FOIL`."""
-        thick = "driver_thickness", "follower_thickness", "thinnest_wall"
-        return min(self.values[name] for name in thick) >= FOIL
+        return min(self.values[name] for name in (*_THICK, "thinnest_wall")) >= FOIL
 
 
 @dataclass(frozen=True, repr=False)
@@ -127,8 +122,9 @@ def design(requirement: Requirement, *, count: int = 40, seed: int = 0) -> Desig
     found = []
     for number, i in enumerate(good[front], 1):
         set_stage(f"improving design {number} of {front.size}")
-        found.append(_polished(wheels[owner[i]], points[i], requirement))
-    made = [made for wheel, point in found if (made := _made(wheel, point, requirement))]
+        wheel = wheels[owner[i]]
+        found.append(_made(wheel, _polished(wheel, points[i], requirement), requirement))
+    made = [one for one in found if one is not None]
     if not made:
         reason = "designs that seemed to satisfy the bounds do not satisfy them exactly"
         return Designs(requirement, (), len(points), reason)
@@ -149,20 +145,15 @@ def _sampled(wheel: UnitWheel, requirement: Requirement, seed: int) -> tuple[Flo
     shares = qmc.Sobol(len(_VARIED), seed=seed).random_base2(SAMPLE)
     low, high = _ends(requirement).T
     points = low + shares * (high - low)
-    return points, _values(wheel, points, requirement)
+    return points, _values(wheel, points)
 
 
-def _values(wheel: UnitWheel, points: FloatArray, requirement: Requirement) -> Values:
-    """Figures in SI at points of a wheel."""
+def _values(wheel: UnitWheel, points: FloatArray) -> Values:
+    """Figures in SI at points of a wheel, interpolated; NaN beyond the ratios at which it moves."""
+    assert wheel.curves is not None
+    table = wheel.curves(points[:, 0], extrapolate=False)
     ratio, radius, torque = np.exp(points.T)
-    return in_si(
-        wheel.at(ratio),
-        wheel.body,
-        wheel.slots,
-        wheel.internal,
-        requirement,
-        (ratio, radius, torque),
-    )
+    return wheel.in_si(table, (ratio, radius, torque))
 
 
 def misses(values: Values, requirement: Requirement, margin: float = 0.0) -> FloatArray:
@@ -215,19 +206,17 @@ def _bound_text(name: str, bound: tuple[float, float], reached: float) -> str:
     )
 
 
-def _polished(
-    wheel: UnitWheel, point: FloatArray, requirement: Requirement
-) -> tuple[UnitWheel, FloatArray]:
+def _polished(wheel: UnitWheel, point: FloatArray, requirement: Requirement) -> FloatArray:
     """A nearby point that is better in every objective, within all bounds."""
     low, high = _ends(requirement).T
     free = high > low
     if not free.any():
-        return wheel, point
+        return point
 
     def costs(x: FloatArray) -> FloatArray:
         whole = point.copy()
         whole[free] = x
-        found = _values(wheel, whole[None], requirement)
+        found = _values(wheel, whole[None])
         penalty = 1e3 * float(misses(found, requirement, _MARGIN).sum())
         return np.log([float(found[name][0]) for name in requirement.objectives]) + penalty
 
@@ -244,54 +233,43 @@ def _polished(
     better = point.copy()
     if found.fun < 0.0:
         better[free] = np.clip(found.x, low[free], high[free])
-    return wheel, better
+    return better
 
 
 def _made(wheel: UnitWheel, point: FloatArray, requirement: Requirement) -> Design | None:
     """The design at a point, simulated; None where it misses a bound after all."""
     ratio, radius, torque = np.exp(point).tolist()
-    natural = exact(unit_wheel(wheel.slots, wheel.internal, requirement.pin), ratio, requirement)
-    found = in_si(
-        natural, wheel.body, wheel.slots, wheel.internal, requirement, (ratio, radius, torque)
-    )
-    inertia, driver_angle = found["follower_inertia"], 2.0 * math.pi * (requirement.turns or 0.0)
-    timer = _timer(wheel, requirement, (ratio, radius, torque), float(inertia), driver_angle)
-    if requirement.total_time is not None and requirement.turns is not None:
+    found = wheel.in_si(wheel.exact([ratio])[0], (ratio, radius, torque))
+    timer = _timer(wheel, requirement, (ratio, radius, torque), found["follower_inertia"])
+    if requirement.turns is not None and requirement.total_time is not None:
         run = rundown(timer, turns=requirement.turns)
         try:
             share = (requirement.total_time / run.time_of(requirement.turns)) ** 2
         except InvalidValue:
             return None  # it stops on the way
-        timer = _timer(
-            wheel, requirement, (ratio, radius, torque), float(inertia) * share, driver_angle
-        )
-        lasting = ("driver_inertia", "follower_inertia", "mass", "driver_thickness",
-                   "follower_thickness")  # fmt: skip
-        found |= {name: found[name] * share for name in lasting}
+        inertia = timer.inertia
+        longer = Inertia(inertia.driver * share, inertia.follower * share)
+        timer = replace(timer, inertia=longer)
         found["rise_time_98"] *= math.sqrt(share)
+        for name in _OF_INERTIA:
+            found[name] *= share
     values = {name: float(x) for name, x in found.items()}
     missed = misses({name: np.array([x]) for name, x in values.items()}, requirement)
     return Design(timer, values) if missed.max(initial=0.0) == 0.0 else None
 
 
 def _timer(
-    wheel: UnitWheel,
-    requirement: Requirement,
-    point: tuple[float, float, float],
-    inertia: float,
-    driver_angle: float,
+    wheel: UnitWheel, requirement: Requirement, point: tuple[float, float, float], inertia: float
 ) -> Escapement:
+    """The escapement at (inertia ratio, crank radius, torque), with this follower inertia."""
     ratio, radius, torque = point
-    mechanism = Geneva(
-        wheel.slots,
-        internal=wheel.internal,
-        crank_radius=radius,
-        pin_radius=requirement.pin * radius,
-    )
+    pin = requirement.pin * radius
+    mechanism = Geneva(wheel.slots, internal=wheel.internal, crank_radius=radius, pin_radius=pin)
+    turns = requirement.turns
     return Escapement(
         mechanism,
         Inertia(ratio * inertia, inertia),
         torque=torque,
         friction=0.5 * sum(requirement.friction),
-        spring_rate=requirement.torque_lost * torque / driver_angle if driver_angle else 0.0,
+        spring_rate=requirement.torque_lost * torque / (2.0 * math.pi * turns) if turns else 0.0,
     )

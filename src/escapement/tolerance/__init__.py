@@ -5,8 +5,6 @@ Read `tolerance_budget` and `sensitivities` first.
 - `tolerance_budget`, `scatter`, `spread`, `intervals`, `indices`, `worst_case`: a drawing's
   tolerances, and what they do to a figure of merit
 - `sensitivities`: derivatives of figures of merit
-- `dual`, `dual_law`, `dual_engagements`, `time_panels`, `variation`, `extremes`, `contraction`,
-  `figure_duals`: derivatives by
-  differentiating the equation of motion
-- `differences`: derivatives where it cannot be differentiated
+- `derivatives`: derivatives of several figures by several numbers
+- `differences`: derivatives by one number, from differences
 """
