@@ -1,9 +1,9 @@
 """Derivatives of figures of merit in 34-digit arithmetic, for the tests.
 
-``python tests/reference/derivatives.py [DESIGNS]`` draws designs at random, each with one of its
-numbers, and writes the derivatives of their figures by it to ``derivatives.json``; 300 designs take
-an hour. They are central differences of figures that ``taylor.py`` computes: with a step of 1e-8
-of the number the error of the differences is some 1e-15 of the figure over the number.
+``python tests/reference/derivatives.py [DESIGNS]`` draws designs at random, 159 by default, each
+with one of its numbers, and writes the derivatives of their figures by it to ``derivatives.json``.
+That takes half an hour. They are central differences of figures that ``taylor.py`` computes: with a
+step of 1e-8 of the number the error of the differences is some 1e-15 of the figure over the number.
 
 Units are those of ``generate.py``.
 """
@@ -70,7 +70,7 @@ def figures(design, value):
 
 
 def main():
-    count = int(sys.argv[1]) if len(sys.argv) > 1 else 300
+    count = int(sys.argv[1]) if len(sys.argv) > 1 else 159
     lines = []
     for design in designs(count):
         with mp.workdps(COARSE["digits"]):

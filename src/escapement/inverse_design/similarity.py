@@ -19,6 +19,7 @@ import numpy as np
 from scipy.interpolate import PchipInterpolator
 
 from escapement.base.errors import InvalidValue
+from escapement.base.progress import set_stage
 from escapement.base.status import Status
 from escapement.inverse_design.requirement import Requirement
 from escapement.mechanisms import Geneva
@@ -157,6 +158,7 @@ def wheels_for(requirement: Requirement) -> list[UnitWheel]:
     low, high = map(int, requirement.slots)
     found = []
     for slots, internal in product(range(low, high + 1), kinds):
+        set_stage(f"wheels with {slots} slots")
         wheel = UnitWheel(requirement, slots, internal)
         with suppress(InvalidValue):  # pins too thick for so many slots
             if wheel.discs and wheel.curves:

@@ -126,8 +126,9 @@ def slopes_by(
         least = SURE * size + 2.0 * errors / steps[1]
         every = zip(down, up, both, least.tolist(), strict=True)
         slopes = [_judged(*sides, root) for sides in every]
-        doubts = zip(slopes, size.tolist(), strict=True)
-        if all(x.doubt <= ENOUGH * max(abs(x.below), abs(x.above), y) for x, y in doubts):
+        # smaller steps would only magnify the errors of the figures
+        enough = zip(slopes, size.tolist(), (4.0 * errors / steps[1]).tolist(), strict=True)
+        if all(x.doubt <= ENOUGH * max(abs(x.steeper), y) + z for x, y, z in enough):
             break
     return slopes
 
