@@ -85,7 +85,9 @@ def sensitivities(escapement: Escapement, *, errors: bool = False) -> Sensitivit
     if figures.status is not Status.OK or figures.motion is None:
         raise InvalidValue(f"escapement must have a terminal cycle: {figures.message}")
     escapement = escapement.held
-    numbers, idle = numbers_of(escapement), _idle(numbers_of(escapement))
+    # a slip speed of 0 is no value: the engine then chooses one
+    numbers = {n: x for n, x in numbers_of(escapement).items() if x or n != "slip_speed"}
+    idle = _idle(numbers)
     given = {name: value for name, value in numbers.items() if name not in idle}
     given |= dict.fromkeys(error_axes(escapement.mechanism), 0.0) if errors else {}
     wanted = _wanted(escapement, figures)
