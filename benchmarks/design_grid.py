@@ -15,29 +15,20 @@ from pathlib import Path
 import numpy as np
 
 import escapement as esc
-from escapement.base.errors import InvalidValue
-from escapement.inverse_design import similarity as figures
+from escapement.inverse_design.similarity import wheels_for
 from escapement.inverse_design.timer_search import misses
 
 ROOT = Path(__file__).resolve().parents[1]
 RESULTS = ROOT / "benchmarks" / "results" / "design_grid.csv"
 
 
-def of_wheel(slots, internal, requirement, points):
+def of_wheel(wheel, requirement, points):
     """Figures of a grid of designs of one wheel, each an array."""
-    wheel = figures.unit_wheel(slots, internal, requirement.pin)
-    body = figures.body_of(wheel)
-    ratios = np.geomspace(*requirement.inertia_ratio, points)
-    table = figures.natural_figures(wheel, ratios, requirement)
-    names = dict(zip(figures.NATURAL, table.T, strict=True))
-    natural = names | {name: np.exp(names[name]) for name in figures.NATURAL[:4]}
-    radii, torques = (
-        np.geomspace(*requirement.crank_radius, points),
-        np.geomspace(*requirement.torque, points),
-    )
-    i, j, k = (x.reshape(-1) for x in np.indices((points,) * 3))
-    own = {name: x[i] for name, x in natural.items()}
-    return figures.in_si(own, body, slots, internal, requirement, (ratios[i], radii[j], torques[k]))
+    names = ("inertia_ratio", "crank_radius", "torque")
+    axes = [np.geomspace(*getattr(requirement, name), points) for name in names]
+    ratios, radii, torques = (x.reshape(-1) for x in np.meshgrid(*axes, indexing="ij"))
+    table = np.repeat(wheel.exact(axes[0]), points**2, axis=0)
+    return wheel.in_si(table, (ratios, radii, torques))
 
 
 def main():
@@ -51,19 +42,15 @@ def main():
     front = np.array([[d.values[name] for name in requirement.objectives] for d in found.designs])
     tried = good = better = 0
     most = 0.0
-    for slots in range(round(requirement.slots[0]), round(requirement.slots[1]) + 1):
-        for internal in (False, True):
-            try:
-                values = of_wheel(slots, internal, requirement, points)
-            except InvalidValue:
-                continue
-            kept = misses(values, requirement).sum(axis=0) == 0.0
-            tried, good = tried + kept.size, good + int(kept.sum())
-            costs = np.column_stack([values[name][kept] for name in requirement.objectives])
-            for row in front:
-                gain = (1.0 - costs / row).min(axis=1)
-                better += int((gain > 0.01).sum())
-                most = max(most, float(gain.max(initial=0.0)))
+    for wheel in wheels_for(requirement):
+        values = of_wheel(wheel, requirement, points)
+        kept = misses(values, requirement).sum(axis=0) == 0.0
+        tried, good = tried + kept.size, good + int(kept.sum())
+        costs = np.column_stack([values[name][kept] for name in requirement.objectives])
+        for row in front:
+            gain = (1.0 - costs / row).min(axis=1)
+            better += int((gain > 0.01).sum())
+            most = max(most, float(gain.max(initial=0.0)))
     rows = [("seconds", f"{took:.2f}"), ("designs", len(front)), ("grid", tried),
             ("within_bounds", good), ("better_by_one_per_cent", better),
             ("greatest_gain", f"{most:.2g}")]  # fmt: skip

@@ -1,31 +1,38 @@
 """How exact the derivatives of `escapement.sensitivities` are.
 
-``python benchmarks/sensitivity_accuracy.py [DESIGNS]`` compares them with differences of the
-figures over random designs (Richardson's extrapolation, with steps that fall from 1 % of the
-number until its own error estimate is least), and in ten designs with differences of figures
-computed to 34 digits. It writes the greatest error of each figure, as a share of the figure over
-the number, and the estimated error of the difference there to
-``results/sensitivity_accuracy.csv``.
+``python benchmarks/sensitivity_accuracy.py [DESIGNS]`` compares derivatives with those of 34
+digits in ``tests/reference/derivatives.json``, and checks all derivatives of random designs by
+another unit of mass, length or time, which changes no motion: for each unit the relative
+derivatives of a figure, each times the power of the unit in its number, add up to the power in the
+figure. It writes the greatest error of each figure to ``results/sensitivity_accuracy.csv``: as a
+share of the derivative, or of the figure over the number if that is more, against 34 digits; and
+the greatest error of a sum.
 """
 
 import csv
-import math
+import json
 import sys
 from dataclasses import replace
 from pathlib import Path
 from random import Random
 
+import numpy as np
+
 import escapement as esc
-from escapement.model.numbers import numbers_of, with_number
+from escapement.model.numbers import with_number
+from escapement.study.plan import unit_kind
+from escapement.tolerance.derivatives import slopes_of
 
 ROOT = Path(__file__).resolve().parents[1]
 RESULTS = ROOT / "benchmarks" / "results" / "sensitivity_accuracy.csv"
+REFERENCE = ROOT / "tests" / "reference" / "derivatives.json"
 FOLLOWER = 5e-6
-SHARES = tuple(0.01 * 4.0**-k for k in range(9))
-"""Steps of differences, as shares of the number."""
-ROUNDING = 1e-15
-"""Rounding error of a figure that is assumed, as a share of the figure."""
-LENGTHS = ("crank_radius", "pin_radius", "centre_distance_error")
+UNITS = {
+    "torque": (1, 2, -2), "inertia": (1, 2, 0), "drag": (1, 2, 0), "viscous": (1, 2, -1),
+    "length": (0, 1, 0), "time": (0, 0, 1), "speed": (0, 0, -1), "acceleration": (0, 0, -2),
+    "force": (1, 1, -2), "energy": (1, 2, -2),
+}  # fmt: skip
+"""Powers of mass, length and time of a unit; an angle and a ratio have none."""
 
 
 def random_design(random):
@@ -62,98 +69,59 @@ def random_design(random):
     return replace(timer, **some)
 
 
-def richardson(timer, name, figures, value):
-    """Derivatives of figures by differences, and the estimated error of each.
+def in_34_digits():
+    """The greatest error of each figure against derivatives of 34 digits, and where it is."""
+    worst = {}
+    for case, design in enumerate(json.loads(REFERENCE.read_text(encoding="utf-8"))):
+        wheel = esc.Geneva(design["slots"], pins=design["pins"], internal=design["internal"])
+        inertia = esc.Inertia(design["driver_inertia"], design["follower_inertia"])
+        others = {name: design[name] for name in ("torque", "friction", "load_torque")}
+        timer, number = esc.Escapement(wheel, inertia, **others), design["number"]
+        figures, exact = esc.terminal(timer), design["derivatives"]
 
-    Steps are reduced until the estimated error grows again. The estimate is the difference of two
-    extrapolations, plus the effect of rounding errors of the figures. It is large if a step reaches
-    over a corner of the figure.
-    """
-    best = {}
-    for share in SHARES:
-        step = share * abs(value)
-        at = {k: esc.terminal(with_number(timer, name, value + k * step)).as_dict()
-              for k in (-4, -2, -1, 1, 2, 4)}  # fmt: skip
-        for figure in figures:
-            one, two, four = ((at[k][figure] - at[-k][figure]) / (2 * k * step) for k in (1, 2, 4))
-            fine, rough = (4.0 * one - two) / 3.0, (4.0 * two - four) / 3.0
-            found = (16.0 * fine - rough) / 15.0
-            doubt = abs(found - fine) + ROUNDING * abs(at[1][figure]) / step
-            if not doubt >= best.get(figure, (0.0, math.inf))[1]:
-                best[figure] = found, doubt
-    return best
+        def solve(name, value, timer=timer):
+            return esc.terminal(with_number(timer, name, value))
 
-
-def compare(count):
-    """The greatest error of each figure over random designs, and the error of the difference."""
-    worst, random, designs, pairs = {}, Random(28), 0, 0
-    for case in range(count):
-        timer = random_design(random)
-        try:
-            exact = esc.sensitivities(timer)
-        except ValueError:
-            continue
-        designs += 1
-        numbers = {name: value for name, value in numbers_of(timer).items() if value}
-        values = exact.figures.as_dict()
-        for name in random.sample(sorted(numbers), min(3, len(numbers))):
-            judged = richardson(timer, name, exact.absolute, numbers[name])
-            for figure, (found, doubt) in judged.items():
-                if not values[figure]:
-                    continue
-                pairs += 1
-                scale = abs(numbers[name] / values[figure])
-                error = scale * abs(exact.absolute[figure][name] - found)
-                if not error <= worst.get(figure, (-1.0,))[0]:
-                    worst[figure] = error, scale * doubt, case, name
-        print(case, file=sys.stderr)
-    print(f"{designs} designs with a cycle, {pairs} derivatives", file=sys.stderr)
+        slopes = slopes_of(solve, timer, figures, {number: design[number]}, [*exact])[number]
+        for figure, text in exact.items():
+            scale = max(abs(float(text)), abs(getattr(figures, figure) / design[number]))
+            error = abs(slopes[figure].below - float(text)) / scale
+            worst[figure] = max(worst.get(figure, (0.0,)), (error, case, number))
     return worst
 
 
-def in_34_digits(count=10):
-    """The worst relative error of figures' derivatives against differences of 34 digits."""
-    sys.path.insert(0, str(ROOT / "tests" / "reference"))
-    from mpmath import mp, mpf
-    from taylor import solve
-
-    figures = ("period", "velocity_max", "velocity_min", "handoff_velocity", "contraction")
-    worst, random = dict.fromkeys(figures, 0.0), Random(34)
-    fine = {"digits": 42, "order": 32, "tolerance": "1e-29"}
-    for _ in range(count):
-        slots = random.choice((3, 4, 6))
-        wheel, inertia = esc.Geneva(slots), esc.Inertia(random.uniform(0.05, 0.5), 1.0)
-        friction = random.uniform(0.5, 0.8) * esc.critical_friction(wheel, inertia)
-        data = {"slots": slots, "pins": wheel.pins, "internal": False, "friction": friction}
-        data |= {"driver_inertia": inertia.driver, "follower_inertia": 1.0, "torque": 1.0}
-        data |= {"load_torque": 0.0, "initial_speed": 0.0, "engagements": 4}
-        name = random.choice(("friction", "driver_inertia", "follower_inertia"))
-        own = esc.sensitivities(esc.Escapement(wheel, inertia, torque=1.0, friction=friction))
-        with mp.workdps(42):
-            step = mpf(10) ** -11
-            low, high = (
-                solve(data | {name: mpf(data[name]) + k * step}, fine)["terminal"] for k in (-1, 1)
-            )
-            for figure in figures:
-                exact = (high[figure] - low[figure]) / (2 * step)
-                error = float(abs(own.absolute[figure][name] - exact) / abs(exact))
-                worst[figure] = max(worst[figure], error)
-        print(slots, name, worst, file=sys.stderr)
+def by_other_units(count):
+    """The greatest error of a sum of relative derivatives of each figure, and where it is."""
+    worst, random, designs = {}, Random(28), 0
+    for case in range(count):
+        try:
+            found = esc.sensitivities(random_design(random))
+        except ValueError:
+            continue
+        designs += 1
+        for figure, shares in found.relative.items():
+            if not shares:
+                continue
+            powers = np.array([UNITS.get(unit_kind(name), (0, 0, 0)) for name in shares])
+            sums = np.array([*shares.values()]) @ powers
+            error = float(np.abs(sums - UNITS.get(unit_kind(figure), (0, 0, 0))).max())
+            worst[figure] = max(worst.get(figure, (0.0,)), (error, case, ""))
+    print(f"{designs} designs with a cycle", file=sys.stderr)
     return worst
 
 
 def main():
     """Compare, print and write."""
-    designs = int((sys.argv[1:] or ["300"])[0])
+    designs = int((sys.argv[1:] or ["50"])[0])
+    judges = {"34 digits": in_34_digits(), "other units": by_other_units(designs)}
     rows = [
-        (name, f"{x:.2e}", f"{y:.2e}", *more) for name, (x, y, *more) in compare(designs).items()
+        (judge, figure, f"{error:.2e}", *where)
+        for judge, worst in judges.items()
+        for figure, (error, *where) in worst.items()
     ]
-    exact = in_34_digits().items()
-    rows += [(f"{name}, against 34 digits", f"{x:.2e}", "", "", "") for name, x in exact]
     with RESULTS.open("w", newline="", encoding="utf-8") as file:
         writer = csv.writer(file, lineterminator="\n")
-        head = ("figure", "worst_error", "error_of_difference", "design", "number")
-        writer.writerows([head, *rows])
+        writer.writerows([("judge", "figure", "worst_error", "design", "number"), *rows])
     for row in rows:
         print(*row)
 

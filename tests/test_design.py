@@ -11,7 +11,7 @@ import pytest
 import escapement as esc
 from escapement.cli import main
 from escapement.inverse_design.front import spread_out, undominated
-from escapement.inverse_design.similarity import body_of, exact, in_si, unit_wheel
+from escapement.inverse_design.similarity import UnitWheel
 from escapement.outlines.parts import parts_of
 
 ANY_THICK = dict.fromkeys(("driver_thickness", "follower_thickness"), (0.0, 10.0))
@@ -79,9 +79,8 @@ def test_what_is_promised_is_simulated_by_the_other_engine(thirty):
 
 def test_figures_scale_by_similarity():
     requirement = esc.Requirement(period=0.05, torque=0.01)
-    wheel = unit_wheel(4, False, 0.05)
-    natural = exact(wheel, 0.2, requirement)
-    found = in_si(natural, body_of(wheel), 4, False, requirement, (0.2, 0.02, 0.01))
+    wheel = UnitWheel(requirement, 4, False)
+    found = wheel.in_si(wheel.exact([0.2])[0], (0.2, 0.02, 0.01))
     timer = esc.Escapement(
         esc.Geneva(4, crank_radius=0.02, pin_radius=0.001),
         esc.Inertia(found["driver_inertia"], found["follower_inertia"]),

@@ -1,9 +1,11 @@
-"""Sensitivities and budgets: exact derivatives, worst cases, scatter and its intervals."""
+"""Sensitivities and budgets: derivatives, worst cases, scatter and its intervals."""
 
 import json
 import math
+import operator
 import re
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -14,11 +16,11 @@ from escapement.base.errors import InvalidValue
 from escapement.cli import main
 from escapement.model.numbers import with_number
 from escapement.study.parse.sample import unit_cube
-from escapement.tolerance.dual import Dual
-from escapement.tolerance.figure_duals import figures_of
+from escapement.study.plan import unit_kind
+from escapement.tolerance.derivatives import slopes_of
+from escapement.tolerance.differences import slopes_by
 from escapement.tolerance.indices import sobol_indices
 from escapement.tolerance.scatter import equal_factors
-from escapement.tolerance.sensitivities import corners_of
 
 WHEEL = esc.Geneva(4, crank_radius=0.01, pin_radius=5e-4)
 TIMER = esc.Escapement(WHEEL, esc.Inertia(3e-7, 5e-6), torque=0.0113, friction=0.25)
@@ -32,80 +34,140 @@ ERRORS = {
 }  # fmt: skip
 
 
-def by_differences(timer, name, value, step):
-    """Derivatives of all figures by Richardson's extrapolation of central differences."""
-    one, two = (
-        [esc.terminal(with_number(timer, name, value + k * h)).as_dict() for k in (-1, 1)]
-        for h in (step, 2.0 * step)
+def reference_timer(design):
+    """The escapement of a design of `reference_designs`."""
+    wheel = esc.Geneva(design["slots"], pins=design["pins"], internal=design["internal"])
+    inertia = esc.Inertia(design["driver_inertia"], design["follower_inertia"])
+    others = {name: design[name] for name in ("torque", "friction", "load_torque")}
+    return esc.Escapement(wheel, inertia, **others)
+
+
+def reference_designs():
+    """Designs with 34-digit derivatives; `tests/reference/derivatives.py` computes them."""
+    path = Path(__file__).parent / "reference" / "derivatives.json"
+    return json.loads(path.read_text(encoding="utf-8"))
+
+
+def test_derivatives_are_those_of_34_digits():
+    """An error is a share of the derivative, or of the figure over the number if that is more."""
+    worst = {}
+    for design in reference_designs():
+        timer, name = reference_timer(design), design["number"]
+        figures, value = esc.terminal(timer), design[name]
+
+        def solve(number, at, timer=timer):
+            return esc.terminal(with_number(timer, number, at))
+
+        exact = design["derivatives"]
+        slopes = slopes_of(solve, timer, figures, {name: value}, [*exact])[name]
+        for figure, text in exact.items():
+            scale = max(abs(float(text)), abs(getattr(figures, figure) / value))
+            error = abs(slopes[figure].below - float(text)) / scale
+            assert slopes[figure].below == slopes[figure].above
+            assert error <= 1e-8, (figure, design)
+            assert error <= slopes[figure].doubt / scale + 1e-9
+            worst[figure] = max(worst.get(figure, 0.0), error)
+    assert len(worst) == 6
+
+
+def slope_of(function, at, **options):
+    """The derivative of a function of one number."""
+    (slope,) = slopes_by(lambda x: np.array([function(x)]), at, np.array([function(at)]), 1.0,
+                         **options)  # fmt: skip
+    return slope
+
+
+@pytest.mark.parametrize("sign", [-1.0, 1.0])
+@pytest.mark.parametrize("apart", [0.0, 1e-7, 5e-6, 3e-5, 1e-4, 1e-3, 3e-3, 9e-3, 0.02])
+def test_a_kink_or_jump_nearby_spoils_no_derivative(apart, sign):
+    """Each is on one side of the number, and the derivative at the number is that of the other.
+
+    It may be missing; a kink that is nearer than the smallest step may count as one at the number.
+    """
+    place = 1.0 + sign * apart
+    found = slope_of(lambda x: abs(x - place) + x**3, 1.0)
+    if apart == 0.0:
+        assert found[:2] == pytest.approx((2.0, 4.0), abs=1e-9)
+    elif not found.missing:
+        here, other = (found.below, found.above)[:: int(sign)]
+        assert here == pytest.approx(3.0 - sign, abs=1e-9)
+        assert other == here or (apart < 1e-5 and abs(other - 3.0 - sign) < 10.0 * found.doubt)
+    assert not found.missing or 1e-7 < apart < 1e-4
+    for jump in (1.0, 1e-2, 1e-4, 1e-6, 1e-9):
+        found = slope_of(lambda x, jump=jump: jump * (x > place) + x**3 + 1.0, 1.0)
+        assert found.missing or found[:2] == pytest.approx((3.0, 3.0), abs=1e-9), jump
+        assert not found.missing or (apart < 1e-4 and jump > 1e-5)
+
+
+def test_derivatives_at_the_end_of_a_range_and_of_roots():
+    assert slope_of(lambda x: math.exp(x) if x <= 1.0 else math.nan, 1.0)[:2] == pytest.approx(
+        (math.e, math.e), rel=1e-9
     )
-    return lambda figure: (
-        (4.0 * (one[1][figure] - one[0][figure]) - 0.5 * (two[1][figure] - two[0][figure]))
-        / (6.0 * step)
-    )
+    assert slope_of(lambda x: math.sqrt(max(x, 0.0)), 0.0, root=True)[:2] == (0.0, math.inf)
+    assert slope_of(lambda x: math.sqrt(abs(x)), 0.0, root=True)[:2] == (-math.inf, math.inf)
+    # the error of imperfect parts enters as a root, also where the figure has a finite slope
+    rooted = slope_of(lambda x: 1.0 + x + 10.0 * abs(x) ** 1.5, 0.0, root=True)
+    assert rooted[:2] == pytest.approx((1.0, 1.0), abs=1e-8)
+    assert slope_of(lambda x: 0.0, 1.0) == (0.0, 0.0, 0.0)
 
 
-def test_a_dual_differentiates_what_it_computes():
-    x = Dual([0.3, 0.7], np.eye(2))
-    y = np.sqrt(np.hypot(x, 2.0)) * np.sin(x) / (1.0 + x**3.0) - abs(-x)
-    h = 1e-6
-
-    def value(x):
-        return np.sqrt(np.hypot(x, 2.0)) * np.sin(x) / (1.0 + x**3.0) - abs(-x)
-
-    at = np.array([0.3, 0.7])
-    slopes = (value(at + h) - value(at - h)) / (2.0 * h)
-    assert np.diag(y.slopes) == pytest.approx(slopes, rel=1e-8)
-    assert (y.slopes[[0, 1], [1, 0]] == 0.0).all()
-    assert (x == 0.3) is False
-    with pytest.raises(ValueError, match="both sides"):
-        _ = x > 0.5
+SI = {
+    "torque": (1, 2, -2), "inertia": (1, 2, 0), "drag": (1, 2, 0), "viscous": (1, 2, -1),
+    "length": (0, 1, 0), "time": (0, 0, 1), "speed": (0, 0, -1), "acceleration": (0, 0, -2),
+    "force": (1, 1, -2), "energy": (1, 2, -2),
+}  # fmt: skip
+"""Powers of mass, length and time of a unit; an angle and a ratio have none."""
 
 
-@pytest.mark.parametrize(("timer", "names"), [
-    (TIMER, ("friction", "driver_inertia", "pin_radius", "crank_radius")),
-    (replace(TIMER, **LOSSES), tuple(LOSSES)),
-    (replace(TIMER, mechanism=replace(WHEEL, **ERRORS)),
-     ("friction", "centre_distance_error", "pin_angle_errors_0", "slot_offsets_3")),
-    (esc.Escapement(esc.EllipticalPlanetary(2, 1), TIMER.inertia, 0.01, efficiency=0.9),
-     ("efficiency", "driver_inertia")),
+@pytest.mark.parametrize("timer", [
+    replace(TIMER, **LOSSES),
+    replace(TIMER, mechanism=replace(WHEEL, **ERRORS)),
+    replace(TIMER, mechanism=replace(WHEEL, clearance=2e-5)),
+    replace(TIMER, barrel=esc.Train(5.0, 0.8, 1e-6), torque=0.07),
+    esc.Escapement(esc.EllipticalPlanetary(2, 1), TIMER.inertia, 0.01, efficiency=0.9),
 ])  # fmt: skip
-def test_derivatives_are_those_of_the_figures(timer, names):
+def test_another_unit_of_mass_length_or_time_changes_nothing(timer):
+    """Euler's relation: the sum of all powers, each times the share of its number, is known."""
     found = esc.sensitivities(timer)
     figures = found.figures.as_dict()
-    for name in names:
-        parts = name.rsplit("_", 1)
-        owner = timer.mechanism if hasattr(timer.mechanism, name) else timer
-        value = (
-            timer.inertia.driver if name == "driver_inertia"
-            else getattr(timer.mechanism, parts[0])[int(parts[1])] if name[-1].isdigit()
-            else getattr(owner, name)
-        )  # fmt: skip
-        differences = by_differences(timer, name, value, 5e-4 * abs(value))
-        for figure, row in found.absolute.items():
-            # a fast cycle's deviation has fallen to 1e-9 after a round, which leaves four digits
-            share = 1e-5 if figure.startswith("rise") else 1e-7
-            error = share * abs(figures[figure] / value)
-            assert row[name] == pytest.approx(differences(figure), abs=error), (figure, name)
+    for figure, shares in filter(operator.itemgetter(1), found.relative.items()):
+        none = (0, 0, 0)
+        powers = np.array([SI.get(unit_kind(name), none) for name in shares])
+        wanted = np.array(SI.get(unit_kind(figure), none))
+        sums = np.array([*shares.values()]) @ powers
+        # a relative derivative times its relative doubt is the doubt of its share
+        doubts = [
+            abs(share * found.doubts[figure][name] / (found.absolute[figure][name] or 1.0))
+            for name, share in shares.items()
+        ]
+        room = 3.0 * (doubts @ np.abs(powers)) if timer.contact else np.zeros(3)
+        assert (np.abs(sums - wanted) <= room + 1e-8).all(), (figure, sums, figures[figure])
 
 
 @pytest.mark.parametrize("errors", [{}, {"pin_angle_errors": (3e-4, -1e-4, 0.0)}])
-def test_with_viscous_drag_the_contraction_is_the_integral_along_the_cycle(errors):
-    """The march takes it from a solution by Newton's method, the derivatives from the motion."""
+def test_the_contraction_is_the_derivative_of_a_round(errors):
+    """The march takes it from its solution; here the speed behind a cycle is differentiated."""
     wheel = esc.Geneva(3, pins=3 if errors else None, crank_radius=0.01, **errors)
     own = esc.Escapement(wheel, esc.Inertia(1e-6, 5e-6), 0.015, 0.3, driver_viscous=1e-4)
-    figures = esc.terminal(own)
-    again = figures_of(own, figures, ("torque",), wanted=("contraction",))[0]["contraction"]
-    assert figures.contraction / float(again) == pytest.approx(1.0, abs=1e-12)
+    figures, count = esc.terminal(own), len(own.pairs)
+
+    def square_behind(square):
+        motion = esc.simulate(own, count, initial_speed=math.sqrt(square))
+        return motion.handoff_velocities[-1:] ** 2
+
+    start = figures.handoff_velocity**2
+    (slope,) = slopes_by(square_behind, start, square_behind(start), start)
+    assert slope.below == pytest.approx(figures.contraction, rel=1e-9)
 
 
 def test_the_period_goes_as_torque_to_minus_one_half():
     found = esc.sensitivities(TIMER).relative
-    assert found["period"]["torque"] == pytest.approx(-0.5, abs=1e-14)
-    assert found["velocity_max"]["torque"] == pytest.approx(0.5, abs=1e-14)
+    assert found["period"]["torque"] == pytest.approx(-0.5, abs=1e-10)
+    assert found["velocity_max"]["torque"] == pytest.approx(0.5, abs=1e-10)
     assert found["jam_margin"]["torque"] == 0.0
     # with the clock all inertias together are a pure change of time
     both = found["period"]["driver_inertia"] + found["period"]["follower_inertia"]
-    assert both == pytest.approx(0.5, abs=1e-13)
+    assert both == pytest.approx(0.5, abs=1e-10)
 
 
 def test_meyers_case_has_the_derivative_of_the_source():
@@ -121,8 +183,8 @@ def test_a_limit_that_the_lever_sets_has_the_derivatives_of_its_closed_form():
     limit = (1.0 / math.sin(math.pi / 8) - 1.0) * 0.01 / 7.5e-4
     assert found.figures.uniqueness_friction == pytest.approx(limit, rel=1e-13)
     slopes = found.relative["uniqueness_friction"]
-    assert slopes["pin_radius"] == pytest.approx(-1.0, abs=1e-13)
-    assert slopes["crank_radius"] == pytest.approx(1.0, abs=1e-13)
+    assert slopes["pin_radius"] == pytest.approx(-1.0, abs=1e-10)
+    assert slopes["crank_radius"] == pytest.approx(1.0, abs=1e-10)
     assert max(map(abs, (slopes["driver_inertia"], slopes["follower_inertia"]))) < 1e-12
 
 
@@ -139,6 +201,9 @@ def test_corners_are_the_limits_of_small_errors():
         assert sides[name][0] * scale / period == pytest.approx(below, rel=0.05), name
         assert sides[name][1] * scale / period == pytest.approx(above, rel=0.05), name
     assert set(found.jumps).isdisjoint(found.absolute)
+    # with one slot at another angle the beats differ by the root of the error
+    assert found.one_sided["beat_error"]["slot_angle_errors_0"] == (-math.inf, math.inf)
+    assert found.one_sided["blow_max"]["slot_angle_errors_0"] == (-math.inf, math.inf)
 
 
 def test_what_has_no_cycle_has_no_derivatives():
@@ -332,7 +397,7 @@ def test_every_figure_of_a_budget_has_its_scatter_to_first_order():
 
 def test_a_kink_counts_on_the_sides_where_the_number_lies():
     name, width = "centre_distance_error", 2e-6
-    slopes = corners_of(TIMER, [name], ("period",))
+    slopes = esc.sensitivities(TIMER, errors=True).one_sided
     below, above = slopes["period"][name]
     sides = ({"low": 0.0, "high": width}, above), ({"low": -width, "high": 0.0}, below)
     for form, slope in sides:

@@ -23,46 +23,41 @@ def _quantity(name: str, long_name: str, unit: str = "ratio", **rule: Any) -> Qu
     return Quantity(name=name, key=name, long_name=long_name, unit=unit, remedy=remedy, **rule)
 
 
-NUMBERS = {
-    entry.name: entry
-    for entry in (
-        _quantity("period", "period of one engagement", "time", exclusive=True),
-        _quantity("total_time", "time of the whole run", "time", exclusive=True),
-        _quantity("turns", "driver turns of the whole run", exclusive=True),
-        _quantity("torque_lost", "share of its torque that the spring loses over the run",
-                  maximum=1.0, below=True),
-        _quantity("pin", "radius of the pins over the crank radius", exclusive=True, maximum=0.5),
-        _quantity("density", "density of the discs", "density", exclusive=True),
-    )
-}  # fmt: skip
+def _by_name(*entries: Quantity) -> dict[str, Quantity]:
+    return {entry.name: entry for entry in entries}
+
+
+NUMBERS = _by_name(
+    _quantity("period", "period of one engagement", "time", exclusive=True),
+    _quantity("total_time", "time of the whole run", "time", exclusive=True),
+    _quantity("turns", "driver turns of the whole run", exclusive=True),
+    _quantity("torque_lost", "share of its torque that the spring loses over the run",
+              maximum=1.0, below=True),
+    _quantity("pin", "radius of the pins over the crank radius", exclusive=True, maximum=0.5),
+    _quantity("density", "density of the discs", "density", exclusive=True),
+)  # fmt: skip
 """Single numbers of a requirement."""
-RANGES = {
-    entry.name: entry
-    for entry in (
-        _quantity("friction", "coefficient of friction between pin and slot"),
-        _quantity("torque", "driving torque at the start", "torque", exclusive=True),
-        _quantity("crank_radius", "radius on which the pins turn", "length", exclusive=True),
-        _quantity("inertia_ratio", "driver inertia over follower inertia", exclusive=True),
-        _quantity("slots", "slots of the follower", whole=True, minimum=3, maximum=64),
-    )
-}
+RANGES = _by_name(
+    _quantity("friction", "coefficient of friction between pin and slot"),
+    _quantity("torque", "driving torque at the start", "torque", exclusive=True),
+    _quantity("crank_radius", "radius on which the pins turn", "length", exclusive=True),
+    _quantity("inertia_ratio", "driver inertia over follower inertia", exclusive=True),
+    _quantity("slots", "slots of the follower", whole=True, minimum=3, maximum=64),
+)
 """Numbers that the search chooses from a range."""
-BOUNDS = {
-    entry.name: entry
-    for entry in (
-        _quantity("scatter", "half the relative change of the period over the friction range"),
-        _quantity("contact_force_max", "greatest force on a pin", "force"),
-        _quantity("size", "length of both discs together along the line of centres", "length"),
-        _quantity("mass", "mass of driver and follower discs", "mass"),
-        _quantity("rise_time_98", "time to 98 % of the terminal speed", "time"),
-        _quantity("driver_inertia", "moment of inertia of the driver", "inertia"),
-        _quantity("follower_inertia", "moment of inertia of the follower", "inertia"),
-        _quantity("driver_thickness", "thickness of the driver's disc", "length"),
-        _quantity("follower_thickness", "thickness of the follower's disc", "length"),
-        _quantity("thinnest_wall", "thinnest wall of the discs", "length"),
-        _quantity("jam_margin", "1 - friction over its Painleve limit"),
-    )
-}
+BOUNDS = _by_name(
+    _quantity("scatter", "half the relative change of the period over the friction range"),
+    _quantity("contact_force_max", "greatest force on a pin", "force"),
+    _quantity("size", "length of both discs together along the line of centres", "length"),
+    _quantity("mass", "mass of driver and follower discs", "mass"),
+    _quantity("rise_time_98", "time to 98 % of the terminal speed", "time"),
+    _quantity("driver_inertia", "moment of inertia of the driver", "inertia"),
+    _quantity("follower_inertia", "moment of inertia of the follower", "inertia"),
+    _quantity("driver_thickness", "thickness of the driver's disc", "length"),
+    _quantity("follower_thickness", "thickness of the follower's disc", "length"),
+    _quantity("thinnest_wall", "thinnest wall of the discs", "length"),
+    _quantity("jam_margin", "1 - friction over its Painleve limit"),
+)
 """Figures of a design that can have bounds."""
 THICK = 3e-4, 0.02
 """Least and greatest thickness of a disc where a requirement has no bounds on it [m]."""

@@ -9,15 +9,18 @@ no search.
 from __future__ import annotations
 
 import math
+from contextlib import suppress
 from dataclasses import dataclass
+from functools import cached_property
+from itertools import product
 from typing import Any
 
 import numpy as np
 from scipy.interpolate import PchipInterpolator
 
 from escapement.base.errors import InvalidValue
+from escapement.base.progress import set_stage
 from escapement.base.status import Status
-from escapement.engines import simulate as simulation
 from escapement.inverse_design.requirement import Requirement
 from escapement.mechanisms import Geneva
 from escapement.mechanisms.protocol import FloatArray
@@ -47,8 +50,8 @@ class Discs:
     follower: tuple[float, float]
 
 
-def body_of(wheel: Geneva) -> Discs:
-    """The body of a wheel of crank radius 1; raises InvalidValue where a hole leaves no wall."""
+def discs_of(wheel: Geneva) -> Discs:
+    """The discs of a wheel of crank radius 1; raises InvalidValue where a hole leaves no wall."""
     parts = {part.name: part for part in parts_of(wheel)}
     moments = {name: part.moments for name, part in parts.items()}
     discs = [moments[name] for name in ("driver", "locking-disc") if name in moments]
@@ -63,131 +66,101 @@ def body_of(wheel: Geneva) -> Discs:
 
 @dataclass(frozen=True)
 class UnitWheel:
-    """A kind of wheel: its figures in natural units as functions of the logarithm of the ratio."""
+    """A wheel of crank radius 1 with so many slots, as a requirement asks for it."""
 
+    requirement: Requirement
     slots: int
     internal: bool
-    body: Discs
-    curves: PchipInterpolator
 
-    def at(self, ratio: Any) -> Values:
-        """Figures at ratios of the inertias, by the names in `NATURAL`; NaN outside those known."""
-        table = self.curves(np.log(ratio), extrapolate=False)
-        found = dict(zip(NATURAL, np.moveaxis(table, -1, 0), strict=True))
-        return found | {name: np.exp(found[name]) for name in NATURAL[:4]}
+    @cached_property
+    def wheel(self) -> Geneva:
+        """The wheel; raises InvalidValue where its pins are too thick."""
+        pin = self.requirement.pin
+        return Geneva(self.slots, internal=self.internal, crank_radius=1.0, pin_radius=pin)
+
+    @cached_property
+    def discs(self) -> Discs:
+        """Its discs; errors as `discs_of`."""
+        return discs_of(self.wheel)
+
+    @cached_property
+    def curves(self) -> PchipInterpolator | None:
+        """A row of `NATURAL` over the logarithm of the ratio; None if it hardly moves anywhere."""
+        low, high = self.requirement.inertia_ratio
+        ratios = (
+            np.geomspace(low, high, RATIOS) if low < high else low * np.array([1.0, 1.0 + 1e-9])
+        )
+        table = self.exact(ratios)
+        good = np.isfinite(table).all(axis=1)
+        return PchipInterpolator(np.log(ratios[good]), table[good]) if good.sum() > 1 else None
+
+    def exact(self, ratios: Any) -> FloatArray:
+        """A row of `NATURAL` for each ratio, logarithms except for the jam margin; NaN where it
+        does not move at the least, the middle and the greatest friction.
+        """
+        low, high = self.requirement.friction
+        three = np.array([low, 0.5 * (low + high), high])
+        timer = Escapement(self.wheel, Inertia(1.0, 1.0), torque=1.0)
+        study = sweep(timer, driver_inertia=ratios, friction=three, results=_SAMPLED)
+        shape = np.size(ratios), 3
+        moves = np.asarray(study.results["status"]).reshape(shape) == Status.OK
+        period, force, rise, limit = (
+            np.where(moves, np.asarray(study.results[name]).reshape(shape), np.nan)
+            for name in _SAMPLED
+        )
+        scatter = np.maximum(0.5 * np.ptp(period, axis=1) / period[:, 1], 1e-12)
+        positive = period[:, 1], scatter, force.max(axis=1), rise[:, 1]
+        with np.errstate(divide="ignore"):
+            return np.column_stack([*map(np.log, positive), 1.0 - high / limit.min(axis=1)])
+
+    def in_si(self, table: FloatArray, point: tuple[Any, Any, Any]) -> Values:
+        """Figures in SI from rows of `NATURAL`, at (inertia ratio, crank radius, torque)."""
+        ratio, radius, torque = point
+        period, scatter, force, rise = np.exp(table.T[:4])
+        density, discs = self.requirement.density, self.discs
+        follower = torque * (self.period / period) ** 2
+        driver, scale = ratio * follower, radius**4 * density
+        masses = (i * a / j for i, (a, j) in ((driver, discs.driver), (follower, discs.follower)))
+        return {
+            "scatter": scatter,
+            "contact_force_max": force * torque / radius,
+            "size": discs.size * radius,
+            "mass": sum(masses) / radius**2,
+            "rise_time_98": rise * np.sqrt(follower / torque),
+            "driver_inertia": driver,
+            "follower_inertia": follower,
+            "driver_thickness": driver / (discs.driver[1] * scale),
+            "follower_thickness": follower / (discs.follower[1] * scale),
+            "thinnest_wall": discs.wall * radius,
+            "jam_margin": table.T[4] + 0.0 * radius,
+        }
+
+    @property
+    def period(self) -> float:
+        """Period of an engagement at the torque of the start that the requirement needs [s].
+
+        Over a run the period is inversely proportional to the root of the torque, which falls
+        linearly. The additional time of a start from rest is corrected when a design is simulated.
+        """
+        given = self.requirement
+        if given.total_time is None or given.turns is None:
+            assert given.period is not None
+            return given.period
+        lost = given.torque_lost
+        slower = 2.0 * (1.0 - math.sqrt(1.0 - lost)) / lost if lost else 1.0
+        engagements = given.turns * 2.0 * math.pi / self.wheel.cell_angle
+        return given.total_time / engagements / slower
 
 
 def wheels_for(requirement: Requirement) -> list[UnitWheel]:
     """The wheels that a requirement allows and that move at all of its frictions."""
-    found = []
     kinds = (False, True) if requirement.internal is None else (requirement.internal,)
     low, high = map(int, requirement.slots)
-    ratios = np.geomspace(requirement.inertia_ratio[0], requirement.inertia_ratio[1], RATIOS)
-    if requirement.inertia_ratio[0] == requirement.inertia_ratio[1]:
-        ratios = ratios[0] * np.array([1.0, 1.0 + 1e-9])
-    for slots in range(low, high + 1):
-        for internal in kinds:
-            try:
-                wheel = unit_wheel(slots, internal, requirement.pin)
-                wanted = body_of(wheel)
-            except InvalidValue:
-                continue  # pins too thick for so many slots
-            table = natural_figures(wheel, ratios, requirement)
-            good = np.isfinite(table).all(axis=1)
-            if good.sum() > 1:
-                curves = PchipInterpolator(np.log(ratios[good]), table[good])
-                found.append(UnitWheel(slots, internal, wanted, curves))
+    found = []
+    for slots, internal in product(range(low, high + 1), kinds):
+        set_stage(f"wheels with {slots} slots")
+        wheel = UnitWheel(requirement, slots, internal)
+        with suppress(InvalidValue):  # pins too thick for so many slots
+            if wheel.discs and wheel.curves:
+                found.append(wheel)
     return found
-
-
-def unit_wheel(slots: int, internal: bool, pin: float) -> Geneva:
-    """A wheel of crank radius 1."""
-    return Geneva(slots, internal=internal, crank_radius=1.0, pin_radius=pin)
-
-
-def frictions(requirement: Requirement) -> FloatArray:
-    """The least, middle and greatest friction."""
-    low, high = requirement.friction
-    return np.array([low, 0.5 * (low + high), high])
-
-
-def natural_figures(wheel: Geneva, ratios: FloatArray, requirement: Requirement) -> FloatArray:
-    """A row of `NATURAL` for each ratio, logarithms except for the jam margin."""
-    timer = Escapement(wheel, Inertia(1.0, 1.0), torque=1.0)
-    three = frictions(requirement)
-    study = sweep(timer, driver_inertia=ratios, friction=three, results=_SAMPLED)
-    shape = ratios.size, 3
-    columns = {name: np.asarray(study.results[name]).reshape(shape) for name in _SAMPLED}
-    moves = np.asarray(study.results["status"]).reshape(shape) == Status.OK
-    return _natural({name: np.where(moves, x, np.nan) for name, x in columns.items()}, three)
-
-
-def _natural(columns: dict[str, FloatArray], three: FloatArray) -> FloatArray:
-    """Rows of `NATURAL` from figures at three frictions, shape (n, 3)."""
-    period = columns["period"]
-    scatter = 0.5 * np.ptp(period, axis=1) / period[:, 1]
-    with np.errstate(divide="ignore"):
-        positive = (
-            period[:, 1],
-            np.maximum(scatter, 1e-12),
-            columns["contact_force_max"].max(axis=1),
-            columns["rise_time_98"][:, 1],
-        )
-        rows = [np.log(x) for x in positive]
-    margin = 1.0 - three[2] / columns["critical_friction"].min(axis=1)
-    return np.column_stack([*rows, margin])
-
-
-def exact(wheel: Geneva, ratio: float, requirement: Requirement) -> Values:
-    """Figures of a wheel of crank radius 1, each friction being simulated; NaN where it jams."""
-    three, table = frictions(requirement), []
-    for friction in three:
-        timer = Escapement(wheel, Inertia(ratio, 1.0), torque=1.0, friction=friction)
-        table.append([getattr(simulation.terminal(timer), name) for name in _SAMPLED])
-    columns = {name: row[None] for name, row in zip(_SAMPLED, np.transpose(table), strict=True)}
-    found = dict(zip(NATURAL, _natural(columns, three)[0].tolist(), strict=True))
-    return found | {name: math.exp(found[name]) for name in NATURAL[:4]}
-
-
-def in_si(
-    natural: Values,
-    body: Discs,
-    slots: Any,
-    internal: bool,
-    requirement: Requirement,
-    point: tuple[Any, Any, Any],
-) -> Values:  # fmt: skip
-    """Figures in SI of wheels at (inertia ratio, crank radius, torque), numbers or arrays."""
-    ratio, radius, torque = point
-    follower = torque * (period_of(requirement, slots, internal) / natural["period"]) ** 2
-    driver, scale = ratio * follower, radius**4 * requirement.density
-    masses = (i * a / j for i, (a, j) in ((driver, body.driver), (follower, body.follower)))
-    return {
-        "scatter": natural["scatter"],
-        "contact_force_max": natural["force"] * torque / radius,
-        "size": body.size * radius,
-        "mass": sum(masses) / radius**2,
-        "rise_time_98": natural["rise"] * np.sqrt(follower / torque),
-        "driver_inertia": driver,
-        "follower_inertia": follower,
-        "driver_thickness": driver / (body.driver[1] * scale),
-        "follower_thickness": follower / (body.follower[1] * scale),
-        "thinnest_wall": body.wall * radius,
-        "jam_margin": natural["jam_margin"] + 0.0 * radius,
-    }
-
-
-def period_of(requirement: Requirement, slots: int, internal: bool) -> float:
-    """Period of an engagement at the torque of the start that a requirement needs [s].
-
-    Over a run the period is inversely proportional to the root of the torque, which falls linearly.
-    The additional time of a start from rest is corrected when a design is simulated.
-    """
-    if requirement.period is not None:
-        return requirement.period
-    assert requirement.turns is not None
-    assert requirement.total_time is not None
-    cell = Geneva(slots, internal=internal).cell_angle
-    lost = requirement.torque_lost
-    slower = 2.0 * (1.0 - math.sqrt(1.0 - lost)) / lost if lost else 1.0
-    return requirement.total_time / (requirement.turns * 2.0 * math.pi / cell) / slower

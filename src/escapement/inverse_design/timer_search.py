@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import warnings
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.optimize import minimize
@@ -17,14 +17,7 @@ from escapement.base.text import Shown
 from escapement.engines.run_down import rundown
 from escapement.inverse_design.front import spread_out, undominated
 from escapement.inverse_design.requirement import BOUNDS, Requirement
-from escapement.inverse_design.similarity import (
-    UnitWheel,
-    Values,
-    exact,
-    in_si,
-    unit_wheel,
-    wheels_for,
-)
+from escapement.inverse_design.similarity import UnitWheel, Values, wheels_for
 from escapement.mechanisms import Geneva
 from escapement.mechanisms.protocol import FloatArray
 from escapement.model.escapement import Escapement, Inertia
@@ -38,6 +31,9 @@ _STEPS = 150
 FOIL = 1e-4
 """Discs and walls that are thinner than this cannot be cut [m]."""
 _VARIED = ("inertia_ratio", "crank_radius", "torque")
+_THICK = ("driver_thickness", "follower_thickness")
+_OF_INERTIA = ("driver_inertia", "follower_inertia", "mass", *_THICK)
+"""Figures that are proportional to the inertias."""
 
 
 @dataclass(frozen=True, repr=False)
@@ -54,8 +50,7 @@ class Design(Shown):
     @property
     def can_be_cut(self) -> bool:
         """Whether its discs and their walls are thicker than foil, `FOIL`."""
-        thick = "driver_thickness", "follower_thickness", "thinnest_wall"
-        return min(self.values[name] for name in thick) >= FOIL
+        return min(self.values[name] for name in (*_THICK, "thinnest_wall")) >= FOIL
 
 
 @dataclass(frozen=True, repr=False)
@@ -111,32 +106,29 @@ def design(requirement: Requirement, *, count: int = 40, seed: int = 0) -> Desig
         reason = f"no wheel with these slots moves at a friction of {requirement.friction[1]:g}"
         remedy = "all jam, or their pins do not fit; allow less friction or other slots"
         return Designs(requirement, (), 0, f"{reason}: {remedy}")
-    tables = []
-    for number, wheel in enumerate(wheels, 1):
-        set_stage(f"wheel {number} of {len(wheels)}")
-        tables.append(_sampled(wheel, requirement, seed))
-    owner = np.repeat(np.arange(len(wheels)), [len(points) for points, _ in tables])
-    points = np.concatenate([points for points, _ in tables])
-    values = {name: np.concatenate([table[name] for _, table in tables]) for name in BOUNDS}
+    # the points are the same for each wheel
+    points = _points(requirement, seed)
+    tables = [_values(wheel, points) for wheel in wheels]
+    tried = len(points) * len(wheels)
+    values = {name: np.concatenate([table[name] for table in tables]) for name in BOUNDS}
     good = np.flatnonzero(misses(values, requirement, _MARGIN).sum(axis=0) == 0.0)
     if not good.size:
-        return Designs(requirement, (), len(points), _reason(values, requirement))
+        return Designs(requirement, (), tried, _reason(values, requirement))
     costs = np.log(np.column_stack([values[name][good] for name in requirement.objectives]))
     front = undominated(costs)
     front = front[spread_out(costs[front], count)]
     found = []
-    for number, i in enumerate(good[front], 1):
+    for number, case in enumerate(good[front].tolist(), 1):
         set_stage(f"improving design {number} of {front.size}")
-        found.append(_polished(wheels[owner[i]], points[i], requirement))
-    made = [made for wheel, point in found if (made := _made(wheel, point, requirement))]
+        wheel, point = wheels[case // len(points)], points[case % len(points)]
+        found.append(_made(wheel, _polished(wheel, point)))
+    made = [one for one in found if one is not None]
     if not made:
         reason = "designs that seemed to satisfy the bounds do not satisfy them exactly"
-        return Designs(requirement, (), len(points), reason)
+        return Designs(requirement, (), tried, reason)
     costs = np.array([[one.values[name] for name in requirement.objectives] for one in made])
-    best = sorted(
-        (made[i] for i in undominated(costs)), key=lambda d: d.values[requirement.objectives[0]]
-    )
-    return Designs(requirement, tuple(best), len(points), "done")
+    best = [made[i] for i in sorted(undominated(costs), key=costs[:, 0].__getitem__)]
+    return Designs(requirement, tuple(best), tried, "done")
 
 
 def _ends(requirement: Requirement) -> FloatArray:
@@ -144,25 +136,20 @@ def _ends(requirement: Requirement) -> FloatArray:
     return np.log([getattr(requirement, name) for name in _VARIED])
 
 
-def _sampled(wheel: UnitWheel, requirement: Requirement, seed: int) -> tuple[FloatArray, Values]:
-    """Points of a wheel, logarithms of the varied numbers, and the figures there."""
-    shares = qmc.Sobol(len(_VARIED), seed=seed).random_base2(SAMPLE)
+def _points(requirement: Requirement, seed: int) -> FloatArray:
+    """Points to try: logarithms of the varied numbers."""
     low, high = _ends(requirement).T
-    points = low + shares * (high - low)
-    return points, _values(wheel, points, requirement)
+    shares = qmc.Sobol(len(_VARIED), seed=seed).random_base2(SAMPLE)
+    points: FloatArray = low + shares * (high - low)
+    return points
 
 
-def _values(wheel: UnitWheel, points: FloatArray, requirement: Requirement) -> Values:
-    """Figures in SI at points of a wheel."""
+def _values(wheel: UnitWheel, points: FloatArray) -> Values:
+    """Figures in SI at points of a wheel, interpolated; NaN beyond the ratios at which it moves."""
+    assert wheel.curves is not None
+    table = wheel.curves(points[:, 0], extrapolate=False)
     ratio, radius, torque = np.exp(points.T)
-    return in_si(
-        wheel.at(ratio),
-        wheel.body,
-        wheel.slots,
-        wheel.internal,
-        requirement,
-        (ratio, radius, torque),
-    )
+    return wheel.in_si(table, (ratio, radius, torque))
 
 
 def misses(values: Values, requirement: Requirement, margin: float = 0.0) -> FloatArray:
@@ -183,24 +170,20 @@ def misses(values: Values, requirement: Requirement, margin: float = 0.0) -> Flo
 
 def _reason(values: Values, requirement: Requirement) -> str:
     """The bound that prevents a requirement, and by how much."""
-    missed = misses(values, requirement)
-    names = list(requirement.bounds)
-    alone = []
-    for i, name in enumerate(names):
-        others = np.delete(missed, i, axis=0).sum(axis=0) == 0.0
-        if others.any():
-            k = int(np.where(others, missed[i], math.inf).argmin())
-            alone.append(
-                (missed[i, k], _bound_text(name, requirement.bounds[name], float(values[name][k])))
-            )
-    if alone:
-        return f"{min(alone)[1]}, if all other bounds are satisfied"
-    k = int(missed.sum(axis=0).argmin())
-    several = [
-        _bound_text(name, requirement.bounds[name], float(values[name][k]))
-        for i, name in enumerate(names)
-        if missed[i, k] > 0.0
-    ]
+    missed, names = misses(values, requirement), list(requirement.bounds)
+
+    def told(i: int, case: int) -> str:
+        return _bound_text(names[i], requirement.bounds[names[i]], float(values[names[i]][case]))
+
+    is_missed = missed > 0.0
+    # of each bound how far it is missed where it is the only one
+    alone = np.where(is_missed.sum(axis=0) == is_missed, missed, math.inf)[:-1]
+    least = alone.min(axis=1)
+    if np.isfinite(least).any():
+        i = int(least.argmin())
+        return f"{told(i, int(alone[i].argmin()))}, if all other bounds are satisfied"
+    nearest = int(missed.sum(axis=0).argmin())
+    several = [told(i, nearest) for i in np.flatnonzero(is_missed[:-1, nearest]).tolist()]
     return "; ".join([*several, "no single bound prevents a design: relax several of them"])
 
 
@@ -215,19 +198,18 @@ def _bound_text(name: str, bound: tuple[float, float], reached: float) -> str:
     )
 
 
-def _polished(
-    wheel: UnitWheel, point: FloatArray, requirement: Requirement
-) -> tuple[UnitWheel, FloatArray]:
+def _polished(wheel: UnitWheel, point: FloatArray) -> FloatArray:
     """A nearby point that is better in every objective, within all bounds."""
+    requirement = wheel.requirement
     low, high = _ends(requirement).T
     free = high > low
     if not free.any():
-        return wheel, point
+        return point
 
     def costs(x: FloatArray) -> FloatArray:
         whole = point.copy()
         whole[free] = x
-        found = _values(wheel, whole[None], requirement)
+        found = _values(wheel, whole[None])
         penalty = 1e3 * float(misses(found, requirement, _MARGIN).sum())
         return np.log([float(found[name][0]) for name in requirement.objectives]) + penalty
 
@@ -244,54 +226,33 @@ def _polished(
     better = point.copy()
     if found.fun < 0.0:
         better[free] = np.clip(found.x, low[free], high[free])
-    return wheel, better
+    return better
 
 
-def _made(wheel: UnitWheel, point: FloatArray, requirement: Requirement) -> Design | None:
+def _made(wheel: UnitWheel, point: FloatArray) -> Design | None:
     """The design at a point, simulated; None where it misses a bound after all."""
-    ratio, radius, torque = np.exp(point).tolist()
-    natural = exact(unit_wheel(wheel.slots, wheel.internal, requirement.pin), ratio, requirement)
-    found = in_si(
-        natural, wheel.body, wheel.slots, wheel.internal, requirement, (ratio, radius, torque)
-    )
-    inertia, driver_angle = found["follower_inertia"], 2.0 * math.pi * (requirement.turns or 0.0)
-    timer = _timer(wheel, requirement, (ratio, radius, torque), float(inertia), driver_angle)
-    if requirement.total_time is not None and requirement.turns is not None:
-        run = rundown(timer, turns=requirement.turns)
+    requirement, (ratio, radius, torque) = wheel.requirement, np.exp(point).tolist()
+    found = wheel.in_si(wheel.exact([ratio])[0], (ratio, radius, torque))
+    turns, total = requirement.turns, requirement.total_time
+    timer = Escapement(
+        Geneva(
+            wheel.slots, internal=wheel.internal, crank_radius=radius,
+            pin_radius=requirement.pin * radius,
+        ),
+        Inertia(found["driver_inertia"], found["follower_inertia"]),
+        torque=torque,
+        friction=0.5 * sum(requirement.friction),
+        spring_rate=requirement.torque_lost * torque / (2.0 * math.pi * turns) if turns else 0.0,
+    )  # fmt: skip
+    if turns is not None and total is not None:
         try:
-            share = (requirement.total_time / run.time_of(requirement.turns)) ** 2
+            share = (total / rundown(timer, turns=turns).time_of(turns)) ** 2
         except InvalidValue:
             return None  # it stops on the way
-        timer = _timer(
-            wheel, requirement, (ratio, radius, torque), float(inertia) * share, driver_angle
-        )
-        lasting = ("driver_inertia", "follower_inertia", "mass", "driver_thickness",
-                   "follower_thickness")  # fmt: skip
-        found |= {name: found[name] * share for name in lasting}
         found["rise_time_98"] *= math.sqrt(share)
+        found |= {name: found[name] * share for name in _OF_INERTIA}
+        inertia = Inertia(found["driver_inertia"], found["follower_inertia"])
+        timer = replace(timer, inertia=inertia)
     values = {name: float(x) for name, x in found.items()}
     missed = misses({name: np.array([x]) for name, x in values.items()}, requirement)
     return Design(timer, values) if missed.max(initial=0.0) == 0.0 else None
-
-
-def _timer(
-    wheel: UnitWheel,
-    requirement: Requirement,
-    point: tuple[float, float, float],
-    inertia: float,
-    driver_angle: float,
-) -> Escapement:
-    ratio, radius, torque = point
-    mechanism = Geneva(
-        wheel.slots,
-        internal=wheel.internal,
-        crank_radius=radius,
-        pin_radius=requirement.pin * radius,
-    )
-    return Escapement(
-        mechanism,
-        Inertia(ratio * inertia, inertia),
-        torque=torque,
-        friction=0.5 * sum(requirement.friction),
-        spring_rate=requirement.torque_lost * torque / driver_angle if driver_angle else 0.0,
-    )

@@ -54,7 +54,8 @@ def with_number(escapement: Escapement, name: str, value: float) -> Escapement:
     given: Any = value
     if name[-1].isdigit():
         name, role = name.rsplit("_", 1)
-        values = list(mechanism.settings[name])
+        # the lists of perfect parts may be empty
+        values = [*(mechanism.settings[name] or (0.0,) * mechanism.error_counts[name])]
         values[int(role)] = value
         given = tuple(values)
     if name in mechanism.settings:

@@ -6,8 +6,6 @@ Read `tolerance_budget` and `sensitivities` first.
   tolerances, and what they do to a figure of merit
 - `scatter_record`: what is told of it, in JSON, tables and reports
 - `sensitivities`: derivatives of figures of merit
-- `dual`, `dual_law`, `dual_engagements`, `time_panels`, `variation`, `extremes`, `contraction`,
-  `figure_duals`: derivatives by
-  differentiating the equation of motion
-- `differences`: derivatives where it cannot be differentiated
+- `derivatives`: derivatives of several figures by several numbers
+- `differences`: derivatives by one number, from differences
 """

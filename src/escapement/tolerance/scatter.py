@@ -6,7 +6,7 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import partial
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -15,19 +15,15 @@ from escapement.base.errors import InvalidValue
 from escapement.base.progress import set_stage
 from escapement.base.status import MESSAGES, Status
 from escapement.base.text import Shown, words
-from escapement.dynamics.figure_table import TRANSIENT
 from escapement.dynamics.figures_of_merit import Figures
 from escapement.engines import simulate as simulation
 from escapement.mechanisms.protocol import FloatArray
-from escapement.mechanisms.wheel_checks import IMPERFECT
-from escapement.model.escapement import Escapement
-from escapement.model.numbers import numbers_of
 from escapement.study.parse.sample import correlation_matrix
 from escapement.study.plan import StudyPlan, unit_kind
 from escapement.study.result import Study
 from escapement.tolerance import intervals
-from escapement.tolerance.differences import lossless, needs_differences, slopes_by
-from escapement.tolerance.figure_duals import figures_of
+from escapement.tolerance.derivatives import slopes_of
+from escapement.tolerance.differences import NONE, Slope
 from escapement.tolerance.intervals import Estimate, estimate
 from escapement.tolerance.spread import Spread
 from escapement.tolerance.worst_case import Worst, worst_case
@@ -38,11 +34,7 @@ FEWEST = 20
 """Cases that an estimate needs at least."""
 ROUNDS = 200
 """Rounds of the iteration for equal shares of correlated numbers."""
-OF_ERRORS = ("beat_error", "blow_max")
-"""Figures that are 0 for perfect parts."""
 Limits = tuple[float, float]
-Corners = Mapping[str, Mapping[str, tuple[float, float]]]
-"""By figure and number, the derivatives below and above."""
 
 
 @dataclass(frozen=True, repr=False)
@@ -85,68 +77,50 @@ class Scatter(Shown):
     total: dict[str, Estimate] = field(default_factory=dict)
 
 
-def _solved(plan: StudyPlan, names: Sequence[str], point: FloatArray) -> tuple[Escapement, Figures]:
-    """An escapement with values of some numbers, and its figures."""
-    values = plan.fixed_si | dict(zip(names, point.tolist(), strict=True))
-    timer = plan.built(values)
-    return timer, simulation.terminal(timer, initial_speed=values["initial_speed"] or 0.0)
+class Problem(NamedTuple):
+    """A plan, some of its numbers that scatter, and figures of merit at values of these numbers."""
 
+    plan: StudyPlan
+    names: tuple[str, ...]
 
-def _slopes(plan: StudyPlan, names: Sequence[str], figure: str, point: FloatArray) -> FloatArray:
-    """Derivatives of a figure at values of some numbers; NaN where there are none."""
-    nothing = np.full(len(names), math.nan)
-    try:
-        timer, found = _solved(plan, names, point)
-    except InvalidValue:
-        return nothing
-    if found.status is not Status.OK:
-        return nothing
-    values = dict(zip(names, point.tolist(), strict=True))
-    slopes, known = dict.fromkeys(names, 0.0), numbers_of(timer.held)
-    if figure in TRANSIENT and (values | plan.fixed_si)["initial_speed"]:
-        return nothing
-    # errors of perfect parts have two derivatives; of what is left a cycle does not depend
-    slopes |= {name: math.nan for name in names if name.startswith(IMPERFECT)}
-    apart = names if needs_differences(timer) else lossless(timer)
-    exact = [name for name in names if name in known and name not in apart]
-    for name in {*names} & {*apart} & {*known}:
-        found_by = slopes_by(timer, name, values[name], (figure,)) if values[name] else {}
-        slopes[name] = found_by.get(figure, (math.nan,))[0]
-    if exact:
-        slopes |= _exact(timer, found, exact, figure)
-    return np.array([slopes[name] for name in names])
+    def solved(self, point: FloatArray) -> Figures:
+        """The figures at a point; InvalidValue where there are none."""
+        values = self.plan.fixed_si | dict(zip(self.names, point.tolist(), strict=True))
+        speed = values["initial_speed"] or 0.0
+        return simulation.terminal(self.plan.built(values), initial_speed=speed)
 
+    def value(self, figure: str, point: FloatArray) -> float:
+        """A figure at a point; NaN where it has none."""
+        try:
+            return float(getattr(self.solved(point), figure))
+        except InvalidValue:
+            return math.nan
 
-def _exact(
-    timer: Escapement, found: Figures, names: Sequence[str], figure: str
-) -> dict[str, float]:
-    """Derivatives of a figure by numbers for which the equation of motion is differentiated."""
-    if figure in OF_ERRORS and not timer.mechanism.errors:
-        return dict.fromkeys(names, 0.0)
-    duals, _ = figures_of(timer.held, found, tuple(names), (figure,))
-    slopes = duals[figure].slopes.tolist() if figure in duals else [math.nan] * len(names)
-    return dict(zip(names, slopes, strict=True))
+    def slopes(self, figures: Sequence[str], point: FloatArray) -> dict[str, list[Slope]]:
+        """The derivatives of each figure at a point by each number."""
+        nothing = {figure: [NONE] * len(self.names) for figure in figures}
+        numbers = dict(zip(self.names, point.tolist(), strict=True))
+        try:
+            nominal, middle = self.plan.built(self.plan.fixed_si | numbers), self.solved(point)
+        except InvalidValue:
+            return nothing
+        if middle.status is not Status.OK:
+            return nothing
 
+        def solve(name: str, value: float) -> Figures:
+            return self.solved(np.array([*(numbers | {name: value}).values()]))
 
-def _value(plan: StudyPlan, names: Sequence[str], figure: str, point: FloatArray) -> float:
-    """A figure at values of some numbers; NaN where it has none."""
-    try:
-        return float(getattr(_solved(plan, names, point)[1], figure))
-    except InvalidValue:
-        return math.nan
+        found = slopes_of(solve, nominal, middle, numbers, figures)
+        return {f: [found[n][f] if n in found else NONE for n in numbers] for f in figures}
 
 
 def scatter_of(
-    plan: StudyPlan,
-    nominal: Escapement,
-    study: Study,
-    spreads: Mapping[str, Spread],
-    figure: str,
-    limits: Mapping[str, Limits],
-    corners: Corners,
-) -> Scatter:
-    """The scatter of one figure; `corners` has its two slopes by errors of perfect parts."""
+    problem: Problem, study: Study, spreads: Mapping[str, Spread], figure: str,
+    slopes: Sequence[Slope], limits: Mapping[str, Limits],
+) -> Scatter:  # fmt: skip
+    """The scatter of one figure, of which `slopes` are the nominal derivatives by each number."""
     set_stage(f"worst case of {words(figure)}")
+    plan, names = problem
     system = plan.configuration["units"]
     values = study.results[figure] * units.factor(unit_kind(figure), system)
     answered = np.isfinite(values)
@@ -156,25 +130,20 @@ def scatter_of(
         remedy = MESSAGES[why] if why else "give a larger size"
         rule = f"{figure} must have a value in at least {FEWEST} of {values.size} cases"
         raise InvalidValue(f"{rule}, got {answered.sum()}; {remedy}")
-    names, kept = list(spreads), values[answered]
+    kept = values[answered]
     points = np.array([s.nominal for s in spreads.values()])
     bounds = np.array([[s.low, s.high] for s in spreads.values()])
     columns = np.array([plan.every(name) for name in names])[:, answered]
     tried = columns[:, [int(kept.argmin()), int(kept.argmax())]].T
-    inputs = (plan, names, figure)
-    sides = {name: corners.get(figure, {}).get(name, (math.nan, math.nan)) for name in names}
-    # a kink with slopes of one sign is as good as a slope of that sign
-    alike = np.array(
-        [below if below * above > 0.0 else math.nan for below, above in sides.values()]
-    )
 
     def slopes_at(point: FloatArray) -> FloatArray:
-        found = _slopes(*inputs, point)
-        at_kink = np.isnan(found) & (point == points)
-        return np.where(at_kink, alike, found)
+        nominal = (point == points).all()
+        found = slopes if nominal else problem.slopes([figure], point)[figure]
+        # a kink with slopes of one sign is as good as a slope of that sign
+        return np.array([s.steeper if s.below * s.above >= 0.0 else math.nan for s in found])
 
-    worst = worst_case(partial(_value, *inputs), slopes_at, bounds, points, tried)
-    slopes, covariance = _first_order(plan, nominal, spreads, figure, corners)
+    worst = worst_case(partial(problem.value, figure), slopes_at, bounds, points, tried)
+    covariance = _covariance(plan, spreads, slopes)
     variances, total = covariance.sum(axis=1), float(covariance.sum())
     order: Any = np.argsort(-variances) if math.isfinite(total) else ()
     shares = {names[i]: float(variances[i] / (total or 1.0)) for i in order}
@@ -189,10 +158,10 @@ def scatter_of(
         capable = partial(intervals.capability, low=ends[0], high=ends[1])
         capability = estimate(capable, kept, groups)
     return Scatter(
-        nominal=_value(*inputs, points),
+        nominal=problem.value(figure, points),
         worst=worst,
         sigma=math.sqrt(total) if math.isfinite(total) else math.nan,
-        slopes=dict(zip(names, slopes.tolist(), strict=True)),
+        slopes={name: slope.steeper for name, slope in zip(names, slopes, strict=True)},
         contributions=shares,
         balanced={name: factor_of[name] for name in shares if name in factor_of},
         mean=estimate(intervals.mean, kept, groups),
@@ -204,31 +173,20 @@ def scatter_of(
     )
 
 
-def _first_order(
-    plan: StudyPlan,
-    nominal: Escapement,
-    spreads: Mapping[str, Spread],
-    figure: str,
-    corners: Corners,
-) -> tuple[FloatArray, FloatArray]:
-    """Derivatives, and covariances of the effects of the numbers, to first order."""
-    names = list(spreads)
-    points = np.array([s.nominal for s in spreads.values()])
-    slopes = _slopes(plan, names, figure, points)
-    lines = slopes.copy()
-    variances = (slopes * [s.sigma for s in spreads.values()]) ** 2
-    for i, name in enumerate(names):
-        if name in corners.get(figure, {}):
-            below, above = corners[figure][name]
-            slopes[i] = above if abs(above) > abs(below) else below
-            variances[i], lines[i] = spreads[name].kinked(below, above)
+def _covariance(
+    plan: StudyPlan, spreads: Mapping[str, Spread], slopes: Sequence[Slope]
+) -> FloatArray:
+    """Covariances of the effects of the numbers, to first order."""
+    names, every = list(spreads), list(spreads.values())
     pairs = plan.configuration["sample"].get("correlations", [])
     matrix = correlation_matrix(pairs, names) if pairs else np.eye(len(names))
-    scaled = lines * [s.sigma for s in spreads.values()]
     with np.errstate(invalid="ignore"):  # of an infinite slope
+        kinked = [s.kinked(x.below, x.above) for s, x in zip(every, slopes, strict=True)]
+        variances, lines = np.array(kinked).T
+        scaled = lines * [s.sigma for s in every]
         covariance = np.where(matrix == 0.0, 0.0, matrix * np.outer(scaled, scaled))
     np.fill_diagonal(covariance, variances)
-    return slopes, covariance
+    return covariance
 
 
 def equal_factors(covariance: FloatArray) -> FloatArray:

@@ -1,33 +1,24 @@
-"""`sensitivities`: the exact derivatives of figures of merit by the numbers of the model."""
+"""`sensitivities`: derivatives of figures of merit by the numbers of the model."""
 
 from __future__ import annotations
 
-import re
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
 from typing import Any
 
-import numpy as np
-
 from escapement.base.errors import InvalidValue
+from escapement.base.quantity import quantities
 from escapement.base.status import Status
 from escapement.base.text import Shown
 from escapement.dynamics.figure_table import FIGURES, TRANSIENT
 from escapement.dynamics.figures_of_merit import Figures
 from escapement.engines import simulate as simulation
-from escapement.mechanisms.protocol import FloatArray
 from escapement.model.escapement import Escapement
-from escapement.model.numbers import numbers_of
-from escapement.tolerance.differences import lossless, needs_differences, slopes_by
-from escapement.tolerance.figure_duals import LIMITS, figures_of
+from escapement.model.numbers import numbers_of, with_number
+from escapement.tolerance.derivatives import JUMPS, Slopes, slopes_of, told
+from escapement.tolerance.differences import NO_CHANGE
 
-JUMPS = ("rise_time", "settling_time")
-"""Figures that jump where another extremum is the first one within the band."""
-_STEPS = np.array([1e-4, 2e-4, 4e-4])
-"""Square roots of the errors near a kink: an impact grows with the square root of an error."""
-_TO_ZERO = np.linalg.inv(np.vander(_STEPS, increasing=True))[0]
-_CYCLE = tuple(name for name in FIGURES if name not in (*TRANSIENT, *LIMITS))
-_DIFFERENCES = "derivatives are differences; numbers that are 0 and rise times are left out"
 Table = dict[str, dict[str, float]]
 
 
@@ -37,14 +28,13 @@ class Sensitivities(Shown):
 
     absolute : by figure and number, dF/dq in SI: `absolute["period"]["torque"]`.
     relative : likewise d ln F/d ln q, per cent per cent; only where both are not zero.
-    one_sided : by figure and error of a part of a perfect wheel, where figures have a kink: the
-        derivatives below and above zero, infinite where a figure grows with the root of an error.
-        Empty unless requested.
-    doubts : by figure and number, the uncertainty of a derivative computed by differences; empty
-        if all are exact.
+    one_sided : by figure and number, where the figure has a kink: the derivatives below and above
+        the number, infinite where a figure grows with the root of a distance. Errors of the parts
+        of a perfect wheel are among the numbers only if requested.
+    doubts : by figure and number, the estimated error of each derivative in `absolute`.
     jumps : figures that have no derivative, because they jump.
     figures : the figures of merit themselves.
-    message : the derivatives that are left out, and the reason.
+    message : the derivatives that are left out.
     """
 
     absolute: Table
@@ -64,11 +54,11 @@ class Sensitivities(Shown):
 def sensitivities(escapement: Escapement, *, errors: bool = False) -> Sensitivities:
     """Derivatives of every figure of the terminal cycle by every number of the model.
 
-    They are exact: the equation of motion, its events and the fixed point of the cycle are
-    differentiated, and nothing is taken from differences of figures. A number that is 0 and
-    cannot be negative, such as the radius of thin pins, has a one-sided derivative. With
-    clearance, compliant contact or trains that lose power they are differences with their
-    `doubts`; numbers that are 0 and rise times are then left out.
+    They are extrapolated differences of figures, each with its estimated error in `doubts`. The
+    figures of scenes without clearance and with rigid walls are exact to some 1e-14, and their
+    derivatives to 1e-8 of the derivative or of the figure over the number, whichever is greater.
+    A number that can only change in one direction, such as the radius of thin pins or an
+    efficiency of 1, has a one-sided derivative.
 
     Parameters
     ----------
@@ -76,14 +66,15 @@ def sensitivities(escapement: Escapement, *, errors: bool = False) -> Sensitivit
         It needs a terminal cycle. Of a spring that runs down the derivatives are those at its full
         torque.
     errors : bool
-        Whether to compute `one_sided` too, which takes some seconds. With perfect parts a figure
-        has a kink: these derivatives are the limits for smaller and smaller errors.
+        Whether to include an error of each kind that the parts of a perfect wheel may have. With
+        perfect parts a figure has a kink: its derivatives are in `one_sided`.
 
     Returns
     -------
     Sensitivities
         The numbers have the names that the axes of studies have. Mechanisms without a
-        `crank_radius` have no lengths. Errors of imperfect parts are among the numbers.
+        `crank_radius` have no lengths. Errors of imperfect parts are among the numbers. With
+        clearance or compliant contact rise times are left out.
 
     Raises
     ------
@@ -94,86 +85,56 @@ def sensitivities(escapement: Escapement, *, errors: bool = False) -> Sensitivit
     if figures.status is not Status.OK or figures.motion is None:
         raise InvalidValue(f"escapement must have a terminal cycle: {figures.message}")
     escapement = escapement.held
-    numbers = numbers_of(escapement)
-    if needs_differences(escapement):
-        nothing = Sensitivities({}, {}, {}, {}, JUMPS, figures, _DIFFERENCES)
-        return _by_differences(escapement, numbers, nothing)
-    ends = {name: numbers.pop(name) for name in lossless(escapement)}
-    duals, message = figures_of(escapement, figures, tuple(numbers))
-    absolute: Table = {}
-    relative: Table = {}
-    for figure, dual in duals.items():
-        found, value = dict(zip(numbers, dual.slopes.tolist(), strict=True)), float(dual)
-        absolute[figure] = found
-        relative[figure] = {
-            name: slope * numbers[name] / value
-            for name, slope in found.items()
-            if numbers[name] != 0.0 and value != 0.0
-        }
-    corners = corners_of(escapement, error_axes(escapement.mechanism)) if errors else {}
-    exact = Sensitivities(absolute, relative, corners, {}, JUMPS, figures, message)
-    return _by_differences(escapement, ends, exact) if ends else exact
+    # a slip speed of 0 is no value: the engine then chooses one
+    numbers = {n: x for n, x in numbers_of(escapement).items() if x or n != "slip_speed"}
+    idle = _idle(numbers)
+    given = {name: value for name, value in numbers.items() if name not in idle}
+    given |= dict.fromkeys(error_axes(escapement.mechanism), 0.0) if errors else {}
+    wanted = _wanted(escapement, figures)
+
+    def solve(name: str, value: float) -> Figures:
+        return simulation.terminal(with_number(escapement, name, value))
+
+    slopes = slopes_of(solve, escapement, figures, given, wanted)
+    slopes |= {name: dict.fromkeys(wanted, NO_CHANGE) for name in idle}
+    return _collected(slopes, numbers, figures, wanted)
 
 
-def _by_differences(
-    escapement: Escapement, numbers: Mapping[str, float], found: Sensitivities
+def _idle(numbers: Mapping[str, float]) -> list[str]:
+    """Numbers that have no effect, because another one that they need is 0."""
+    needs = ((name, entry.needs) for name, entry in quantities(Escapement).items() if entry.needs)
+    return [name for name, other in needs if name in numbers and numbers.get(other) == 0.0]
+
+
+def _wanted(escapement: Escapement, figures: Figures) -> list[str]:
+    """The figures that have a value, and derivatives."""
+    left_out = ("energy_residual", *JUMPS, *(TRANSIENT if escapement.contact else ()))
+    names = [name for name in FIGURES if name not in left_out]
+    return [name for name in names if math.isfinite(getattr(figures, name))]
+
+
+def _collected(
+    slopes: Mapping[str, Slopes], numbers: Mapping[str, float], figures: Figures, wanted: list[str]
 ) -> Sensitivities:
-    """Add the derivatives by numbers that are not 0, each with its uncertainty."""
-    for name, value in numbers.items():
-        if value == 0.0:
-            continue
-        for figure, (slope, doubt) in slopes_by(escapement, name, value).items():
-            found.absolute.setdefault(figure, {})[name] = slope
-            found.doubts.setdefault(figure, {})[name] = doubt
-            if nominal := getattr(found.figures, figure):
-                found.relative.setdefault(figure, {})[name] = slope * value / nominal
-    return found
-
-
-def corners_of(
-    escapement: Escapement, wanted: Sequence[str], figures: Sequence[str] = _CYCLE
-) -> dict[str, dict[str, tuple[float, float]]]:
-    """Derivatives of figures by errors of parts on either side of perfect ones.
-
-    All pins are equal, and so are all slots: the derivatives for the first one hold for each.
-    """
-    solved: dict[str, list[dict[str, float]]] = {}
-    found: dict[str, dict[str, tuple[float, float]]] = {}
-    for name in wanted:
-        key = re.sub(r"_\d+$", "", name)
-        if key not in solved:
-            cycle = [name for name in figures if name not in TRANSIENT]
-            solved[key] = [_side(escapement, key, sign, cycle) for sign in (-1.0, 1.0)]
-        below, above = solved[key]
-        for figure in below:
-            found.setdefault(figure, {})[name] = below[figure], above[figure]
-    return found
-
-
-def _side(
-    escapement: Escapement, key: str, sign: float, figures: Sequence[str]
-) -> dict[str, float]:
-    """Limits of the derivatives by an error on one side of zero."""
-    mechanism: Any = escapement.mechanism
-    count = mechanism.error_counts.get(key)
-    unit = 1.0 if "angle" in key else mechanism.crank_radius
-    tables = []
-    for step in _STEPS:
-        error = sign * step**2 * unit
-        some: Any = (error, *(0.0,) * (count - 1)) if count else error
-        varied = replace(escapement, mechanism=replace(mechanism, **{key: some}))
-        names = (f"{key}_0" if count else key,)
-        duals, _ = figures_of(varied, simulation.terminal(varied), names, figures)
-        tables.append({figure: float(dual.slopes[0]) for figure, dual in duals.items()})
-    return {name: _limit(np.array([table[name] for table in tables])) for name in tables[0]}
-
-
-def _limit(slopes: FloatArray) -> float:
-    """The limit of derivatives at ever smaller errors; infinite if they grow as one over a root."""
-    near, middle, far = abs(slopes)
-    if near > 1.5 * middle and middle > 1.5 * far:
-        return float(np.copysign(np.inf, slopes[0]))
-    return float(_TO_ZERO @ slopes)
+    """The tables of derivatives, by figure and number."""
+    absolute: Table = {figure: {} for figure in wanted}
+    relative: Table = {figure: {} for figure in wanted}
+    doubts: Table = {figure: {} for figure in wanted}
+    one_sided: dict[str, dict[str, tuple[float, float]]] = {}
+    lost: dict[str, list[str]] = {}
+    for name in sorted(slopes, key=[*numbers, *slopes].index):
+        for figure, slope in slopes[name].items():
+            if slope.missing:
+                lost.setdefault(figure, []).append(name)
+            elif slope.below != slope.above or name not in numbers:
+                one_sided.setdefault(figure, {})[name] = slope.below, slope.above
+            else:
+                absolute[figure][name], doubts[figure][name] = slope.below, slope.doubt
+                value = getattr(figures, figure)
+                if value and numbers[name]:
+                    relative[figure][name] = slope.below * numbers[name] / value
+    message = "; ".join(told(figure, names) for figure, names in lost.items()) or "done"
+    return Sensitivities(absolute, relative, one_sided, doubts, JUMPS, figures, message)
 
 
 def error_axes(mechanism: Any) -> list[str]:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
@@ -21,7 +20,6 @@ from escapement.base.text import Shown
 from escapement.dynamics.figure_table import FIGURES
 from escapement.engines import simulate as simulation
 from escapement.mechanisms.protocol import FloatArray
-from escapement.mechanisms.wheel_checks import IMPERFECT
 from escapement.model.escapement import Escapement
 from escapement.model.numbers import numbers_of
 from escapement.study.parse import parse_plan, plan_from
@@ -30,10 +28,10 @@ from escapement.study.plan import StudyPlan
 from escapement.study.result import Study
 from escapement.study.running import run_plan
 from escapement.tolerance import intervals
+from escapement.tolerance.derivatives import told
 from escapement.tolerance.indices import sobol_indices
 from escapement.tolerance.intervals import Estimate
-from escapement.tolerance.scatter import FEWEST, Limits, Scatter, scatter_of
-from escapement.tolerance.sensitivities import corners_of
+from escapement.tolerance.scatter import FEWEST, Limits, Problem, Scatter, scatter_of
 from escapement.tolerance.spread import Spread, spreads_of
 
 HYPERCUBES = 20
@@ -170,12 +168,11 @@ def budget_of(
     set_stage(f"solving {plan.cases} cases")
     study = run_plan(plan, **options)
     names = [name for name in plan.results if name != "status"]
-    known = numbers_of(nominal.held)
-    sharp = [name for name in spreads if name.startswith(IMPERFECT) and name not in known]
-    corners = corners_of(nominal.held, sharp, names)
+    problem = Problem(plan, (*spreads,))
+    set_stage("derivatives")
+    slopes = problem.slopes(names, np.array([spread.nominal for spread in spreads.values()]))
     scatters = {
-        name: scatter_of(plan, nominal, study, spreads, figure=name, limits=ends, corners=corners)
-        for name in names
+        name: scatter_of(problem, study, spreads, name, slopes[name], ends) for name in names
     }
     if indices:
         _add_indices(plan, scatters, indices, int(drawn["seed"]))
@@ -221,9 +218,8 @@ def _without(figure: str, scatter: Scatter) -> str:
     lacking = [name for name, slope in scatter.slopes.items() if not math.isfinite(slope)]
     notes = []
     if lacking:
-        every = ", ".join(dict.fromkeys(re.sub(r"_\d+$", "", name) for name in lacking))
         without = "so that its scatter to first order and the shares are left out"
-        notes += [f"{figure} has no derivative by {every}, {without}"]
+        notes += [f"{told(figure, lacking)}, {without}"]
     if not math.isfinite(scatter.worst.low + scatter.worst.high):
         notes += [f"{figure} has no value at one of its worst cases"]
     return "; ".join(notes)
