@@ -155,7 +155,7 @@ def _in_natural_units(plan: StudyPlan, cases: NDArray[np.int64]) -> tuple[Any, .
 
 def _solve_patterns(plan: StudyPlan, cases: NDArray[np.int64]) -> SceneFigures:
     """Figures of the scenes of some cases with imperfect parts, each of which is a pattern."""
-    from escapement.engines.energy import pattern_rows
+    from escapement.engines.energy import batch, cycle
 
     columns, ratios, w, sound = _in_natural_units(plan, cases)
     values, unit = plan.fixed_si | columns, plan.lengths["crank_radius"] or 1.0
@@ -177,8 +177,8 @@ def _solve_patterns(plan: StudyPlan, cases: NDArray[np.int64]) -> SceneFigures:
     figures = np.full((len(plan.results) - 1, cases.size), np.nan)
     status = np.full(cases.size, Status.INVALID, dtype=np.uint8)
     settings = plan.solver.tolerance, _extent(plan)
-    table, found = pattern_rows.solve(wheel, given, numbers[:, sound], *settings)
-    named = dict(zip(pattern_rows.COLUMNS, table.T, strict=True))
+    table, found = batch.solve(wheel, numbers[:, sound], *settings, given)
+    named = dict(zip(cycle.COLUMNS, table.T, strict=True))
     figures[:, sound], status[sound] = _in_order(plan, wheel, named, cases[sound]), found
     check_scenes(plan, cases, figures, status)
     return figures, status
