@@ -8,7 +8,7 @@ import pytest
 import escapement as esc
 from escapement.base.status import Status
 from escapement.base.units import INCH_POUND
-from escapement.engines.energy import batch, cycle, pattern_rows
+from escapement.engines.energy import batch, cycle
 from escapement.engines.energy.trajectory import EnergyTrajectory
 from escapement.study import checked
 
@@ -71,21 +71,21 @@ def study(timer, **axes):
     return esc.sweep(timer, results=results, **axes).results
 
 
-def planted(monkeypatch, kernels, rows, share=1.0 + 1e-5):
+def planted(monkeypatch, rows, share=1.0 + 1e-5):
     """Let the kernels of a study give a wrong period in some rows of every slice."""
-    right = kernels.solve
+    right = batch.solve
 
     def wrong(*given):
         table, status = right(*given)
         table[rows, cycle.COLUMNS.index("period")] *= share
         return table, status
 
-    monkeypatch.setattr(kernels, "solve", wrong)
+    monkeypatch.setattr(batch, "solve", wrong)
 
 
-@pytest.mark.parametrize(("timer", "kernels"), [(TIMER, batch), (UNEVEN, pattern_rows)])
-def test_a_study_whose_kernels_are_wrong_says_so(monkeypatch, timer, kernels):
-    planted(monkeypatch, kernels, slice(None))
+@pytest.mark.parametrize("timer", [TIMER, UNEVEN])
+def test_a_study_whose_kernels_are_wrong_says_so(monkeypatch, timer):
+    planted(monkeypatch, slice(None))
     found = study(timer, friction=np.linspace(0.1, 0.3, 10))
     assert (found["status"] == Status.NOT_CONVERGED).all()
     assert np.isnan(found["period"]).all()
@@ -94,7 +94,7 @@ def test_a_study_whose_kernels_are_wrong_says_so(monkeypatch, timer, kernels):
 def test_one_wrong_extreme_is_found_and_the_others_are_kept(monkeypatch):
     right = study(TIMER, friction=np.linspace(0.1, 0.3, 10))
     checked._solved.clear()
-    planted(monkeypatch, batch, 4, share=2.0)
+    planted(monkeypatch, 4, share=2.0)
     found = study(TIMER, friction=np.linspace(0.1, 0.3, 10))
     failed = found["status"] == Status.NOT_CONVERGED
     assert failed.sum() == 1

@@ -7,7 +7,7 @@ import pytest
 
 import escapement as esc
 from escapement.dynamics.needs import FIXED, Kind, kind_of, plain_scene
-from escapement.engines.energy.calls import kernel_addresses
+from escapement.engines.energy.calls import NO_PATTERN, kernel_addresses
 from escapement.engines.energy.cells import cells_of
 from escapement.engines.energy.handoffs import handoffs
 
@@ -35,7 +35,7 @@ def test_each_kind_gives_the_bits_of_the_whole(timer, kind):
     for each in Kind:
         if each >= kind:
             times, speeds = np.empty(30), np.empty(30)
-            inputs = kernel_addresses(each), plain_scene(scene, each), cells
+            inputs = kernel_addresses(each), plain_scene(scene, each), cells, NO_PATTERN
             handoffs(*inputs, 0.0, np.inf, 1e-12, 1.0, times, speeds)
             found.append((times.tobytes(), speeds.tobytes()))
     assert len(set(found)) == 1

@@ -3,7 +3,6 @@
 Read `law` first: it is the equation of motion.
 
 - `codes`: kinds of events, and how an engagement ends
-- `altered_scenes`: a scene with some numbers changed
 - `law`, `torque`, `train_losses`, `state_table`: the equation, the torque of the drive, trains that
   lose power, and what kernels tabulate
 - `needs`: what a scene needs, for which alone kernels are compiled

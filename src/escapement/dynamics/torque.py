@@ -10,7 +10,7 @@ natural units the greatest torque is 1.
 
 import numpy as np
 
-from escapement.dynamics.altered_scenes import scene_with
+from escapement.numerics.altered import altered
 from escapement.numerics.jit import inner_jit, jit
 
 # Where nothing drives it a driver of this squared speed, in units of torque/I_f, is at rest.
@@ -48,7 +48,7 @@ def cell_of(scene):
 @inner_jit(inlined=True)
 def cell_after(driver_angle, scene):
     """The scene in the cell after a driver angle turned."""
-    return scene_with(scene, driver_angle=driver_angle)
+    return altered(scene, "driver_angle", driver_angle)
 
 
 @inner_jit

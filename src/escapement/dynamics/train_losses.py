@@ -17,11 +17,10 @@ Inertias and torques are referred to the driver and the follower, in natural uni
 
 import numpy as np
 
-from escapement.dynamics.altered_scenes import scene_with
 from escapement.dynamics.law import bent_pose, contact, net_torque, reduced_inertia, root_of
 from escapement.dynamics.torque import torque_at
+from escapement.numerics.altered import altered
 from escapement.numerics.jit import inner_jit, jit
-from escapement.numerics.known import as_given
 
 UNKNOWN = -1.0
 """The flow of a scene that includes both trains as if nothing were lost."""
@@ -61,18 +60,15 @@ def in_flow(scene, flow):
     """
     barrel, train = factors(flow, scene)
     unit = 1.0 / (1.0 + (train - 1.0) * scene.load_train)
-    return scene_with(
+    return altered(
         scene,
-        rho=unit * (scene.rho + (barrel - 1.0) * scene.barrel),
-        load=unit * train * scene.load,
-        bearing=as_given(unit * scene.bearing, scene.bearing),
-        driver_drag=as_given(unit * scene.driver_drag, scene.driver_drag),
-        follower_drag=as_given(unit * scene.follower_drag, scene.follower_drag),
-        driver_viscous=as_given(unit * scene.driver_viscous, scene.driver_viscous),
-        follower_viscous=as_given(unit * scene.follower_viscous, scene.follower_viscous),
-        gain=as_given(unit * barrel, scene.gain),
-        flow=as_given(flow, scene.flow),
-    )
+        "rho", unit * (scene.rho + (barrel - 1.0) * scene.barrel),
+        "load", unit * train * scene.load, "bearing", unit * scene.bearing,
+        "driver_drag", unit * scene.driver_drag, "follower_drag", unit * scene.follower_drag,
+        "driver_viscous", unit * scene.driver_viscous,
+        "follower_viscous", unit * scene.follower_viscous,
+        "gain", unit * barrel, "flow", flow,
+    )  # fmt: skip
 
 
 @jit(allocates=True)
@@ -117,6 +113,8 @@ def flow_at(theta, side, w, scene):
         missed = _misses(flow, q, z)
         # beyond the limit two may have the right signs, one of them without a force on this side
         pressed = side * contact(g, k, pull, w, root, here) > 0.0
+        if missed == 0.0 and pressed:
+            return flow
         if missed < least or (missed == least and pressed and not held):
             best, least, held = flow, missed, pressed
     return best

@@ -36,10 +36,9 @@ class SampledTrajectory(Trajectory):
         They are computed from the piece's start with the equation of motion: a curve through the
         samples would miss the speed of a light driver, which peaks between two of them.
         """
-        clock, scenes = self.escapement.time_unit, self.escapement.scenes
+        clock = self.escapement.time_unit
         since = np.maximum(t - self.start[pieces], 0.0) / clock
-        index = self.engagement % len(scenes)
-        theta, squares = follow(scenes, index, self._rows, pieces, since, _RTOL)
+        theta, squares = follow(self.escapement, self._rows, pieces, since, _RTOL)
         return theta, np.sqrt(squares) / clock
 
     @cached_property
@@ -47,7 +46,8 @@ class SampledTrajectory(Trajectory):
         """The pieces as `pieces.states_of` takes them."""
         pairs, cell = self.escapement.pairs, self.escapement.mechanism.cell_angle
         ends = [(m.edges[0], m.edges[-1], m.edges[-1] + m.dwell, m.delay) for m in pairs]
-        entry, exit_, cell_end, delay = np.array(ends).T[:, self.engagement % len(pairs)]
+        index = self.engagement % len(pairs)
+        entry, exit_, cell_end, delay = np.array(ends).T[:, index]
         first = np.diff(self.engagement, prepend=-1) != 0
         angle = self.theta - self.engagement * cell - delay
         locked = self.sign == 0.0
@@ -58,4 +58,4 @@ class SampledTrajectory(Trajectory):
         end[-1] = cell_end[-1]
         driver_angle = self.escapement.driver_angle_before(self.engagement) + np.zeros(angle.size)
         w = (self.theta_dot * self.escapement.time_unit) ** 2
-        return np.column_stack([self.sign, angle, end, w, driver_angle])
+        return np.column_stack([index, self.sign, angle, end, w, driver_angle])

@@ -4,6 +4,7 @@
 - `interpreted`: kernels that run as Python source until compiling pays
 - `records`: records whose fields are attributes, compiled and in Python
 - `known`: numbers that are part of their type, so that kernels do without what they rule out
+- `altered`: named tuples with some fields changed, in kernels
 - `roots`: a root in a bracket
 - `gauss`: nodes of Gauss and a block of them
 - `chebyshev`: functions as Chebyshev series

@@ -18,13 +18,11 @@ from typing import Any
 import numba
 from llvmlite.binding import get_host_cpu_name
 from numba.core.runtime import rtsys  # type: ignore[attr-defined]
-from numba.np.unsafe.ndarray import to_fixed_tuple
 
 from escapement.base.notice import notice
 from escapement.numerics.interpreted import (
     Kernel,
     begin_interpreted,
-    in_both_forms,
     interprets,
 )
 
@@ -200,9 +198,6 @@ def jit(function: Any = None, **traits: bool) -> Any:
 
 
 _choose()
-row_tuple = in_both_forms(to_fixed_tuple, lambda row, count: tuple(row[:count].tolist()))
-"""The first numbers of an array as a tuple; their count is a constant."""
-
 inner_jit = partial(jit, inner=True)
 """`jit` of a kernel that is called by kernels alone."""
 

@@ -164,23 +164,18 @@ def _solve(
     plan: StudyPlan, mechanism: Any, scene: FloatArray, cases: NDArray[np.int64]
 ) -> SceneFigures:
     """Solve the scenes of one mechanism, shape (k, n), to which these cases belong."""
-    settings = plan.solver.tolerance, _extent(plan)
-    if plan.perfect:
-        from escapement.engines.energy import batch, cycle
+    from escapement.engines.energy import batch, cycle
 
-        table, status = batch.solve(mechanism, scene, *settings)
-        found = dict(zip(cycle.COLUMNS, table.T, strict=True))
-    else:
-        from escapement.engines.energy import pattern_rows
-
-        errors = _errors(plan, mechanism, cases)
-        table, status = pattern_rows.solve(mechanism, errors, scene, *settings)
-        found = dict(zip(pattern_rows.COLUMNS, table.T, strict=True))
+    errors = None if plan.perfect else _errors(plan, mechanism, cases)
+    table, status = batch.solve(mechanism, scene, plan.solver.tolerance, _extent(plan), errors)
+    found = dict(zip(cycle.COLUMNS, table.T, strict=True))
     return _in_order(plan, mechanism, found, cases), status
 
 
-def _errors(plan: StudyPlan, wheel: Any, cases: NDArray[np.int64]) -> tuple[FloatArray, ...]:
-    """Errors of the parts in each case, in units of the crank radius, for `pattern_rows.solve`."""
+def _errors(
+    plan: StudyPlan, wheel: Any, cases: NDArray[np.int64]
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Errors of the parts in each case, in units of the crank radius, for `batch.solve`."""
     values, unit = plan.fixed_si | plan.columns(cases), plan.lengths["crank_radius"] or 1.0
 
     def each(name: str, count: int, scale: float = 1.0) -> FloatArray:

@@ -37,6 +37,7 @@ Files, in the order in which they are best read:
     over_panel the way over one panel, up to a reversal, a stop or its right end
     march      one engagement from entry to exit
     calls      march and refine, called by address, and what they need of an escapement
+    pairs      the pairs of a wheel in turn: an engagement with its handoff, a round of all pairs
     handoffs   times and speeds of handoffs, one engagement after the other
     peaks      the greatest accelerations, contact moment and force on a panel
     rundown_series thousands of engagements of a spring, as series over the angle turned
@@ -48,20 +49,22 @@ Files, in the order in which they are best read:
     case_figures figures of merit of one case, transient included
     batch      figures of merit of many scenes
     terminal   the figures that `escapement.terminal` returns
+    beat_times the times of the engagements of a cycle
 
-A call of simulate: `simulate.simulate` takes addresses, scene and cells from
-`calls.prepared`; `handoffs.handoffs` calls `march.march` for each engagement, adds the dwell
-and keeps time and speed of the handoff; an `EnergyTrajectory` holds them. When events are asked
-for, `pieces.events_of` marches again with full detail and `located_events.refine` makes each exact.
-When states are asked for, `pieces.follow` solves the piece again and inverts its time.
+A wheel has a round of pairs of pins and slots, which then meet again. Perfect parts make one pair;
+imperfect ones make a pattern of pairs, each with a path of its own. Everything from `pairs` on goes
+over rounds.
+
+A call of simulate: `simulate.simulate` takes addresses, scene, cells and pattern from
+`calls.prepared`; `handoffs.handoffs` calls `pairs.engage` for each engagement, which calls
+`march.march` and goes over the handoff behind it, and keeps time and speed there; an
+`EnergyTrajectory` holds them. When events are asked for, `pieces.events_of` marches again with full
+detail and makes each exact. When states are asked for, `pieces.follow` solves the piece again and
+inverts its time.
 
 A call of terminal: `terminal.terminal` gives one scene to `batch.solve_rows`; that calls
-`case_figures.figures`, which marches through the transient and keeps its extrema.
-`cycle.terminal_cycle` finds the w that an engagement gives back. `case_figures` then compares the
+`case_figures.figures`, which passes the rounds of the transient and keeps their extrema.
+`cycle.terminal_cycle` finds the w that a round gives back. `case_figures` then compares the
 extrema with the cycle for rise and settling time. In the end `simulate.simulate` makes the
-motion over one engagement of the cycle. A study calls `batch.solve` with many scenes instead.
-
-Wheels with imperfect parts have engagements that differ: `pattern_march` is their motion,
-`pattern_cycle` their terminal cycle, and `pattern_rows` the figures of many; `beat_times` gives the
-times of a cycle.
+motion over one round of the cycle. A study calls `batch.solve` with many scenes instead.
 """

@@ -5,12 +5,13 @@ from typing import Any
 import numpy as np
 
 from escapement.base.status import Status
-from escapement.engines.energy.calls import prepared_pattern
+from escapement.dynamics.needs import FIXED
+from escapement.engines.energy.batch import solve_rows
+from escapement.engines.energy.calls import prepared
 from escapement.engines.energy.case_figures import Extent
 from escapement.engines.energy.cells import NO_CELLS
-from escapement.engines.energy.cycle import HANDOFF
-from escapement.engines.energy.pattern_march import pattern_handoffs
-from escapement.engines.energy.pattern_rows import FIGURES, solve_pattern
+from escapement.engines.energy.cycle import FIGURES, HANDOFF
+from escapement.engines.energy.handoffs import handoffs
 from escapement.mechanisms.protocol import FloatArray
 from escapement.model.escapement import Escapement
 
@@ -24,11 +25,14 @@ def pattern_beats(escapement: Escapement, rtol: float) -> FloatArray | None:
     mechanism: Any = escapement.mechanism
     if mechanism.misfit:
         return None
-    given = *prepared_pattern(escapement), NO_CELLS, mechanism.pattern
-    figures = np.empty(FIGURES)
-    if solve_pattern(*given, 0.0, rtol, int(Extent.CYCLE), figures) != Status.OK:
+    addresses, plain, *_ = prepared(escapement)
+    given = addresses, plain, NO_CELLS, mechanism.pattern
+    numbers, codes = np.array([[*escapement.scene[FIXED:], 0.0]]), np.zeros(1, dtype=np.uint8)
+    table, extent = np.empty((1, FIGURES)), int(Extent.CYCLE)
+    solve_rows(*given[:3], given[3][None], NO_CELLS, numbers, rtol, extent, table, codes)
+    if codes[0] != Status.OK:
         return None
-    w = float(figures[HANDOFF]) ** 2
+    w = float(table[0, HANDOFF]) ** 2
     times, speeds = np.empty((2, mechanism.pattern.size))
-    status, *_ = pattern_handoffs(*given, w, np.inf, rtol, escapement.time_unit, times, speeds)
+    status, *_ = handoffs(*given, w, np.inf, rtol, escapement.time_unit, times, speeds)
     return np.diff(times, prepend=0.0) if status == Status.OK else None

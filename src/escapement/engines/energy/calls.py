@@ -5,7 +5,7 @@ together would take 31 s to compile instead of 20 s.
 """
 
 from functools import cache
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from numba import typeof, types
@@ -13,35 +13,20 @@ from numba import typeof, types
 from escapement.dynamics.needs import FIXED, Kind, kind_of, known_scene, plain_scene
 from escapement.engines.energy import located_events as _events
 from escapement.engines.energy import march as _march
-from escapement.engines.energy.cells import CELL, cells_of
+from escapement.engines.energy.cells import CELL, NO_CELLS, cells_of
 from escapement.engines.energy.located_events import EVENT
 from escapement.engines.energy.panels import PANEL, WORKSPACE, Store
 from escapement.engines.energy.passage import Detail, Request
 from escapement.mechanisms.path import Path
-from escapement.mechanisms.protocol import FloatArray
+from escapement.mechanisms.pattern import PAIR
 from escapement.model.escapement import Escapement
 from escapement.model.scene import Scene
 from escapement.numerics.by_address import by_address
 from escapement.numerics.interpreted import when_compiled
-from escapement.numerics.jit import inner_jit
 
+NO_PATTERN = np.empty(0, PAIR)
+"""The pattern of a wheel with perfect parts, whose only pair has the scene of the escapement."""
 _KEY = "energy.cells"
-
-
-class MarchInputs(NamedTuple):
-    """The arguments that all marches of one case share.
-
-    addresses : as `kernel_addresses` returns them.
-    scene, cells : a `Scene`, and the cells of its mechanism.
-    store, located_events : memory that the marches fill, a `Store` and an array of `EVENT`.
-    """
-
-    addresses: np.ndarray
-    scene: Scene
-    cells: Any
-    store: Store
-    events: Any
-
 
 # The types of the arguments are read off empty samples. A call by address needs them before
 # there is a caller, and they must be those of every caller.
@@ -61,15 +46,6 @@ refine, _refine_address = by_address(
 )
 
 
-@inner_jit(inlined=True)
-def march_case(case, count, request, w, rising, first):
-    """March one engagement of a case from w, and note its events from row `first` on."""
-    return march(
-        case.addresses, case.scene, case.cells, case.store, count, request, w, rising,
-        case.events, first,
-    )  # fmt: skip
-
-
 @cache
 def kernel_addresses(kind: Kind = Kind.WHOLE) -> np.ndarray:
     """Addresses of `march` and `refine` in this process, the first argument of their calls.
@@ -85,25 +61,24 @@ def kernel_addresses(kind: Kind = Kind.WHOLE) -> np.ndarray:
     return addresses
 
 
-def prepared(escapement: Escapement) -> tuple[np.ndarray, tuple[Any, ...], FloatArray]:
-    """Addresses of the long kernels, scene as plain tuples, and cells of the mechanism.
+def pattern_of(escapement: Escapement) -> np.ndarray:
+    """The pattern of a wheel with imperfect parts; `NO_PATTERN` of other mechanisms."""
+    if len(escapement.scenes) == 1:
+        return NO_PATTERN
+    wheel: Any = escapement.mechanism
+    return np.asarray(wheel.pattern)
 
-    Of a pattern of imperfect parts the scene is `Kind.WHOLE`. They are kept on the escapement, so
-    that its next call does not tabulate the cells again.
+
+def prepared(escapement: Escapement) -> tuple[Any, ...]:
+    """Addresses of the long kernels, scene as plain tuples, cells of the mechanism, and pattern.
+
+    They are kept on the escapement, so that its next call does not tabulate the cells again.
     """
     kept = escapement.kept
     if _KEY not in kept:
-        scene = escapement.scene
-        if len(escapement.scenes) > 1:
-            addresses, plain = prepared_pattern(escapement)
-        else:
-            kind = kind_of(scene.path, scene.torque, scene[FIXED:])
-            addresses, plain = kernel_addresses(kind), plain_scene(scene, kind)
-        kept[_KEY] = addresses, plain, cells_of(scene.path, scene.edges)
-    result: tuple[np.ndarray, tuple[Any, ...], FloatArray] = kept[_KEY]
+        scene, pattern = escapement.scene, pattern_of(escapement)
+        kind = max(kind_of(one.path, one.torque, one[FIXED:]) for one in escapement.scenes)
+        cells = NO_CELLS if pattern.size else cells_of(scene.path, scene.edges)
+        kept[_KEY] = kernel_addresses(kind), plain_scene(scene, kind), cells, pattern
+    result: tuple[Any, ...] = kept[_KEY]
     return result
-
-
-def prepared_pattern(escapement: Escapement) -> tuple[np.ndarray, tuple[Any, ...]]:
-    """Addresses of the long kernels, and scene as plain tuples, for the kernels of patterns."""
-    return kernel_addresses(Kind.WHOLE), plain_scene(escapement.scene, Kind.WHOLE)

@@ -14,20 +14,27 @@ from escapement.dynamics.figures_of_merit import (
     RISE_BAND,
     SETTLING_BAND,
 )
-from escapement.dynamics.law import ends_alike, is_lossless
+from escapement.dynamics.law import is_lossless
 from escapement.dynamics.torque import torque_at
 from escapement.engines.energy import cycle
-from escapement.engines.energy.calls import march_case, refine
-from escapement.engines.energy.leap import GENTLE, GOALS, ROWS, Leap, is_gentle, is_worth_it, leap
-from escapement.engines.energy.located_events import (
-    EVENT,
-    NO_EVENTS,
-    ROUGH_ERROR,
-    has_reversal,
-    most_events,
+from escapement.engines.energy.leap import (
+    GENTLE_TRAINS,
+    GOALS,
+    ROWS,
+    Leap,
+    is_gentle,
+    is_worth_it,
+    leap,
 )
+from escapement.engines.energy.located_events import NO_EVENTS, ROUGH_ERROR, has_reversal
 from escapement.engines.energy.march import NO_TERMINAL, NOT_CONVERGED, OK, STALL
-from escapement.engines.energy.panels import MAX_PANELS, NO_PANELS, new_store
+from escapement.engines.energy.pairs import (
+    Start,
+    lay_out_again,
+    make_exact,
+    pass_round,
+    round_events,
+)
 from escapement.engines.energy.passage import Detail, request_of
 from escapement.numerics.gauss import N
 from escapement.numerics.jit import inner_jit
@@ -36,8 +43,10 @@ from escapement.numerics.jit import inner_jit
 KEPT_EVENTS = 256
 # The terminal cycle is searched for after this many engagements, settled or not.
 LATEST_SEARCH = 40
-# Where no leap is possible so many engagements are marched before the next attempt.
+# Where no leap is possible so many rounds are marched before the next attempt.
 RETRY = 64
+# A loss or an inequality of the ends of an engagement below this share is rounding.
+ROUNDING = 1e-12
 
 
 class Extent(IntEnum):
@@ -59,12 +68,11 @@ class EventRows(NamedTuple):
     end: int
 
 
-@inner_jit(allocates=True)
-def workspace(edges):
-    """Memory for `figures`: panels, events, times and w of handoffs, and the rows of a leap."""
-    events = np.empty(KEPT_EVENTS + 2 * most_events(edges), EVENT)
-    handoffs, rows = np.empty((LATEST_SEARCH + 2, 2)), np.empty((ROWS, N))
-    return new_store(MAX_PANELS), events, handoffs, rows
+@inner_jit(allocates=True, inlined=True)
+def transient_memory(edges, size):
+    """Room for events, and memory for handoffs and the rows of a leap, of so many pairs."""
+    room = KEPT_EVENTS + 2 * round_events(edges, size)
+    return room, np.empty((LATEST_SEARCH + 2 * size + 2, 2)), np.empty((ROWS, N))
 
 
 @inner_jit
@@ -72,82 +80,107 @@ def figures(case, handoffs, rows, w, rtol, extent, out):
     """Figures of merit of one case into out (natural units); returns the status.
 
     The motion is followed from its start until it has nearly settled, and its extrema are
-    kept, and so are its `handoffs`. Newton's method finds the terminal cycle from there. The kept
-    events are then compared with that cycle, and the motion is followed further until everything
-    that `extent` requires is known. On a stall out[0] is the driver angle and out[1] the
-    engagement; both are NaN where a motion without friction loses energy in every engagement,
-    which `escapement.terminal` tells first.
+    kept, and so are time and w of its `handoffs`. Newton's method finds the terminal cycle from
+    there. The kept events are then compared with that cycle, and the motion is followed further
+    until everything that `extent` requires is known. On a stall out[0] is the driver angle and
+    out[1] the engagement; both are NaN where a motion without friction loses energy in every
+    engagement, which `escapement.terminal` tells first.
     """
-    scene, start = case.scene, w
-    handoffs[0, 0], handoffs[0, 1] = 0.0, w
+    start, size, constant_gain = w, case.data.size, _gains_alike(case)
     out[: cycle.FIGURES] = np.nan
-    ends = cycle.ends_of(scene)
-    constant_gain = is_lossless(scene) and ends_alike(ends.entry, ends.exit, scene.rho)
-    if constant_gain and _only_gains(scene):
+    if constant_gain and _only_gains(case.scene):
         return NO_TERMINAL
     request, before = request_of(Detail.EXTREMA, rtol), cycle.Attempt(w, w)
-    count, first, in_band, k, attempt, rows[GOALS, 0] = NO_PANELS, NO_EVENTS, 0, 0, 0, np.nan
+    first, in_band, k, attempt, rows[GOALS, 0] = NO_EVENTS, 0, 0, 0, np.nan
     time, rising, cycle_known, sought = 0.0, 0.0, False, False
+    _note_handoff(handoffs, k, time, w)
     while k < MAX_ENGAGEMENTS:
         ready = cycle_known
-        found = march_case(case, count, request, w, rising, first)
-        count, used, rising = found.panels, found.used, found.rising
+        found = pass_round(case, Start(w, rising, first), request)
+        used, rising = found.used, found.rising
         if found.status != OK:
             return _stopped(found, k, out)
         if constant_gain:
-            # every engagement adds the same energy: a negative one stops the motion in the end,
+            # every round adds the same energy: a negative one stops the motion in the end,
             # and with a positive one the speed grows without bound
             return NO_TERMINAL if found.source > 0.0 else STALL
         noted = EventRows(first, used)
         _mark_extrema(case, noted, time)
-        time += found.time
-        _note_handoff(handoffs, k + 1, time, found.w)
+        time = _note_round(case, handoffs, k, time)
         if cycle_known:
             in_band = _judge(case, noted, in_band, out)
-            note_fall(start, handoffs, k, out[cycle.HANDOFF], out[cycle.HANDOFF], rtol, out)
+            _note_falls(case, start, handoffs, k, rtol, out)
         if not sought:
-            driver_angle = has_reversal(case.events, first, used)
-            step = cycle.newton_step(w, found, scene, ends, driver_angle)
+            step = cycle.newton_step(w, found, has_reversal(case.events, first, used))
             first = used
-            if _worth_seeking(scene, w, step, k, used, case.events):
-                status, count = _seek(case, count, ends, w, step, before, found.w, used, rtol, out)
+            if _worth_seeking(case, w, step, k, used):
+                status = _seek(case, w, step, before, found, rtol, out)
                 sought, cycle_known, first = True, status == OK, NO_EVENTS
                 if status in (NOT_CONVERGED, NO_TERMINAL) or (
                     cycle_known and extent == Extent.CYCLE
                 ):
                     return status
                 if cycle_known:
-                    in_band = _take_stock(case, start, handoffs, k, used, in_band, rtol, out)
-                    # from rest it takes log(0.02)/log(contraction) engagements or so, here
+                    for passed in range(0, k + 1, size):
+                        _note_falls(case, start, handoffs, passed, rtol, out)
+                    in_band = _judge(case, EventRows(NO_EVENTS, used), in_band, out)
+                    # from rest it takes log(0.02)/log(contraction) rounds or so, here
                     # more than the limit, so no time is given
-                    if out[cycle.CONTRACTION] > 1.0 - 1.0 / MAX_ENGAGEMENTS:
+                    if out[cycle.CONTRACTION] > 1.0 - size / MAX_ENGAGEMENTS:
                         return OK
             before = cycle.Attempt(w, step.w)
-        w, k = found.w, k + 1
+        w, k = found.w, k + size
         # two motions never cross, so w at entry tends to its terminal value from one side: when
-        # a maximum and a minimum are in the band, all later ones are
-        if cycle_known and in_band >= 2 and (extent < Extent.FALLEN or out[cycle.RISE_98] >= 0.0):
+        # a maximum and a minimum of each pair are in the band, all later ones are
+        settled = cycle_known and in_band >= 2 * size
+        if settled and (extent < Extent.FALLEN or out[cycle.RISE_98] >= 0.0):
             return OK
-        if ready and k >= attempt and out[cycle.CONTRACTION] > 1.0 - GENTLE:
-            passed = _leap_on(case, request, ends, start, w, k, found, extent, rows, out)
-            attempt = k if passed.number > 0 else k + RETRY
-            k, w, time, count = k + passed.number, passed.w, time + passed.time, NO_PANELS
+        if ready and k >= attempt and out[cycle.CONTRACTION] > 1.0 - GENTLE_TRAINS:
+            passed = _leap_on(case, request, start, w, k, found, extent, rows, out)
+            attempt = k if passed.number > 0 else k + RETRY * size
+            k, w, time = k + passed.number * size, passed.w, time + passed.time
+            lay_out_again(case)
             _note_handoff(handoffs, k, time, w)
     # a settling time beyond the limit of engagements is not given
-    if in_band < 2:
+    if in_band < 2 * size:
         out[cycle.SETTLING] = np.nan
     return OK if cycle_known else NOT_CONVERGED
 
 
 @inner_jit
-def _seek(case, count, ends, w, step, before, following, used, rtol, out):
-    """Search for the terminal cycle behind the engagement from w to `following`.
+def _gains_alike(case):
+    """Whether every round adds the same energy: nothing is lost, and its ends are alike."""
+    slope = 0.0
+    for index in range(case.data.size):
+        slope += case.data[index].slope
+    return is_lossless(case.scene) and abs(slope) <= ROUNDING
 
-    `step` is Newton's step from w, and `before` the `Attempt` of the engagement before. Returns
-    the status and the number of panels in use.
+
+@inner_jit
+def _note_round(case, handoffs, k, time):
+    """Keep the handoffs of the round just passed, from engagement k on; returns its end."""
+    for index in range(case.data.size):
+        time += case.data[index].time
+        _note_handoff(handoffs, k + index + 1, time, case.data[index].after)
+    return time
+
+
+@inner_jit
+def _note_falls(case, start, handoffs, k, rtol, out):
+    """Note `rise_time_63` and `_98` where the round from engagement k on passes them."""
+    for index in range(case.data.size):
+        last, following = case.data[index - 1].final, case.data[index].final
+        note_fall(start, handoffs, k + index, last, following, rtol, out)
+
+
+@inner_jit
+def _seek(case, w, step, before, found, rtol, out):
+    """Search for the terminal cycle behind the round from w that was `found`; returns the status.
+
+    `step` is Newton's step from w, and `before` the `Attempt` of the round before.
     """
-    guess, last = _first_guess(w, step, before, following), cycle.Attempt(w, step.w)
-    return cycle.terminal_cycle(case, count, ends, guess, following, last, rtol, used, out)
+    start = Start(_first_guess(w, step, before, found.w), found.rising, found.used)
+    return cycle.terminal_cycle(case, start, found.w, cycle.Attempt(w, step.w), rtol, out)
 
 
 @inner_jit
@@ -158,14 +191,14 @@ def _note_handoff(handoffs, k, time, w):
 
 
 @inner_jit
-def _leap_on(case, request, ends, start, w, k, found, extent, rows, out):
+def _leap_on(case, request, start, w, k, found, extent, rows, out):
     """Leap from w, at the entry of engagement k, until shortly before the next figure is known.
 
-    `found` is the march over the engagement before, which ends with w.
+    `found` is the round before, which ends with w.
     """
     none, final = Leap(0, w, 0.0), out[cycle.HANDOFF] ** 2
-    step = cycle.newton_step(w, found, case.scene, ends, True)
-    if not is_gentle(w, step):
+    step = cycle.newton_step(w, found, True)
+    if not is_gentle(case.scene, w, step):
         return none
     goals = rows[GOALS]
     if np.isnan(goals[0]):
@@ -175,7 +208,8 @@ def _leap_on(case, request, ends, start, w, k, found, extent, rows, out):
     goal = _goal(goals, start, w, extent, out)
     if not is_worth_it(w, 1.0 - step.contraction, final, goal):
         return none
-    return leap(case, request, ends, w, final, goal, MAX_ENGAGEMENTS - k, rows)
+    most = (MAX_ENGAGEMENTS - k) // case.data.size
+    return leap(case, request, w, final, goal, most, rows)
 
 
 @inner_jit
@@ -186,12 +220,12 @@ def _goal(goals, start, w, extent, out):
     for i in range(2):
         if np.isnan(out[cycle.SETTLING if i > 0 else cycle.RISE]):
             nearest = _further(nearest, goals[i], sense)
-    nearest = next_fall(nearest, start, w, extent, out)
+    nearest = _next_fall(nearest, start, w, extent, out)
     return nearest if nearest != final * final else w
 
 
 @inner_jit
-def next_fall(nearest, start, w, extent, out):
+def _next_fall(nearest, start, w, extent, out):
     """Of a w and those at which `rise_time_63` and `_98` are known, that which w passes first."""
     final = out[cycle.HANDOFF]
     sense = 1.0 if w > final * final else -1.0
@@ -228,20 +262,28 @@ def _first_in_band(case, request, w, rising, band, every, out):
 
 @inner_jit
 def _in_band(case, request, w, rising, band, every, out):
-    """Whether an engagement from w has an extremum in the band, or `every` extreme is in it."""
-    found = march_case(case, NO_PANELS, request, w, rising, NO_EVENTS)
+    """Whether a round from w has an extremum in the band, or `every` extreme is in it."""
+    lay_out_again(case)
+    found = pass_round(case, Start(w, rising, NO_EVENTS), request)
     if found.rising * rising < 0.0:
-        found = march_case(case, found.panels, request, w, found.rising, NO_EVENTS)
+        found = pass_round(case, Start(w, found.rising, NO_EVENTS), request)
     _mark_extrema(case, EventRows(NO_EVENTS, found.used), 0.0)
     inside = outside = 0
     for i in range(found.used):
         event = case.events[i]
         if is_extremum(event.kind) and (event.outermost or not every):
-            refine(case.addresses, case.scene, case.store, case.events, i)
-            top = event.kind == Event.MAXIMUM
-            error = abs(np.sqrt(event.w) / out[cycle.V_MAX if top else cycle.V_MIN] - 1.0)
+            make_exact(case, i, 0.0)
+            error = _error_of(case, i)
             inside, outside = inside + (error <= band), outside + (error > band)
     return inside > 0 and (outside == 0 or not every)
+
+
+@inner_jit
+def _error_of(case, i):
+    """Relative error of extremum i to that of its kind and pair in the terminal cycle."""
+    event = case.events[i]
+    one = case.data[event.index]
+    return abs(np.sqrt(event.w) / (one.top if event.kind == Event.MAXIMUM else one.low) - 1.0)
 
 
 @inner_jit
@@ -251,16 +293,8 @@ def _further(nearest, other, sense):
 
 
 @inner_jit
-def _take_stock(case, start, handoffs, k, used, in_band, rtol, out):
-    """Compare all kept events with the cycle; returns the new `in_band`, see `_judge`."""
-    for i in range(k + 1):
-        note_fall(start, handoffs, i, out[cycle.HANDOFF], out[cycle.HANDOFF], rtol, out)
-    return _judge(case, EventRows(NO_EVENTS, used), in_band, out)
-
-
-@inner_jit
 def _only_gains(scene):
-    """Whether every engagement without losses adds the drive's work, which is positive."""
+    """Whether every round without losses adds the drive's work, which is positive."""
     reaches = scene.barrel_efficiency * torque_at(scene.edges[0], scene)[0]
     return scene.load == 0.0 and reaches > scene.bearing
 
@@ -302,30 +336,31 @@ def _stopped(found, k, out):
     """Write the angle and the engagement of a stall into `out`; returns the status."""
     for i in range(cycle.FIGURES):
         out[i] = np.nan
-    out[0], out[1] = found.angle, k
+    out[0], out[1] = found.angle, k + found.pair
     return found.status
 
 
 @inner_jit
-def _worth_seeking(scene, w, step, k, used, events):
-    """Whether the terminal cycle is searched for after engagement k.
+def _worth_seeking(case, w, step, k, used):
+    """Whether the terminal cycle is searched for after the round from engagement k on.
 
     That is when the entry speed is within twice the settling band of its terminal value, since
-    this engagement may be the first that is settled. It is also after LATEST_SEARCH
+    this round may be the first that is settled. It is also after LATEST_SEARCH
     engagements, and when the memory for events runs out.
     """
+    most = round_events(case.scene.edges, case.pattern.size)
     # twice the band in the speed is four times the band in w
     settled = step.sound and abs(step.w - w) <= 4.0 * SETTLING_BAND * step.w
-    return settled or k == LATEST_SEARCH or used + most_events(scene.edges) > events.shape[0]
+    return settled or k >= LATEST_SEARCH or used + most > case.events.shape[0]
 
 
 @inner_jit
 def _mark_extrema(case, noted, time):
-    """Mark the extrema of an engagement with its start time, and the outermost of each kind."""
+    """Mark the extrema of a round that begins at a time, and the outermost of each pair."""
     events = case.events
     for i in range(noted.first, noted.end):
         if is_extremum(events[i].kind):
-            events[i].engagement_start = time
+            events[i].engagement_start += time
             events[i].outermost = _is_outermost(case, noted, i)
 
 
@@ -335,12 +370,12 @@ def _is_outermost(case, noted, i):
     event = case.events[i]
     for j in range(noted.first, noted.end):
         other = case.events[j]
-        if j == i or other.kind != event.kind:
+        if j == i or other.kind != event.kind or other.index != event.index:
             continue
         # rough speeds that are too close to be compared, or NaN, are made exact first
         if not abs(other.w / event.w - 1.0) > ROUGH_ERROR:
-            refine(case.addresses, case.scene, case.store, case.events, i)
-            refine(case.addresses, case.scene, case.store, case.events, j)
+            make_exact(case, i, 0.0)
+            make_exact(case, j, 0.0)
         further = other.w > event.w
         if further == (event.kind == Event.MAXIMUM) and other.w != event.w:
             return False
@@ -365,15 +400,14 @@ def _judge(case, noted, in_band, out):
 def _judge_one(case, i, in_band, out):
     """Compare extremum i with the terminal cycle; returns the new `in_band`."""
     event = case.events[i]
-    final = out[cycle.V_MAX] if event.kind == Event.MAXIMUM else out[cycle.V_MIN]
-    error = abs(np.sqrt(event.w) / final - 1.0)
+    error = _error_of(case, i)
     # the relative error of a speed is half of that of w
     unsure = 0.5 * ROUGH_ERROR
     if not (abs(error - RISE_BAND) > unsure and abs(error - SETTLING_BAND) > unsure):
-        refine(case.addresses, case.scene, case.store, case.events, i)
-        error = abs(np.sqrt(event.w) / final - 1.0)
+        make_exact(case, i, 0.0)
+        error = _error_of(case, i)
     if np.isnan(out[cycle.RISE]) and error <= RISE_BAND:
-        refine(case.addresses, case.scene, case.store, case.events, i)
+        make_exact(case, i, 0.0)
         out[cycle.RISE] = event.engagement_start + event.time
     if not event.outermost:
         return in_band
@@ -381,6 +415,6 @@ def _judge_one(case, i, in_band, out):
         out[cycle.SETTLING] = np.nan
         return 0
     if np.isnan(out[cycle.SETTLING]):
-        refine(case.addresses, case.scene, case.store, case.events, i)
+        make_exact(case, i, 0.0)
         out[cycle.SETTLING] = event.engagement_start + event.time
     return in_band + 1

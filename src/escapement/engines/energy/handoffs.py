@@ -4,12 +4,19 @@ import numpy as np
 
 from escapement.dynamics.law import is_lossless
 from escapement.dynamics.needs import typed_scene
-from escapement.dynamics.painleve import beyond_painleve
-from escapement.dynamics.torque import cell_after, cell_of, is_constant, is_spent
-from escapement.engines.energy.calls import MarchInputs, march
-from escapement.engines.energy.located_events import EVENT, NO_EVENTS, most_events
-from escapement.engines.energy.march import OK, PAINLEVE, SPENT, STALL
-from escapement.engines.energy.panels import MAX_PANELS, NO_PANELS, new_store
+from escapement.dynamics.torque import is_constant, is_spent
+from escapement.engines.energy.located_events import NO_EVENTS
+from escapement.engines.energy.march import OK, SPENT, STALL
+from escapement.engines.energy.pairs import (
+    Start,
+    engage,
+    lay_out_again,
+    new_case,
+    prepare,
+    round_events,
+    scene_at,
+)
+from escapement.engines.energy.panels import NO_PANELS
 from escapement.engines.energy.passage import Detail, request_of
 from escapement.engines.energy.rundown_series import (
     FORGOTTEN,
@@ -19,26 +26,25 @@ from escapement.engines.energy.rundown_series import (
     least_length,
     longest_stretch,
 )
-from escapement.mechanisms.slotted import transmission_at
 from escapement.numerics.jit import inner_jit, jit
 
-# Where the exponent int B of an engagement is below this, the slope of the map is nearly 1, and
-# the change of w is computed instead of w, so that rounding errors do not add up.
+# Where int B over an engagement is below this, the slope of the map is nearly 1, and the change
+# of w is computed instead of w, so that rounding errors do not add up.
 SMALL_EXPONENT = 0.1
 
 
 @jit(allocates=True)
-def handoffs(addresses, scene_tuple, cells, w, limit, rtol, clock, times, speeds):
+def handoffs(addresses, scene_tuple, cells, pattern, w, limit, rtol, clock, times, speeds):
     """March engagements until `times` is full, `limit` is passed, or the motion stalls.
 
     Parameters
     ----------
-    addresses, scene_tuple, cells : as `calls.prepared` gives them.
+    addresses, scene_tuple, cells, pattern : as `calls.prepared` gives them.
     w : squared driver speed at the first entry, in natural units.
     limit : time after which to stop, in natural units.
     rtol : relative error asked for.
     clock : unit of time of the results [s].
-    times, speeds : arrays to fill with handoff times and driver speeds.
+    times, speeds : arrays to fill with handoff times and driver speeds, those behind an impact.
 
     Returns
     -------
@@ -47,74 +53,99 @@ def handoffs(addresses, scene_tuple, cells, w, limit, rtol, clock, times, speeds
         [rad], and times[done] the time. A plain tuple is returned, because Python makes it in
         a third of the time that a named one takes.
     """
-    scene, cell = typed_scene(scene_tuple), 0.0
-    if not is_constant(scene):
-        cell = cell_of(scene)
-    if beyond_painleve(scene):
-        return PAINLEVE, 0, 0.0
-    request = request_of(Detail.TIME, rtol)
-    store = new_store(MAX_PANELS)
-    events = np.empty(most_events(scene.edges), EVENT)
-    count = NO_PANELS
-    case = MarchInputs(addresses, scene, cells, store, events)
-    totals, series, carry_w = np.zeros(2), np.empty((4, NODES if cell > 0.0 else 0)), 0.0
-    inertia = transmission_at(scene.path, scene.edges[0])[0] ** 2 + scene.rho
-    ends_equal = inertia == transmission_at(scene.path, scene.edges[-1])[0] ** 2 + scene.rho
-    start, steady_gain = w, is_constant(scene) and is_lossless(scene)
+    scene = typed_scene(scene_tuple)
+    room = round_events(scene.edges, min(pattern.size, 1))
+    case = new_case(addresses, scene, cells, pattern, room)
+    status, data = prepare(case), case.data
+    if status != OK:
+        return status, 0, 0.0
+    series = np.zeros((5, NODES))
+    totals = series[4]  # the time, and what Kahan's sum has left of it
+    request, size, constant = request_of(Detail.TIME, rtol), data.size, is_constant(scene)
+    alone, whole = size == 1 and not constant, data[0].lap
+    start, carry_w = w, 0.0
+    adds = size == 1 and constant and is_lossless(scene) and data[0].slope == 0.0
     # the numbers of the engagement, of the first after a knot, and of the next to try a series
     k = line = attempt = 0
+    # the pair, the rounds before it, w at the start of the round, and the slope of its map so far
+    index, rounds, entry, slope = 0, 0, w, 0.0
     while k < times.size:
-        scene = cell_after(k * cell, scene)
-        found = march(addresses, scene, cells, store, count, request, w, 0.0, events, NO_EVENTS)
-        count = found.panels
+        driver_angle = 0.0 if constant else rounds * whole + data[index].begin
+        found = engage(case, index, Start(w, 0.0, NO_EVENTS), request, driver_angle)
         if found.status != OK:
             times[k] = (totals[0] + found.time) * clock
-            spent = found.status == STALL and is_spent(found.angle, scene)
-            return SPENT if spent else found.status, k, found.angle
-        out = found.w
-        if steady_gain and ends_equal:
-            # without friction every engagement adds the same energy, so that a product takes the
-            # place of a sum, whose rounding errors would add up
-            out = start + (k + 1) * found.source / inertia
-        elif ends_equal and abs(found.exponent) < SMALL_EXPONENT:
-            # w_out - w = (exp(-exponent) - 1) w + source/(rho + g^2), added to w by Kahan's sum
-            change = np.expm1(-found.exponent) * w + found.source / inertia - carry_w
-            out = w + change
-            carry_w = (out - w) - change
+            return _why(case, found, driver_angle), k, found.angle
+        # without friction every engagement adds the same energy, so that a product takes the
+        # place of a sum, whose rounding errors would add up
+        out, carry_w = start + (k + 1) * found.source, 0.0
+        if not adds:
+            out, carry_w = _led_to(w, found, carry_w)
         add_time(totals, found.time)
         times[k] = totals[0] * clock
         speeds[k] = np.sqrt(out) / clock
         if totals[0] >= limit:
             return OK, k + 1, 0.0
-        # the changes of w still to come add up to (out - w)/gap, and their effect on the sum of
-        # times to about (out - w)/gap^2: where that is negligible, later engagements repeat this
-        gap = -np.expm1(-found.exponent)
-        if cell == 0.0 and abs(out - w) <= 0.05 * rtol * gap * gap * w:
-            return OK, _repeat(k, totals[0], found.time, limit, clock, times, speeds), 0.0
-        w, k = out, k + 1
-        if cell == 0.0:
+        w, k, index, slope = out, k + 1, index + 1, slope + found.slope
+        if index < size:
             continue
-        line = k if found.panels == NO_PANELS else line
+        # the changes of w still to come add up to (w - entry)/gap, and their effect on the sum of
+        # times to about (w - entry)/gap^2: where that is negligible, later rounds repeat this one
+        gap = -np.expm1(slope)
+        if constant and abs(w - entry) <= 0.05 * rtol * gap * gap * entry:
+            return OK, _repeat(data, k, totals[0], limit, clock, times, speeds), 0.0
+        index, rounds, entry, slope = 0, rounds + 1, w, 0.0
+        if not alone:
+            continue
+        line = k if data[0].panels == NO_PANELS else line
         # after this number of engagements the start has no influence
-        lead = int(FORGOTTEN / max(found.exponent, SMALL_EXPONENT)) + 2
+        lead = int(FORGOTTEN / max(-found.slope, SMALL_EXPONENT)) + 2
         if k >= attempt and k - line >= lead:
             most = times.size - k
             stretch = longest_stretch(case, request, k, most, lead, w, rtol, series)
             done, w = fill(stretch, w, limit, clock, totals, series, times, speeds)
-            k += done
+            k, rounds = k + done, rounds + done
             if done > 0 and totals[0] >= limit:
                 return OK, k, 0.0
-            attempt, count = k if done > 0 else k + least_length(lead), NO_PANELS
+            attempt = k if done > 0 else k + least_length(lead)
+            lay_out_again(case)
     return OK, times.size, 0.0
 
 
 @inner_jit
-def _repeat(k, time, length, limit, clock, times, speeds):
-    """Repeat engagement k to the end or the limit; returns the number of engagements."""
-    for j in range(k + 1, times.size):
-        passed = time + (j - k) * length
+def _why(case, found, driver_angle):
+    """Status of a motion that ends in an engagement after a driver angle turned."""
+    scene = scene_at(case, found.pair, driver_angle)
+    spent = found.status == STALL and is_spent(found.angle, scene)
+    return SPENT if spent else found.status
+
+
+@inner_jit
+def _led_to(w, found, carry):
+    """The w to which an engagement from w has led, and what Kahan's sum has left of it."""
+    if abs(found.slope) >= SMALL_EXPONENT:
+        return found.w, carry
+    # w_out - w = (exp(slope) - 1) w + source
+    change = np.expm1(found.slope) * w + found.source - carry
+    out = w + change
+    return out, (out - w) - change
+
+
+@inner_jit
+def _repeat(data, k, time, limit, clock, times, speeds):
+    """Repeat the round before engagement k to the end or the limit; returns the number of
+    engagements.
+    """
+    size, length = data.size, 0.0
+    for index in range(size):
+        length += data[index].time
+    index, rounds, since = 0, 0, 0.0
+    for j in range(k, times.size):
+        since, index = since + data[index].time, index + 1
+        if index == size:
+            index, rounds, since = 0, rounds + 1, 0.0
+        passed = time + (rounds * length + since)
         times[j] = passed * clock
-        speeds[j] = speeds[k]
+        speeds[j] = speeds[j - size]
         if passed >= limit:
             return j + 1
     return times.size

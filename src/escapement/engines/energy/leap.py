@@ -1,14 +1,14 @@
 """Many engagements of a slow transient at once, where one hardly changes the speed.
 
 With few losses it takes up to a million engagements until the terminal cycle is near. The map of
-one, w + h(w), is the flow of dw/dk = v(w) over one engagement. Up to the third order in h/w, with
+a round, w + h(w), is the flow of dw/dk = v(w) over one round. Up to the fourth order in h/w, with
 the gap gamma = -h',
 
-    v = h [-log(1 - gamma)/gamma + h h''/12]
+    v = h [-log(1 - gamma)/gamma + (1 + 2 gamma) h h''/12]
 
-so that k = int dw/v engagements pass. By Euler and Maclaurin their times T add up to
+so that k = int dw/v rounds pass. By Euler and Maclaurin their times T add up to
 int T dk - [T]/2 + [dT/dk]/12; in the last term T goes with 1/sqrt(w). Both integrals run over
-16 Gauss points, an engagement each. The coordinate is log q, where q is the distance from the
+16 Gauss points, a round each. The coordinate is log q, where q is the distance from the
 terminal w over the smaller of both.
 """
 
@@ -16,17 +16,18 @@ from typing import NamedTuple
 
 import numpy as np
 
-from escapement.engines.energy.calls import march_case
-from escapement.engines.energy.cycle import map_of
+from escapement.dynamics.train_losses import is_lossy
 from escapement.engines.energy.locate import invert, weights_to
 from escapement.engines.energy.located_events import NO_EVENTS
 from escapement.engines.energy.march import OK
-from escapement.engines.energy.panels import NO_PANELS, points_of
+from escapement.engines.energy.pairs import Start, lay_out_again, pass_round
+from escapement.engines.energy.panels import points_of
 from escapement.numerics.gauss import POINTS, N, cumulate, dot, integral, tail_of
 from escapement.numerics.jit import inner_jit
 
-# Engagements that change w by more than this share, or contract it by more, are marched.
-GENTLE = 3e-3
+# Rounds that change w by more than this share, or contract it by more, are marched. A march with
+# trains that lose power takes so much longer that a greater share pays.
+GENTLE, GENTLE_TRAINS = 3e-3, 1e-2
 # A leap over fewer engagements is not worth while.
 WORTH = 64
 # A leap goes this share of the distance to its goal, and the rest is marched.
@@ -55,10 +56,10 @@ def distance(w, final):
 
 
 @inner_jit
-def is_gentle(w, step):
-    """Whether an engagement hardly changes w; `step` is that of Newton's method from w."""
-    gap = 1.0 - step.contraction
-    return step.sound and gap < GENTLE and abs(step.w - w) * gap < GENTLE * w
+def is_gentle(scene, w, step):
+    """Whether a round hardly changes w; `step` is that of Newton's method from w."""
+    gap, most = 1.0 - step.contraction, GENTLE_TRAINS if is_lossy(scene) else GENTLE
+    return step.sound and gap < most and abs(step.w - w) * gap < most * w
 
 
 @inner_jit
@@ -84,20 +85,20 @@ def point_of(i, w, final, half):
 
 
 @inner_jit
-def leap(case, request, ends, w, final, goal, most, rows):
+def leap(case, request, w, final, goal, most, rows):
     """Leap from w towards `goal`, which lies before the terminal w, `final`.
 
-    At most `most` engagements are passed; `rows` is memory of shape (ROWS, N).
+    At most `most` rounds are passed; `rows` is memory of shape (ROWS, N).
     """
-    panels, half = NO_PANELS, half_way(w, final, goal)
+    lay_out_again(case)
+    none, half = Leap(0, w, 0.0), half_way(w, final, goal)
     for i in range(N):
         here, rows[SLOPE, i] = point_of(i, w, final, half)
-        found = march_case(case, panels, request, here, 0.0, NO_EVENTS)
-        panels = found.panels
-        _contraction, gap, offset = map_of(found, case.scene, ends)
+        found = pass_round(case, Start(here, 0.0, NO_EVENTS), request)
+        gap = -np.expm1(found.slope)
         if found.status != OK or not gap > 0.0:
-            return Leap(0, w, 0.0)
-        rows[GAIN, i], rows[GAP, i], rows[TIME, i] = offset - gap * here, gap, found.time
+            return none
+        rows[GAIN, i], rows[GAP, i], rows[TIME, i] = found.source - gap * here, gap, found.time
     return pass_over(case.store.workspace[0], w, final, half, most, rows)
 
 
@@ -112,7 +113,8 @@ def pass_over(work, w, final, half, most, rows):
         one, two = max(i - 1, 0), min(i + 1, N - 1)
         apart = (POINTS[two] - POINTS[one]) * rows[SLOPE, i]
         curvature = -(rows[GAP, two] - rows[GAP, one]) / apart
-        flow = gain * (-np.log1p(-gap) / gap + gain * curvature / 12.0)
+        bent = (1.0 + 2.0 * gap) * gain * curvature / 12.0
+        flow = gain * (-np.log1p(-gap) / gap + bent)
         work.slowness[i] = rows[SLOPE, i] / flow
         work.energy[i] = rows[TIME, i] * work.slowness[i]
     whole = integral(work.slowness, count)

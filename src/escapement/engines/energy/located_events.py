@@ -43,9 +43,9 @@ EVENT = record_dtype(
         **{"point": WHOLE, "first": NUMBER, "final": NUMBER, "high": NUMBER},
         # copies of these rows of the workspace
         **dict.fromkeys(("energy", "net_torque", "slowness"), ROW),
-        # for `figures`: when its engagement began in the transient, and whether it is the
-        # greatest maximum or the least minimum of that engagement
-        **{"engagement_start": NUMBER, "outermost": FLAG},
+        # for `figures`: the pair of its engagement, when this began in the transient, and whether
+        # it is the greatest maximum or the least minimum of that engagement
+        **{"index": WHOLE, "engagement_start": NUMBER, "outermost": FLAG},
     }
 )
 """An event of an engagement."""

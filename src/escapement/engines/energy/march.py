@@ -37,12 +37,11 @@ from escapement.engines.energy.passage import (
     behind_panel,
     behind_reversal,
     ended,
-    with_left_noted,
     with_rho,
-    with_side,
 )
 from escapement.engines.energy.sampling import CLOSE_PAIR, NEGLIGIBLE, Points
 from escapement.mechanisms.slotted import transmission_at
+from escapement.numerics.altered import altered
 from escapement.numerics.gauss import N
 from escapement.numerics.jit import inner_jit
 
@@ -51,8 +50,6 @@ STALL, PAINLEVE, NOT_CONVERGED = int(Status.STALL), int(Status.PAINLEVE), int(St
 SPENT = int(Status.SPENT)
 # One engagement needs fewer panels than this and two for every edge.
 TOO_MANY_PANELS = 128
-# Where power turns back in a train every other speed cuts out narrow panels of its own.
-TOO_MANY_NARROW = 24
 
 
 @inner_jit
@@ -76,12 +73,12 @@ def march(scene, cells, store, count, request, w, rising, events, used):
     -------
     MarchResult
     """
-    # if the torque has a knot in this cell, the chain is for this cell only; `first_scene` is the
-    # scene whose trains lose nothing, to which E belongs outside the march
+    # if the torque has a knot in this cell, the chain is for this cell only, and where power turns
+    # back in a train, for this speed; `first_scene` is the scene whose trains lose nothing, to
+    # which E belongs outside the march
     first_scene, lossy = scene, is_lossy(scene)
-    knotted = has_knot(scene)
-    most = (TOO_MANY_NARROW if lossy else TOO_MANY_PANELS) + 2 * scene.edges.size
-    if knotted or count == panels.NO_PANELS or count > most:
+    knotted, most = has_knot(scene), TOO_MANY_PANELS + 2 * scene.edges.size
+    if knotted or lossy or count == panels.NO_PANELS or count > most:
         count = panels.lay_out(scene, cells, store, request.loose)
     work = store.workspace[0]
     first = store.panels[panels.FIRST_PANEL]
@@ -158,7 +155,7 @@ def _face(scene, panel, state, events):
     if side == state.side:
         return state
     used = note(events, state.used, Event.REVERSAL, panel.left, state.time, state.w)
-    return with_side(state, side, used)
+    return altered(state, "side", side, "used", used)
 
 
 @inner_jit(inlined=True)
@@ -182,7 +179,7 @@ def _note_left_end(scene, work, panel, state, events):
         used = note(events, used, extremum_kind(rising), panel.left, state.time, state.w)
     if now != 0.0:
         rising = np.sign(now)
-    return with_left_noted(state, rising, used)
+    return altered(state, "rising", rising, "used", used, "left_noted", True)
 
 
 @inner_jit(inlined=True)

@@ -1,7 +1,7 @@
 """The named tuples that the steps of a march hand on: its request, its state, its results.
 
-Numba has no `_replace` for named tuples. Functions with words make a new one of the old: the
-result of a panel is `halved`, `stalled` or `passed`, and a state gets `with_side` and so on.
+The result of a panel is `halved`, `stalled` or `passed`; where only some fields of a tuple change,
+`numerics.altered` makes the new one.
 """
 
 from enum import IntEnum
@@ -11,6 +11,7 @@ import numpy as np
 
 from escapement.engines.energy.locate import AfterReversal
 from escapement.engines.energy.panels import FIRST_PANEL, tolerances
+from escapement.numerics.altered import altered
 from escapement.numerics.jit import inner_jit
 
 NOWHERE = -1
@@ -51,12 +52,6 @@ def request_of(detail, rtol):
     return Request(detail=detail, loose=loose, strict=strict)
 
 
-@inner_jit(inlined=True)
-def with_detail(request, detail):
-    """The request of another `Detail`."""
-    return Request(detail=detail, loose=request.loose, strict=request.strict)
-
-
 class MarchState(NamedTuple):
     """The motion at the left end of the panel that a march has reached.
 
@@ -94,32 +89,12 @@ def at_entry(w, energy, side, rising, used):
 
 
 @inner_jit(inlined=True)
-def with_side(state, side, used):
-    """The state behind a reversal at this left end, with `used` events noted."""
-    return MarchState(
-        panel=state.panel, w=state.w, energy=state.energy, side=side, rising=state.rising,
-        time=state.time, exponent=state.exponent, source=state.source, used=used,
-        left_noted=state.left_noted,
-    )  # fmt: skip
-
-
-@inner_jit(inlined=True)
-def with_left_noted(state, rising, used):
-    """The state with the events of this left end noted; theta_ddot has the sign `rising` there."""
-    return MarchState(
-        panel=state.panel, w=state.w, energy=state.energy, side=state.side, rising=rising,
-        time=state.time, exponent=state.exponent, source=state.source, used=used, left_noted=True,
-    )  # fmt: skip
-
-
-@inner_jit(inlined=True)
 def with_rho(state, g, before, after):
     """The state where rho changes in E = (rho + g^2) w, since power turns back through a train."""
     ratio = (after + g * g) / (before + g * g)
-    return MarchState(
-        panel=state.panel, w=state.w, energy=state.w * (after + g * g), side=state.side,
-        rising=state.rising, time=state.time, exponent=state.exponent - np.log(ratio),
-        source=ratio * state.source, used=state.used, left_noted=state.left_noted,
+    return altered(
+        state, "energy", state.w * (after + g * g), "exponent", state.exponent - np.log(ratio),
+        "source", ratio * state.source,
     )  # fmt: skip
 
 
@@ -166,9 +141,16 @@ class PanelEnds(NamedTuple):
 @inner_jit(inlined=True)
 def with_contact(ends, contact):
     """The ends with another s X at the right one."""
-    return PanelEnds(
-        left_w=ends.left_w, left_contact=ends.left_contact, energy=ends.energy, w=ends.w,
-        contact=contact,
+    return altered(ends, "contact", contact)
+
+
+@inner_jit(inlined=True)
+def passed(ends, time, reversal, slowing):
+    """The passage to the right end of a panel."""
+    return Passage(
+        split=False, has_stalled=False, angle=0.0, energy=ends.energy, w=ends.w,
+        contact=ends.contact, time=time, reversal=reversal, slowing=slowing,
+        left_contact=ends.left_contact,
     )  # fmt: skip
 
 
@@ -184,11 +166,7 @@ def split_at(ends, time, angle):
 
     The rest of it is not read; with these numbers the march is faster than with zeros.
     """
-    return Passage(
-        split=True, has_stalled=False, angle=angle, energy=ends.energy, w=ends.w,
-        contact=ends.contact, time=time, reversal=NOWHERE, slowing=0,
-        left_contact=ends.left_contact,
-    )  # fmt: skip
+    return altered(passed(ends, time, NOWHERE, 0), "split", True, "angle", angle)
 
 
 @inner_jit(inlined=True)
@@ -197,16 +175,6 @@ def stalled(angle, time):
     return Passage(
         split=False, has_stalled=True, angle=angle, energy=0.0, w=0.0, contact=0.0, time=time,
         reversal=NOWHERE, slowing=0, left_contact=0.0,
-    )  # fmt: skip
-
-
-@inner_jit(inlined=True)
-def passed(ends, time, reversal, slowing):
-    """The passage to the right end of a panel."""
-    return Passage(
-        split=False, has_stalled=False, angle=0.0, energy=ends.energy, w=ends.w,
-        contact=ends.contact, time=time, reversal=reversal, slowing=slowing,
-        left_contact=ends.left_contact,
     )  # fmt: skip
 
 

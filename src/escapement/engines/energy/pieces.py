@@ -5,32 +5,39 @@ separate panels, fine enough for interpolation, and time as a function of the an
 The figures of merit need none of this.
 """
 
-from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from escapement.dynamics.codes import Event
-from escapement.dynamics.law import LOSSES, is_felt, left_by_impact
+from escapement.dynamics.law import LOSSES
 from escapement.dynamics.needs import typed_scene
 from escapement.dynamics.state_table import losses_at
-from escapement.dynamics.torque import cell_after, next_knot
+from escapement.dynamics.torque import next_knot
 from escapement.dynamics.train_losses import flowing
 from escapement.engines.energy import panels
-from escapement.engines.energy.calls import march, refine
+from escapement.engines.energy.calls import pattern_of
 from escapement.engines.energy.locate import invert
-from escapement.engines.energy.located_events import EVENT, NO_EVENTS
+from escapement.engines.energy.located_events import NO_EVENTS
 from escapement.engines.energy.march import OK
+from escapement.engines.energy.pairs import (
+    Start,
+    engage,
+    lay_out_again,
+    make_exact,
+    new_case,
+    prepare,
+    scene_at,
+    scene_of_pair,
+)
 from escapement.engines.energy.panels import NUMBER, WHOLE
 from escapement.engines.energy.passage import Detail, request_of
-from escapement.engines.energy.pattern_march import scene_in
 from escapement.engines.energy.peaks import raise_peaks
 from escapement.engines.energy.sampling import duration, sample_panel, turns_back
 from escapement.engines.energy.solve import slope_of_w, solve_side
-from escapement.mechanisms.pattern import Handoff
 from escapement.mechanisms.protocol import FloatArray
 from escapement.mechanisms.slotted import transmission_at
-from escapement.model.scene import Scene
+from escapement.model.escapement import Escapement
 from escapement.model.torque_curve import MOST_KNOTS
 from escapement.numerics.gauss import WEIGHTS, N, cumulate, dot
 from escapement.numerics.jit import inner_jit, jit
@@ -73,13 +80,12 @@ def _copy(table, to, filled):
 
 
 @jit(allocates=True)
-def events_of(addresses, scene_tuple, cells, pairs, numbers, driver_angle, squares, rtol):
+def events_of(addresses, scene_tuple, cells, pattern, numbers, driver_angle, squares, rtol):
     """All events of the engagements `numbers`, ascending, which start with the w of `squares`.
 
-    `addresses`, `scene_tuple` and `cells` are as `calls.prepared` gives them; `driver_angle` are
-    the values of `Scene.driver_angle`. `pairs` is the pattern of imperfect parts, of length 0 for
-    perfect ones. Each engagement gets panels of its own, so that its events do not depend on the
-    others.
+    `addresses`, `scene_tuple`, `cells` and `pattern` are as `calls.prepared` gives them;
+    `driver_angle` are the values of `Scene.driver_angle`. Each engagement gets panels of its own,
+    so that its events do not depend on the others.
 
     Returns
     -------
@@ -88,45 +94,38 @@ def events_of(addresses, scene_tuple, cells, pairs, numbers, driver_angle, squar
     reached : ndarray
         w with which each leaves for the next, NaN where the march does not come to its end.
     """
-    common, size = typed_scene(scene_tuple), pairs.size
-    request = request_of(Detail.EVERYTHING, rtol)
-    store = panels.new_store(panels.MAX_PANELS)
-    events = np.empty(_ROOM + 4 * common.edges.size + MOST_KNOTS, EVENT)
+    scene, request = typed_scene(scene_tuple), request_of(Detail.EVERYTHING, rtol)
+    room = _ROOM + 4 * scene.edges.size + MOST_KNOTS
+    case = new_case(addresses, scene, cells, pattern, room)
+    prepare(case)
     table = np.empty(8 * numbers.size + 64, MOTION_EVENT)
     filled, rising, reached = NO_EVENTS, 0.0, np.full(numbers.size, np.nan)
     for i in range(numbers.size):
-        k, w, scene = numbers[i], squares[i], cell_after(driver_angle[i], common)
+        k, w, index = numbers[i], squares[i], numbers[i] % case.data.size
         if i == 0 or numbers[i - 1] != k - 1:
             rising = 0.0  # what came before is not known
-        if size > 0:
-            scene = scene_in(common, pairs[k % size], driver_angle[i])
-            if k > 0 and pairs[k % size].kind == Handoff.STRIKE:
-                # the speed falls at once, from a maximum if it rose
-                share = left_by_impact(scene)
-                if rising > 0.0 and is_felt(share):
-                    before, kind = pairs[(k - 1) % size], Event.MAXIMUM
-                    end = before.edges[before.used - 1] + before.dwell
-                    high = w / share**2
-                    filled = _append(table, filled, k - 1, kind, end, np.inf, high, 0.0)
-                rising = -1.0 if is_felt(share) else rising
-        count = panels.NO_PANELS
-        found = march(addresses, scene, cells, store, count, request, w, rising, events, NO_EVENTS)
+        lay_out_again(case)
+        found = engage(case, index, Start(w, rising, NO_EVENTS), request, driver_angle[i])
         rising, used = found.rising, found.used
         if found.status == OK:
             reached[i] = found.w
-            if size > 0 and pairs[(k + 1) % size].kind == Handoff.STRIKE:
-                reached[i] *= left_by_impact(scene_in(common, pairs[(k + 1) % size])) ** 2
-        if filled + used + 2 > table.shape[0]:
+        if filled + used + 1 > table.shape[0]:
             larger = np.empty(2 * table.shape[0] + used, MOTION_EVENT)
             _copy(table, larger, filled)
             table = larger
         # the march returns s at the exit, and every reversal has changed its sign
-        side = _side_at_entry(found.side, events, used)
-        filled = _append(table, filled, k, Event.ENTRY, scene.edges[0], 0.0, w, side)
+        side, entry = (
+            _side_at_entry(found.side, case.events, used),
+            scene_at(case, index, 0.0).edges[0],
+        )
+        filled = _append(table, filled, k, Event.ENTRY, entry, 0.0, w, side)
         for j in range(used):
-            refine(addresses, scene, store, events, j)
-            event = events[j]
-            filled = _append(table, filled, k, event.kind, event.angle, event.time, event.w, 0.0)
+            event = case.events[j]
+            event.index = index
+            make_exact(case, j, driver_angle[i])
+            # an impact comes at the very end
+            time = event.time if event.time < found.time else np.inf
+            filled = _append(table, filled, k, event.kind, event.angle, time, event.w, 0.0)
     happened = np.empty(filled, MOTION_EVENT)
     _copy(table, happened, filled)
     return happened, reached
@@ -163,12 +162,14 @@ class Asked(NamedTuple):
 
 
 @jit(allocates=True)
-def states_of(scene, pieces, counts, times, rtol, theta, squares, losses, peaks):
+def states_of(scene, pattern, pieces, counts, times, rtol, theta, squares, losses, peaks):
     """Fill driver angles and w at times since the start of each piece, one piece after the other.
 
     Parameters
     ----------
-    pieces : rows of s, 0 in a dwell, driver angles of start and end, w, and `Scene.driver_angle`.
+    scene, pattern : of an escapement, see `calls.pattern_of`.
+    pieces : rows of the index of the pair, s, 0 in a dwell, driver angles of start and end, w,
+        and `Scene.driver_angle`.
     counts : how many of the times belong to each piece.
     times : since the start; later ones than the end of the piece give the state at its end.
     theta, squares : results, angles and w, as long as `times`; NaN where a piece cannot be
@@ -179,8 +180,8 @@ def states_of(scene, pieces, counts, times, rtol, theta, squares, losses, peaks)
     """
     first, store, ends = 0, panels.new_store(1), np.empty(_HALVINGS)
     for i in range(len(pieces)):
-        side, left, end, w, driver_angle = pieces[i]
-        here, last = cell_after(driver_angle, scene), first + counts[i]
+        index, side, left, end, w, driver_angle = pieces[i]
+        here, last = scene_of_pair(scene, pattern, int(index), driver_angle), first + counts[i]
         asked = Asked(
             times=times[first:last], theta=theta[first:last], squares=squares[first:last], end=end
         )
@@ -335,22 +336,14 @@ def _read_short(part, length, after, asked):
 
 
 def follow(
-    scenes: Sequence[Scene],
-    numbers: np.ndarray,
-    pieces: FloatArray,
-    owners: np.ndarray,
-    since: FloatArray,
-    rtol: float,
-) -> tuple[FloatArray, FloatArray]:
+    escapement: Escapement, pieces: FloatArray, owners: np.ndarray, since: FloatArray, rtol: float
+) -> FloatArray:
     """Driver angles and squared speeds at times since the start of pieces; natural units.
 
     Parameters
     ----------
-    scenes : sequence of Scene
-        The scenes of the engagements of one pattern.
-    numbers : ndarray of int, shape (n,)
-        Of each piece, which of them is its own.
-    pieces : ndarray, shape (n, 5)
+    escapement : Escapement
+    pieces : ndarray, shape (n, 6)
         As for `states_of`.
     owners : ndarray of int, shape (m,)
         The piece of each time.
@@ -361,18 +354,15 @@ def follow(
 
     Returns
     -------
-    theta, squares : ndarray, shape (m,)
-    """  # fmt: skip
-    theta, squares = np.empty(owners.size), np.empty(owners.size)
+    ndarray, shape (2, m)
+    """
     order = np.argsort(owners, kind="stable")
-    for k in np.unique(numbers[owners]):
-        here = order[numbers[owners[order]] == k]
-        which, counts = np.unique(owners[here], return_counts=True)
-        found, none = np.empty((2, here.size)), np.empty((which.size, 0))
-        lost = np.empty((which.size, len(LOSSES)))
-        states_of(scenes[k], pieces[which], counts, since[here], rtol, *found, lost, none)
-        theta[here], squares[here] = found
-    return theta, squares
+    which, counts = np.unique(owners, return_counts=True)
+    found, states = np.empty((2, owners.size)), np.empty((2, owners.size))
+    given = escapement.scene, pattern_of(escapement), pieces[which], counts, since[order], rtol
+    states_of(*given, *found, np.empty((which.size, len(LOSSES))), np.empty((which.size, 0)))
+    states[:, order] = found
+    return states
 
 
 @inner_jit

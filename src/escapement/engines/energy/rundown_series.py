@@ -11,11 +11,11 @@ from typing import NamedTuple
 import numpy as np
 
 from escapement.dynamics.torque import cell_after, cell_of, next_knot, torque_after
-from escapement.engines.energy.calls import MarchInputs, march_case
 from escapement.engines.energy.located_events import NO_EVENTS
 from escapement.engines.energy.march import OK
-from escapement.engines.energy.panels import NO_PANELS
-from escapement.engines.energy.passage import Detail, with_detail
+from escapement.engines.energy.pairs import Start, engage, lay_out_again
+from escapement.engines.energy.passage import Detail
+from escapement.numerics.altered import altered
 from escapement.numerics.jit import inner_jit
 
 NODES = 16
@@ -59,23 +59,21 @@ def least_length(lead):
 
 
 @inner_jit
-def sample(case, request, at, lead, detail, w, count):
+def sample(case, request, at, lead, detail, w):
     """March to the engagement `at`, a real number, from w at `lead` engagements before it.
 
     Returns the engagement, and the sum of the exponents of those before it.
     """
-    cell, forgotten = cell_of(case.scene), 0.0
-    before = with_detail(request, detail)
+    cell, forgotten, alone = cell_of(case.scene), 0.0, case.data.size - 1
+    before = altered(request, "detail", detail)
     for j in range(lead + 1):
-        scene = cell_after((at - lead + j) * cell, case.scene)
-        here = MarchInputs(case.addresses, scene, case.cells, case.store, case.events)
-        asked = before if j < lead else request
-        found = march_case(here, count, asked, w, 0.0, NO_EVENTS)
-        count, w = found.panels, found.w
+        asked, start = before if j < lead else request, Start(w, 0.0, NO_EVENTS)
+        found = engage(case, alone, start, asked, (at - lead + j) * cell)
+        w = found.w
         if found.status != OK:
             break
-        forgotten += found.exponent
-    return found, forgotten - found.exponent
+        forgotten -= found.slope
+    return found, forgotten + found.slope
 
 
 @inner_jit
@@ -83,18 +81,16 @@ def fit(case, request, stretch, w, rtol, series):
     """Fill row 1 of `series` for the w after an engagement, and row 0 for its time times sqrt(w).
 
     Without a load w is proportional to the torque, and the other does not depend on it. x is -1
-    at
-    the first engagement and 1 at the last. Returns whether the series hold.
+    at the first engagement and 1 at the last. Returns whether the series hold.
     """
-    count = NO_PANELS
+    lay_out_again(case)
     for i in range(NODES + 1):
         # after the nodes comes a point between two of them, at which the series are checked
         x = np.cos(np.pi * (i + 0.5) / NODES) if i < NODES else BETWEEN
         at = stretch.first + 0.5 * (stretch.length - 1) * (1.0 + x)
         # events that the map alone may miss show there
         detail = Detail.MAP if i < NODES else Detail.TIME
-        found, forgotten = sample(case, request, at, stretch.lead, detail, w, count)
-        count = found.panels
+        found, forgotten = sample(case, request, at, stretch.lead, detail, w)
         if found.status != OK or forgotten < FORGOTTEN:
             return False
         if i < NODES:

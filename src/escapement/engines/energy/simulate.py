@@ -3,18 +3,14 @@
 Only the handoffs are computed; `trajectory` has the rest when it is asked for.
 """
 
-from typing import Any
-
 import numpy as np
 
 from escapement.base.status import MESSAGES, Status
 from escapement.base.validate import fail
 from escapement.dynamics.motion import Motion, no_motion, stall_message
 from escapement.engines.energy.calls import prepared
-from escapement.engines.energy.cells import NO_CELLS
 from escapement.engines.energy.handoffs import handoffs
 from escapement.engines.energy.march import OK, PAINLEVE, SPENT, STALL
-from escapement.engines.energy.pattern_march import pattern_handoffs
 from escapement.engines.energy.trajectory import EnergyTrajectory
 from escapement.model.escapement import Escapement
 
@@ -34,18 +30,14 @@ def simulate(
 
     A duration of more than `longest` engagements is refused.
     """
-    clock, march_all = escapement.time_unit, handoffs
-    kernel_inputs: tuple[Any, ...] = prepared(escapement)
-    if len(escapement.scenes) > 1:
-        pattern: Any = escapement.mechanism
-        march_all, kernel_inputs = pattern_handoffs, (*kernel_inputs[:2], NO_CELLS, pattern.pattern)
+    clock, given = escapement.time_unit, prepared(escapement)
     horizon = np.inf if duration is None else duration / clock
     w = (initial_speed * clock) ** 2
     size = engagements or 64
     # how many engagements a duration takes is unknown: the arrays grow until they hold it
     while True:
         times, speeds = np.empty(size), np.empty(size)
-        code, done, angle = march_all(*kernel_inputs, w, horizon, rtol, clock, times, speeds)
+        code, done, angle = handoffs(*given, w, horizon, rtol, clock, times, speeds)
         if code != OK or duration is None or done < size or times[-1] >= duration:
             break
         if size >= longest:

@@ -1,7 +1,7 @@
 """Terminal cycle and figures of merit of the fast engine."""
 
 from dataclasses import replace
-from typing import Any, cast
+from typing import Any
 
 import numpy as np
 
@@ -15,8 +15,6 @@ from escapement.engines.energy.batch import solve_rows
 from escapement.engines.energy.calls import prepared
 from escapement.engines.energy.case_figures import Extent
 from escapement.engines.energy.cells import NO_CELLS
-from escapement.engines.energy.pattern_march import LONGEST_TRANSIENT
-from escapement.engines.energy.pattern_rows import FIGURES, solve_pattern
 from escapement.engines.energy.simulate import simulate
 from escapement.model.escapement import Escapement
 
@@ -29,17 +27,12 @@ def terminal(
     """Figures of merit without following the motion in time; see `escapement.terminal`."""
     clock, scene, count = escapement.time_unit, escapement.scene, len(escapement.scenes)
     w, extent = (initial_speed * clock) ** 2, int(Extent.FALLEN)
-    out, longest = np.empty(FIGURES), MAX_ENGAGEMENTS
-    addresses, plain, cells = prepared(escapement)
-    if count > 1:
-        longest, wheel = LONGEST_TRANSIENT, cast(Any, escapement.mechanism)
-        fixed = addresses, plain, NO_CELLS, wheel.pattern
-        code = int(solve_pattern(*fixed, w, rtol, extent, out))
-    else:
-        numbers, codes = np.array([[*scene[FIXED:], w]]), np.empty(1, dtype=np.uint8)
-        table = out[None, : cycle.FIGURES]
-        solve_rows(addresses, plain, cells, cells, numbers, rtol, extent, table, codes)
-        code = int(codes[0])
+    numbers, codes = np.array([[*scene[FIXED:], w]]), np.zeros(1, dtype=np.uint8)
+    addresses, plain, cells, pattern = prepared(escapement)
+    table = np.empty((1, cycle.FIGURES))
+    given = addresses, plain, cells, pattern[None], NO_CELLS, numbers
+    solve_rows(*given, rtol, extent, table, codes)
+    out, code = table[0], int(codes[0])
     status = Status(code)
     if status is not Status.OK:
         stalled = status is Status.STALL
@@ -55,7 +48,7 @@ def terminal(
     missing = [name for name, time in times.items() if np.isnan(time)]
     message = base.message
     if missing:
-        count_text = f"{longest:_}".replace("_", " ")
+        count_text = f"{MAX_ENGAGEMENTS:_}".replace("_", " ")
         message = (
             f"these figures take more than {count_text} engagements and are not given: "
             f"{', '.join(missing)}"

@@ -14,15 +14,12 @@ import numpy as np
 from escapement.dynamics.codes import Event
 from escapement.dynamics.law import LOSSES
 from escapement.dynamics.trajectory import Events, Extrema, Trajectory
-from escapement.engines.energy.calls import prepared
-from escapement.engines.energy.cells import NO_CELLS
+from escapement.engines.energy.calls import pattern_of, prepared
 from escapement.engines.energy.peaks import PEAKS
 from escapement.engines.energy.pieces import MOTION_EVENT, events_of, follow, states_of
-from escapement.mechanisms.pattern import PAIR
 from escapement.mechanisms.protocol import FloatArray
 from escapement.model.escapement import Escapement
 
-_NO_PATTERN = np.empty(0, PAIR)
 # Events are computed for this many engagements in one call of a kernel; Ctrl-C takes effect
 # between two calls.
 _AT_ONCE = 1 << 15
@@ -36,14 +33,12 @@ _STOPS = [Event.ENTRY, Event.REVERSAL, Event.EXIT, Event.BREAK]
 class Pieces(NamedTuple):
     """Pieces of a motion: arrays with a number, and `rows` with a row, for each.
 
-    start : time [s]. engagement : its number. pair_index : that of its pair in the pattern of
-        imperfect parts.
+    start : time [s]. engagement : its number.
     rows : as `pieces.states_of` takes them, in natural units.
     """
 
     start: FloatArray
     engagement: np.ndarray
-    pair_index: np.ndarray
     rows: FloatArray
 
 
@@ -100,11 +95,11 @@ class EnergyTrajectory(Trajectory):
         Angles and w are in natural units.
         """
         # a handoff is an extremum if theta_ddot changes its sign there, which needs the sign
-        # before it; and before an impact there may be a maximum
+        # before it
         numbers = wanted = self.engagements
         if wanted.size <= self.turns:
-            numbers = np.unique(np.concatenate([wanted - 1, wanted, wanted + 1]))
-            numbers = numbers[(numbers >= 0) & (numbers <= self.turns)]
+            numbers = np.unique(np.concatenate([wanted - 1, wanted]))
+            numbers = numbers[numbers >= 0]
         tables = [
             self._events_in(numbers[first : first + _AT_ONCE])
             for first in range(0, numbers.size, _AT_ONCE)
@@ -116,17 +111,12 @@ class EnergyTrajectory(Trajectory):
         """The events of some engagements."""
         escapement, clock = self.escapement, self.escapement.time_unit
         start, speed = self._entries(numbers)
-        pattern, (addresses, scene, cells) = _NO_PATTERN, prepared(escapement)
-        if len(escapement.scenes) > 1:
-            mechanism: Any = escapement.mechanism
-            pattern, cells = mechanism.pattern, NO_CELLS
         driver_angle = np.broadcast_to(
             escapement.driver_angle_before(numbers), numbers.shape
         ).astype(float)
         squares = (speed * clock) ** 2
-        table, reached = events_of(
-            addresses, scene, cells, pattern, numbers, driver_angle, squares, self.rtol
-        )
+        given = prepared(escapement)
+        table, reached = events_of(*given, numbers, driver_angle, squares, self.rtol)
         inner = numbers < self.turns
         given = (self.speeds[numbers[inner]] * clock) ** 2
         allowed = _FAR * (given + squares[inner]) + _FAR**2
@@ -156,10 +146,10 @@ class EnergyTrajectory(Trajectory):
         ends = np.array([float(scene.edges[-1] + scene.dwell) for scene in scenes])[index]
         ends[:-1] = np.where(entry[1:], ends[:-1], angle[1:])
         driver_angle = np.broadcast_to(self.escapement.driver_angle_before(engagement), angle.shape)
-        rows = np.column_stack([side, angle, ends, w, driver_angle])
+        rows = np.column_stack([index, side, angle, ends, w, driver_angle])
         # of events at one angle the last begins the piece
         kept = ends > angle
-        return Pieces(time[kept], engagement[kept], index[kept], rows[kept])
+        return Pieces(time[kept], engagement[kept], rows[kept])
 
     @property
     def start(self) -> FloatArray:
@@ -174,7 +164,7 @@ class EnergyTrajectory(Trajectory):
     @property
     def sign(self) -> FloatArray:
         """s in each piece, or 0 while the follower is locked."""
-        return self._pieces.rows[:, 0]
+        return self._pieces.rows[:, 1]
 
     @cached_property
     def losses(self) -> FloatArray:
@@ -193,23 +183,19 @@ class EnergyTrajectory(Trajectory):
 
     def _read_through(self, wanted: int) -> tuple[FloatArray, FloatArray]:
         """Losses of each piece in natural units, and so many of its peaks."""
-        _start, _engagement, index, rows = self._pieces
+        rows = self._pieces.rows
         if len(rows) and self.engagements[-1] == self.turns:
             # the last piece ends where the motion does
             rows = rows.copy()
-            rows[-1, 2] = self.states(np.array([len(rows) - 1]), np.array([self.end_time]))[0][0]
+            rows[-1, 3] = self.states(np.array([len(rows) - 1]), np.array([self.end_time]))[0][0]
         # a motion that has settled repeats its pieces, of which each is solved once
-        which, distinct = np.arange(len(rows)), np.column_stack([index, rows])
+        which, distinct = np.arange(len(rows)), rows
         if self.escapement.curve is None:
-            distinct, which = np.unique(distinct, axis=0, return_inverse=True)
+            distinct, which = np.unique(rows, axis=0, return_inverse=True)
         lost, peaks = np.zeros((len(distinct), len(LOSSES))), np.zeros((len(distinct), wanted))
-        for k, scene in enumerate(self.escapement.scenes):
-            here = np.flatnonzero(distinct[:, 0] == k)
-            some, tops, none = lost[here], peaks[here], np.empty(0)
-            count = np.zeros(here.size, np.int64)
-            states_here = distinct[here, 1:]
-            states_of(scene, states_here, count, none, self.rtol, none, none, some, tops)
-            lost[here], peaks[here] = some, tops
+        count, none = np.zeros(len(distinct), np.int64), np.empty(0)
+        given = self.escapement.scene, pattern_of(self.escapement), distinct, count
+        states_of(*given, none, self.rtol, none, none, lost, peaks)
         return lost[which.reshape(-1)], peaks[which.reshape(-1)]
 
     @cached_property
@@ -234,7 +220,7 @@ class EnergyTrajectory(Trajectory):
 
     def states(self, pieces: np.ndarray, t: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Driver angles in the cell [rad] and speeds [rad/s] at times, each within a piece."""
-        clock, (start, _engagement, index, rows) = self.escapement.time_unit, self._pieces
+        clock, (start, _engagement, rows) = self.escapement.time_unit, self._pieces
         since = np.maximum(t - start[pieces], 0.0) / clock
-        theta, squares = follow(self.escapement.scenes, index, rows, pieces, since, self.rtol)
+        theta, squares = follow(self.escapement, rows, pieces, since, self.rtol)
         return theta, np.sqrt(squares) / clock

@@ -4,12 +4,12 @@ from typing import NamedTuple
 
 import numpy as np
 
-from escapement.dynamics.altered_scenes import scene_with
 from escapement.dynamics.torque import last_knot, next_knot
 from escapement.dynamics.train_losses import UNKNOWN, flowing, in_flow
 from escapement.mechanisms.path import OFFSET, Path
 from escapement.mechanisms.slotted import pose_at, slide_change
 from escapement.model.scene import Scene
+from escapement.numerics.altered import altered
 from escapement.numerics.jit import inner_jit
 from escapement.numerics.roots import newton_in_bracket
 
@@ -76,8 +76,8 @@ def breaks_of(walls, side):
 @inner_jit(allocates=True)
 def walls_of(scene, clearance, rtol):
     """The walls of an escapement with the scene of a pin that fits its slot."""
-    plus = scene_with(scene, path=_beside(scene.path, clearance.half_clearance))
-    minus = scene_with(scene, path=_beside(scene.path, -clearance.half_clearance))
+    plus = altered(scene, "path", _beside(scene.path, clearance.half_clearance))
+    minus = altered(scene, "path", _beside(scene.path, -clearance.half_clearance))
     return Walls(
         plus=plus, minus=minus, plus_breaks=_breaks_on(plus, 1.0),
         minus_breaks=_breaks_on(minus, -1.0), clearance=clearance, rtol=rtol,
@@ -142,21 +142,21 @@ def wall_scene(walls, side, theta, sense, w, flow):
     if sense > 0.0 and follower_sense > 0.0:
         return _flowing(scene, side, theta, w, flow)
     barrel, train = scene.barrel_efficiency, scene.load_train_efficiency
-    reversed_ = scene_with(
+    reversed_ = altered(
         scene,
-        mu_plus=sense * scene.mu_plus,
-        mu_minus=sense * scene.mu_minus,
-        load=sense * follower_sense * scene.load,
-        bearing=sense * scene.bearing,
-        driver_drag=sense * scene.driver_drag,
-        follower_drag=sense * scene.follower_drag,
-        driver_viscous=sense * scene.driver_viscous,
-        follower_viscous=sense * scene.follower_viscous,
-        driver_journal=sense * scene.driver_journal,
-        follower_journal=sense * scene.follower_journal,
-        barrel_efficiency=barrel if sense > 0.0 else 1.0 / barrel,
-        load_train_efficiency=train if sense * follower_sense > 0.0 else 1.0 / train,
-    )
+        "mu_plus", sense * scene.mu_plus,
+        "mu_minus", sense * scene.mu_minus,
+        "load", sense * follower_sense * scene.load,
+        "bearing", sense * scene.bearing,
+        "driver_drag", sense * scene.driver_drag,
+        "follower_drag", sense * scene.follower_drag,
+        "driver_viscous", sense * scene.driver_viscous,
+        "follower_viscous", sense * scene.follower_viscous,
+        "driver_journal", sense * scene.driver_journal,
+        "follower_journal", sense * scene.follower_journal,
+        "barrel_efficiency", barrel if sense > 0.0 else 1.0 / barrel,
+        "load_train_efficiency", train if sense * follower_sense > 0.0 else 1.0 / train,
+    )  # fmt: skip
     return _flowing(reversed_, side, theta, w, flow)
 
 
