@@ -16,8 +16,6 @@ from pathlib import Path
 import numpy as np
 
 import escapement as esc
-from escapement.engines.contact.compliant.law import STATE
-from escapement.engines.contact.compliant.march import FIRST, MODE, TIME
 
 RESULTS = Path(__file__).parent / "results"
 RADIUS, TORQUE = 0.01, 0.1
@@ -73,15 +71,15 @@ def depth_share(motion: esc.Motion) -> float:
     """Deepest penetration, divided by that with all energy in the spring of one wall."""
     rows, own = motion.trajectory.rows, motion.escapement
     table, joint = rows.table, rows.joint
-    states = table[:, FIRST : FIRST + STATE]
+    states = table["state"]
     sense, centre = own.scene.path.numbers[9], own.mechanism.centre_distance
-    touching = np.abs(table[:, MODE]) == 1
-    theta, phi = states[table[:, MODE] == 0, :2].T
+    touching = np.abs(table["mode"]) == 1
+    theta, phi = states[table["mode"] == 0, :2].T
     flying = sense * np.sin(sense * theta - phi) - centre * np.sin(phi)
     # on a wall the second coordinate is the distance from the slot's middle line
     across = np.append(np.abs(states[touching, 1]), np.abs(flying))
     depth = across.max() - joint.half_clearance
-    turning = rows.at(rows.steps, table[rows.steps, TIME])
+    turning = rows.at(rows.steps, table["time"][rows.steps])
     energy = 0.5 * (own.scene.rho * turning[1] ** 2 + turning[4] ** 2).max()
     energy += own.mechanism.cell_angle
     power, factor = (2.5, 0.4) if joint.hertz else (2.0, 0.5)

@@ -10,7 +10,7 @@ import numpy as np
 
 import escapement as esc
 from escapement.dynamics import law as dynamics
-from escapement.dynamics import state_table as tabulation
+from escapement.dynamics import state_table
 from escapement.dynamics.painleve import friction_limits
 
 BOTH = (1.0, -1.0)
@@ -245,14 +245,14 @@ def random_state(rng, drive):
 def law(drive, theta, speed, side, engagement=0):
     """The package's rows at one state, in SI but for X: acceleration, N, losses, and X."""
     w = np.array([(speed * drive.time_unit) ** 2])
-    table, losses = np.empty((5, 1)), np.empty((1 + len(dynamics.LOSSES), 1))
+    table = np.empty((state_table.ROWS, 1))
     place = drive.scenes[engagement], np.array([theta]), *np.zeros((2, 1)), w, side
-    tabulation.tabulate(*place, table)
-    tabulation.tabulate_losses(*place, losses)
+    state_table.tabulate(*place, table)
+    found = state_table.LawTable(*table[:, 0])
     own = dynamics.LOSSES[:5]  # there are no trains
-    lost = dict(zip(own, drive.torque * speed * losses[1:6, 0], strict=True))
-    force = losses[0, 0] * drive.torque / drive.mechanism.crank_radius
-    return table[2, 0] / drive.time_unit**2, force, lost, table[4, 0]
+    lost = {name: drive.torque * speed * getattr(found, name) for name in own}
+    force = found.force * drive.torque / drive.mechanism.crank_radius
+    return found.rate / drive.time_unit**2, force, lost, found.pressing
 
 
 def close(found, expected, scale=0.0, rtol=1e-10):

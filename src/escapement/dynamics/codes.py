@@ -1,4 +1,4 @@
-"""The codes of events, and of the ways in which an engagement ends, for all engines.
+"""The codes of events, and of the ways in which a part of a motion ends, for all engines.
 
 Kernels keep them as integers in records, and return them as members.
 """
@@ -41,7 +41,7 @@ PIECES = Event.FLIGHT, Event.CONTACT, Event.DWELL
 
 
 class Ending(IntEnum):
-    """How an engagement with clearance or compliant contact ends, or a piece or a panel of it.
+    """How an engagement, a piece or a panel of it ends, or the march that follows it.
 
     The engagement ends with DONE: at the handoff. OVER: the time asked for has passed. STALL: the
     drive cannot go on. SPENT: the spring is spent. JAM: at the Painleve limit. BACKS_OUT: the
@@ -50,8 +50,9 @@ class Ending(IntEnum):
     ARRIVED: the goal of a march is reached. STANDS: nothing moves.
 
     A piece ends, and the engagement goes on, with LIFTED: the pin lifts off. TURNED: a driver that
-    turns back comes to rest. STRUCK: the pin strikes a wall. With TOUCHES a contact goes on, and
-    with RUNNING a march.
+    turns back comes to rest. STRUCK: the pin strikes a wall. REVERSED: the other wall of a slot
+    without clearance takes over the force. With TOUCHES a contact goes on, and with RUNNING a
+    march.
 
     A panel of contact ends besides with BARREL_TURNED and LOAD_TURNED: power in the train of the
     barrel or of the load turns back. RESTED: bodies that nothing drives count as at rest. STOPPED:
@@ -78,6 +79,7 @@ class Ending(IntEnum):
     LOAD_TURNED = 17
     RESTED = 18
     STOPPED = 19
+    REVERSED = 20
 
 
 GOES_ON = Ending.LIFTED, Ending.TURNED, Ending.STRUCK, Ending.TOUCHES, Ending.RUNNING

@@ -6,6 +6,7 @@ time compare the extrema of the motion from its start with that cycle, and
 """
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any
@@ -16,10 +17,11 @@ from escapement.base.status import MESSAGES, Status
 from escapement.base.text import Shown
 from escapement.base.units import printed
 from escapement.dynamics.energy_balance import Judged, JudgedResult
-from escapement.dynamics.figure_table import FIGURES
+from escapement.dynamics.figure_table import FIGURES, TRANSIENT
 from escapement.dynamics.motion import Motion
 from escapement.dynamics.trajectory import Extrema
 from escapement.mechanisms.protocol import FloatArray
+from escapement.numerics import search
 
 RISE_BAND = 0.02
 """A rise is over at the first extremum this close to its terminal value [-]."""
@@ -48,7 +50,7 @@ def _peak(index: int, meaning: str) -> cached_property[float]:
 
 
 @dataclass(frozen=True)
-class Spread:
+class BatchSpread:
     """Scatter of engagements that do not repeat.
 
     engagements : number of engagements over which the means are taken.
@@ -121,7 +123,7 @@ class Figures(JudgedResult, Shown):
     uniqueness_friction: float = _NAN
     jam_margin: float = _NAN
     motion: Motion | None = field(default=None, repr=False)
-    spread: Spread | None = None
+    spread: BatchSpread | None = None
     status: Judged = Judged(Status.OK)  # noqa: RUF009 - the descriptor of the field
     message: Judged = Judged(MESSAGES[Status.OK])  # noqa: RUF009
 
@@ -245,21 +247,56 @@ def _passed(level: float, depth: FloatArray, times: FloatArray) -> float:
     return float(np.interp(level, depth[two], times[two]))
 
 
-def read_cycle(cycle: Motion, base: Figures) -> Figures:
-    """Terminal figures from a cycle that starts at the terminal speed: one engagement, or all
-    of a pattern.
-    """
+def cycle_figures(cycle: Motion) -> dict[str, Any]:
+    """Figures of a cycle that starts at the terminal speed."""
     speeds = np.concatenate([cycle.extrema.theta_dot, cycle.at([0.0, cycle.end_time]).theta_dot])
     period = float(cycle.end_time / cycle.handoff_times.size)
-    return replace(
-        base,
-        velocity_max=float(speeds.max()),
-        velocity_min=float(speeds.min()),
-        velocity_mean=float(cycle.escapement.mechanism.cell_angle / period),
-        period=period,
-        handoff_velocity=float(cycle.handoff_velocities[-1]),
-        motion=cycle,
-    )
+    return {
+        "velocity_max": float(speeds.max()),
+        "velocity_min": float(speeds.min()),
+        "velocity_mean": float(cycle.escapement.mechanism.cell_angle / period),
+        "period": period,
+        "handoff_velocity": float(cycle.handoff_velocities[-1]),
+    }
+
+
+def read_figures(
+    base: Figures,
+    cycle: Motion,
+    contraction: float,
+    initial_speed: float,
+    follow: Callable[[int], Motion],
+    longest: int,
+) -> Figures:
+    """The figures of merit, from the terminal cycle and a motion that leads to it.
+
+    Parameters
+    ----------
+    base : Figures
+        Those that need no motion, and the message.
+    cycle, contraction : as `Figures` has them.
+    initial_speed : float
+        Speed at the first pin entry [rad/s].
+    follow, longest : callable, int
+        The motion from there over a number of engagements, and how many to follow at most.
+    """
+    # status and message are judged when they are read, so that the result is made only once
+    found = cycle_figures(cycle) | {"contraction": contraction, "motion": cycle}
+    size, start = len(cycle.escapement.pairs), initial_speed / found["handoff_velocity"]
+    count = transient_length(abs(contraction) ** (1.0 / size), start)
+    count = count if size == 1 else size * (2 + count // size)
+    while count <= longest:
+        motion = follow(count)
+        rise, settled = read_transient(motion, replace(base, **found))
+        falls = fall_times(motion, initial_speed, cycle)
+        times: dict[str, Any] = dict(zip(TRANSIENT, (rise, *falls, settled), strict=True))
+        if not any(map(math.isnan, times.values())) or motion.handoff_times.size < count:
+            return replace(base, **found, **times)
+        count *= 2
+    most, result = f"{longest:_}".replace("_", " "), replace(base, **found)
+    why = f"these figures take more than {most} engagements and are not given"
+    result.add_notes(f"{why}: {', '.join(TRANSIENT)}")
+    return result
 
 
 def read_transient(motion: Motion, figures: Figures) -> tuple[float, float]:
@@ -277,7 +314,9 @@ def read_transient(motion: Motion, figures: Figures) -> tuple[float, float]:
         final = np.full((size, 2), _NAN)
         final[tuple(kinds[:, last])] = extrema.theta_dot[last]
         terminal = final[tuple(kinds)]
-    error = np.abs(extrema.theta_dot / terminal - 1.0)
+    # an impact may stop the driver, which then has no least speed to compare with
+    scale = np.maximum(np.abs(terminal), LEAST_RATIO * figures.velocity_max)
+    error = np.abs(extrema.theta_dot - terminal) / scale
     risen = np.nonzero(error <= RISE_BAND)[0]
     unsettled = np.nonzero(error[extremes] > SETTLING_BAND)[0]
     settled = extremes[unsettled[-1] + 1 :] if unsettled.size else extremes
@@ -331,23 +370,15 @@ def _sampled_peaks(motion: Motion) -> list[float]:
         names.append("contact_force")
     bounds = np.append(motion.trajectory.start, motion.end_time)
     pieces = np.arange(bounds.size - 1)[:, None]
-    # The first grid is the same for all quantities. Later grids are separate for each quantity
-    # and lie between the neighbours of its greatest value so far, down to 1e-6 of a piece.
-    grid = _first_grid(motion, pieces, bounds)[None]
-    for size in (33, 33, 33, 0):
-        state = motion.within(pieces, grid)
-        columns = [getattr(state, name) for name in names]
-        values = np.abs([column[min(row, grid.shape[0] - 1)] for row, column in enumerate(columns)])
-        best = values.argmax(axis=-1, keepdims=True)
-        grid = np.broadcast_to(grid, values.shape)
-        low = np.take_along_axis(grid, np.maximum(best - 1, 0), axis=-1)[..., 0]
-        high = np.take_along_axis(grid, np.minimum(best + 1, grid.shape[-1] - 1), axis=-1)[..., 0]
-        if size:
-            grid = np.linspace(low, high, size, axis=-1)
-    tops = [
-        max(_vertex(line[max(i - 1, 0) : i + 2]) for line, (i,) in zip(lines, places, strict=True))
-        for lines, places in zip(values, best, strict=True)
-    ]
+    grid = _first_grid(motion, pieces, bounds)
+    first, tops = motion.within(pieces, grid), []
+    for name in names:
+
+        def size_at(times: FloatArray, name: str = name) -> FloatArray:
+            return np.asarray(np.abs(getattr(motion.within(pieces, times), name)))
+
+        values, _times = search.peaks(size_at, grid, np.abs(np.asarray(getattr(first, name))))
+        tops.append(float(values.max()))
     return tops if len(tops) == 4 else [*tops, _NAN]
 
 
@@ -366,14 +397,3 @@ def _first_grid(motion: Motion, pieces: np.ndarray, bounds: np.ndarray) -> Float
     angles = theta[:, :1] + (theta[:, -1:] - theta[:, :1]) * shares
     by_angle = np.array(list(map(np.interp, angles, theta, by_time)))
     return np.sort(np.concatenate([by_time, by_angle], axis=1), axis=1)
-
-
-def _vertex(values: np.ndarray) -> float:
-    """Height of the parabola through three even samples, the middle one the greatest."""
-    top = float(values.max())
-    if values.size < 3:
-        return top
-    curvature = 2.0 * values[1] - values[0] - values[2]
-    rise = values[2] - values[0]
-    # rise^2 / (8 curvature), but the square of a great force would overflow
-    return top + float(rise * (rise / (8.0 * curvature))) if curvature > 0.0 else top

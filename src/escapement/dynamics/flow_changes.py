@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from scipy.optimize import brentq
 
 from escapement.dynamics.trajectory import Events
 from escapement.mechanisms.protocol import FloatArray
+from escapement.numerics import search
 
 _SAMPLES = 129
 """Times in a piece at which the torque in a train is evaluated."""
@@ -34,7 +34,7 @@ def flow_changes_of(motion: Any) -> FlowChanges:
     The torque is T - I_b theta_ddot for a barrel and M + I_l phi_ddot for a load train, with
     numbers referred to driver and follower. If a sign changes from one piece of the motion to the
     next, as at a pin reversal, the change is at the boundary. Two changes between neighbouring
-    times of 129 in a piece are missed.
+    times of 129 in a piece are found where the torque has a minimum there.
     """
     found = sorted(row for train in motion.escapement.trains for row in _changes(motion, train))
     columns = [np.array(column) for column in zip(*found, strict=True)] or [np.empty(0)] * 6
@@ -52,21 +52,24 @@ def _changes(motion: Any, train: str) -> Iterator[tuple[float, int, float, float
     ):
         if not end > start:
             continue
+
+        def between(low: float, high: float, piece: int = piece) -> Callable[[float], float]:
+            return lambda t: float(_passed(motion, piece, np.array([t]), train)[0])
+
         times = np.linspace(start, end, _SAMPLES)
         values = _passed(motion, piece, times, train)
         # values of the size of rounding have no sign
-        clear = np.flatnonzero(np.abs(values) > _ROUNDING * np.abs(values).max())
-        last = -1
-        for i in clear.tolist():
-            if values[i] * before < 0.0:
-                time = start
-                if last >= 0:
-                    inputs = motion, piece, train
-                    time = brentq(_at, times[last], times[i], args=inputs, xtol=1e-300)
-                state = motion.within(np.array([piece]), np.array([time]))
-                pose = float(state.theta[0]), float(state.theta_dot[0])
-                yield time, int(trajectory.engagement[piece]), *pose, train, bool(values[i] > 0.0)
-            before, last = float(values[i]), i
+        clear = np.abs(values) > _ROUNDING * np.abs(values).max()
+        times, values = times[clear], values[clear]
+        found = search.roots(between, times, values, _ROUNDING)
+        if values.size and values[0] * before < 0.0:
+            found.insert(0, start)
+        for index, time in enumerate(found):
+            state = motion.within(np.array([piece]), np.array([time]))
+            pose = float(state.theta[0]), float(state.theta_dot[0])
+            forward = (values[-1] > 0.0) == ((len(found) - index) % 2 == 1)
+            yield time, int(trajectory.engagement[piece]), *pose, train, bool(forward)
+        before = float(values[-1]) if values.size else before
 
 
 def _passed(motion: Any, piece: int, times: FloatArray, train: str) -> FloatArray:
@@ -89,7 +92,3 @@ def _passed(motion: Any, piece: int, times: FloatArray, train: str) -> FloatArra
     return np.asarray(
         sense * (torque - train_inertia.inertia / train_inertia.ratio**2 * state.theta_ddot)
     )
-
-
-def _at(time: float, motion: Any, piece: int, train: str) -> float:
-    return float(_passed(motion, piece, np.array([time]), train)[0])

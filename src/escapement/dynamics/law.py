@@ -43,9 +43,11 @@ An engine integrates the functions of this file over time (`net_torque` divided 
 J_s = rho + g p vanishes.
 """
 
+from typing import NamedTuple
+
 import numpy as np
 
-from escapement.dynamics.torque import REST, is_undriven, same_angle_gap
+from escapement.dynamics.torque import REST, is_undriven, same_angle_gap, torque_at
 from escapement.mechanisms.path import OFFSET, PIN_RATE, Path
 from escapement.mechanisms.slotted import pose_at
 from escapement.model.scene import Scene
@@ -200,6 +202,46 @@ def reduced_inertia(g, c, scene):
     return scene.rho + g * (g + c)
 
 
+class WallState(NamedTuple):
+    """The law at a driver angle while a side of the slot carries the force.
+
+    g, u, dg, radius : g, u, g' and R of the path; they are 0 in a dwell, as c, k and X are.
+    c, k, pull, root : p - g, and what `contact` and `net_torque` take.
+    inertia, rate, moment : J_s, theta_ddot, and X.
+    """
+
+    g: float
+    u: float
+    dg: float
+    radius: float
+    c: float
+    k: float
+    pull: float
+    root: float
+    inertia: float
+    rate: float
+    moment: float
+
+
+@inner_jit
+def wall_state(theta, w, side, scene, slide_sign=0.0, ratio_sign=0.0):
+    """`WallState` at a driver angle; the side is 0 in a dwell, and signs are as in `grip`."""
+    g = u = dg = radius = moment = 0.0
+    if side != 0.0:
+        g, u, dg, radius = pose_at(scene.path, theta)
+    c = friction_ratio(g, u, radius, side, scene, slide_sign, ratio_sign)
+    k = dragged_slope(g, dg, scene, ratio_sign)
+    pull, root = torque_at(theta, scene)[0] - scene.bearing, root_of(w, scene)
+    inertia = reduced_inertia(g, c, scene)
+    rate = net_torque(g, c, k, pull, w, root, scene) / inertia
+    if side != 0.0:
+        moment = contact(g, k, pull, w, root, scene)
+    return WallState(
+        g=g, u=u, dg=dg, radius=radius, c=c, k=k, pull=pull, root=root, inertia=inertia, rate=rate,
+        moment=moment,
+    )  # fmt: skip
+
+
 @inner_jit
 def free_gain(angle, pull, w, scene):
     """Increase of w over a small angle while the driver turns without the follower."""
@@ -271,28 +313,6 @@ def energy_rates(g, c, k, pull, inverse_inertia, dtheta_dx, root, scene):
     bent = c * scene.rho * k * inverse_inertia
     decay = twice * inverse_inertia * ((bent + drag) * amplification + air)
     return gain, decay, amplification
-
-
-@inner_jit
-def losses_per_angle(g, u, radius, k, pull, w, side, scene, slide_sign=0.0, ratio_sign=0.0):
-    """Contact force N, and the work lost per driver angle in each of `LOSSES` but the trains."""
-    ratio = sign_of(g, ratio_sign) * g
-    root = np.sqrt(max(w, 0.0))
-    force = slot = at_driver = at_follower = 0.0
-    if radius > 0.0:
-        slide, lever = grip(g, u, radius, side, scene, slide_sign, ratio_sign)
-        moment = contact(g, k, pull, w, root_of(w, scene), scene)
-        moment /= reduced_inertia(
-            g, friction_ratio(g, u, radius, side, scene, slide_sign, ratio_sign), scene
-        )
-        force = moment / lever
-        # with the given sign of N they stay smooth if a trial step of a solver passes a reversal
-        slot = signed_loss(side, scene) * slide * force
-        at_driver = side * scene.driver_journal * force
-        at_follower = side * scene.follower_journal * ratio * force
-    drag = scene.driver_drag * w + scene.driver_viscous * root
-    air = scene.follower_drag * w * ratio + scene.follower_viscous * root
-    return force, slot, at_driver + scene.bearing, at_follower, drag, g * g * air
 
 
 @inner_jit

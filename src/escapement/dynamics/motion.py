@@ -24,7 +24,7 @@ from escapement.dynamics.events import handoffs_of, impacts_among, slide_changes
 from escapement.dynamics.flow_changes import FlowChanges, flow_changes_of
 from escapement.dynamics.law import LOSSES
 from escapement.dynamics.painleve import painleve_message
-from escapement.dynamics.state_table import tabulate, tabulate_losses
+from escapement.dynamics.state_table import LOST, ROWS, LawTable, tabulate
 from escapement.dynamics.trajectory import (
     Events,
     Extrema,
@@ -236,8 +236,8 @@ class Motion(JudgedResult, Shown):
         # the sense from the nearer end of the piece into it
         since, until = np.append(trajectory.start, self.end_time)[[owners, owners + 1]]
         inward = np.where(flat - since <= until - flat, 1.0, -1.0)
-        g, dg, rate, moment, _x = table = np.zeros((5, theta.size))
-        losses = np.zeros((1 + len(LOSSES), theta.size))
+        table = np.zeros((ROWS, theta.size))
+        law, losses = LawTable(*table), table[LOST:]
         phi, delay = engagement * mechanism.follower_step, np.zeros(theta.size)
         for k, pair in enumerate(escapement.pairs):
             here, scene = engagement % len(escapement.pairs) == k, escapement.scenes[k]
@@ -248,30 +248,25 @@ class Motion(JudgedResult, Shown):
             for side in (1.0, 0.0, -1.0):
                 held = here & (sign == side)
                 angles, w = theta[held], (speed[held] * clock) ** 2
-                part = np.empty((len(table), angles.size))
-                lost = np.empty((len(losses), angles.size))
-                inputs = (scene, angles, inward[held], driver_angle[held], w, side)
-                tabulate(*inputs, part)
-                tabulate_losses(*inputs, lost)
-                table[:, held], losses[:, held] = part, lost
-        moment *= escapement.torque_unit
-        rate /= clock**2
-        losses *= escapement.torque_unit
+                part = np.empty((ROWS, angles.size))
+                tabulate(scene, angles, inward[held], driver_angle[held], w, side, part)
+                table[:, held] = part
+        rate, torque = law.rate / clock**2, escapement.torque_unit
         crank = mechanism.crank_radius
         columns: dict[str, FloatArray | None] = {
             "theta": theta + engagement * mechanism.cell_angle + delay,
             "theta_dot": speed,
             "theta_ddot": rate,
             "phi": phi,
-            "phi_dot": g * speed,
-            "phi_ddot": g * rate + dg * speed**2,
-            "contact_moment": moment,
+            "phi_dot": law.ratio * speed,
+            "phi_ddot": law.ratio * rate + law.ratio_slope * speed**2,
+            "contact_moment": law.moment * torque,
             "contact_force": None,
             "driver_bearing_reaction": None,
             "follower_bearing_reaction": None,
         }
         if crank is not None:
-            columns["contact_force"] = force = losses[0] / crank
+            columns["contact_force"] = force = law.force * torque / crank
             # both bearings carry the force of the contact and its friction
             reaction = np.abs(force) * np.hypot(1.0, escapement.scene.mu_plus)
             columns["follower_bearing_reaction"] = reaction
@@ -281,7 +276,7 @@ class Motion(JudgedResult, Shown):
             name: None if column is None else column.reshape(times.shape)
             for name, column in columns.items()
         }
-        powers = (losses[1:] * speed).reshape(len(LOSSES), *times.shape)
+        powers = (losses * torque * speed).reshape(len(LOSSES), *times.shape)
         return State(t=times, **shaped, power_lost=dict(zip(LOSSES, powers, strict=True)))
 
     @cached_property

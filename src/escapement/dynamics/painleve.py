@@ -27,9 +27,8 @@ from escapement.model.natural import slid
 from escapement.model.scene import Scene
 from escapement.numerics.chebyshev import zeros
 from escapement.numerics.jit import as_python, inner_jit, jit
-from escapement.numerics.roots import newton_in_bracket
+from escapement.numerics.roots import golden_point, golden_step, newton_in_bracket
 
-GOLDEN = 0.6180339887498949
 _LIMITS = "painleve.limits"
 _NOTE = "painleve.note"
 
@@ -145,19 +144,13 @@ def _nearest(low, high, scene):
     """
     g, u, _dg, radius = pose_at(scene.path, 0.5 * (low + high))
     slide_sign = np.copysign(1.0, slide_at(g, u, radius, -1.0, scene))
-    a, b = low, high
-    x, y = b - GOLDEN * (b - a), a + GOLDEN * (b - a)
-    at_x, at_y = _nearness_at(x, slide_sign, scene), _nearness_at(y, slide_sign, scene)
-    while b - a > 1e-12:
-        if at_x > at_y:
-            b, y, at_y = y, x, at_x
-            x = b - GOLDEN * (b - a)
-            at_x = _nearness_at(x, slide_sign, scene)
-        else:
-            a, x, at_x = x, y, at_y
-            y = a + GOLDEN * (b - a)
-            at_y = _nearness_at(y, slide_sign, scene)
-    return max(at_x, at_y), 0.5 * (a + b)
+    best = golden_point(low, high)
+    greatest = _nearness_at(best, slide_sign, scene)
+    while high - low > 1e-12:
+        trial = low + high - best
+        value = _nearness_at(trial, slide_sign, scene)
+        low, high, best, greatest = golden_step(low, high, best, greatest, trial, value)
+    return greatest, 0.5 * (low + high)
 
 
 @jit

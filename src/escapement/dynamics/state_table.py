@@ -1,22 +1,23 @@
 """The law at many driver angles, for readers of a motion and for `solve_ivp`."""
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from escapement.dynamics.law import (
     contact,
-    dragged_slope,
     friction_ratio,
+    grip,
     is_ideal,
-    losses_per_angle,
     net_torque,
     reduced_inertia,
     root_of,
     sign_of,
+    signed_loss,
     slide_at,
+    wall_state,
 )
-from escapement.dynamics.torque import cell_after, torque_at
+from escapement.dynamics.torque import cell_after
 from escapement.dynamics.train_losses import factors, flowing, is_lossy, train_losses, weight
 from escapement.mechanisms.slotted import pose_at
 from escapement.numerics.jit import inner_jit, jit
@@ -25,10 +26,32 @@ from escapement.numerics.jit import inner_jit, jit
 _CLEAR = 1e-9
 
 
-@inner_jit
-def _pose(theta, side, scene):
-    """g, u, g' and R at a driver angle, 0 in a dwell."""
-    return pose_at(scene.path, theta) if side != 0.0 else (0.0, 0.0, 0.0, 0.0)
+class LawTable(NamedTuple):
+    """The rows that `tabulate` fills, in natural units, with a column for each driver angle.
+
+    ratio, ratio_slope, rate : g, g' and theta_ddot.
+    moment, pressing : moment N h of the contact on the follower, and X.
+    force : contact force N, in units of torque over the path's unit of length.
+    friction to load_train : work lost per driver angle in each of `dynamics.law.LOSSES`.
+    """
+
+    ratio: Any
+    ratio_slope: Any
+    rate: Any
+    moment: Any
+    pressing: Any
+    force: Any
+    friction: Any
+    driver_bearing: Any
+    follower_bearing: Any
+    driver_drag: Any
+    follower_drag: Any
+    barrel: Any
+    load_train: Any
+
+
+ROWS, LOST = len(LawTable._fields), LawTable._fields.index("friction")
+"""Number of rows, and the first of the losses."""
 
 
 @inner_jit
@@ -42,30 +65,6 @@ def signs_near(theta, inward, side, scene):
         return 0.0, 0.0
     g, u, _dg, radius = pose_at(scene.path, theta + inward * _CLEAR)
     return np.sign(slide_at(g, u, radius, side, scene)), np.sign(g)
-
-
-@jit
-def tabulate(scene, theta, inward, driver_angle, w, side, out):
-    """Fill out[0:5] with g, g', theta_ddot, contact moment N h and X at each angle.
-
-    `inward` is as of `signs_near`, `driver_angle` are the driver angles turned since the start of
-    the motion; `side` is 0 in a dwell.
-    """
-    for i in range(theta.size):
-        here = flowing(theta[i], side, w[i], cell_before(driver_angle[i], theta[i], scene))
-        g, u, dg, radius = _pose(theta[i], side, scene)
-        slide_sign, ratio_sign = signs_near(theta[i], inward[i], side, here)
-        c, k = (
-            friction_ratio(g, u, radius, side, here, slide_sign, ratio_sign),
-            dragged_slope(g, dg, here, ratio_sign),
-        )
-        pull = torque_at(theta[i], here)[0] - here.bearing
-        root, inertia = root_of(w[i], here), reduced_inertia(g, c, here)
-        out[0, i], out[1, i] = g, dg
-        out[2, i] = net_torque(g, c, k, pull, w[i], root, here) / inertia
-        # in a dwell nothing touches
-        out[4, i] = contact(g, k, pull, w[i], root, here) if side != 0.0 else 0.0
-        out[3, i] = weight(here) * out[4, i] / inertia
 
 
 @inner_jit(inlined=True)
@@ -94,43 +93,46 @@ def losses_at(g, u, radius, k, pull, w, side, here, slide_sign=0.0, ratio_sign=0
     `here` is the scene of the flow, whose pull and k these are; signs are as in
     `dynamics.law.grip`.
     """
-    unit, barrel, train = weight(here), 0.0, 0.0
-    force, friction, at_driver, at_follower, drag, air = losses_per_angle(
-        g, u, radius, k, pull, w, side, here, slide_sign, ratio_sign
-    )
+    unit, ratio = weight(here), sign_of(g, ratio_sign) * g
+    root, speed = root_of(w, here), np.sqrt(max(w, 0.0))
+    c = friction_ratio(g, u, radius, side, here, slide_sign, ratio_sign)
+    force = slot = barrel = train = 0.0
+    if radius > 0.0:
+        slide, lever = grip(g, u, radius, side, here, slide_sign, ratio_sign)
+        force = contact(g, k, pull, w, root, here) / reduced_inertia(g, c, here) / lever
+        # with the given sign of N they stay smooth if a trial step of a solver passes a reversal
+        slot = signed_loss(side, here) * slide * force
     if is_lossy(here):
-        c = friction_ratio(g, u, radius, side, here, slide_sign, ratio_sign)
-        rate = net_torque(g, c, k, pull, w, root_of(w, here), here) / reduced_inertia(g, c, here)
-        dg = k - here.follower_drag * (g * sign_of(g, ratio_sign) * g)
+        rate = net_torque(g, c, k, pull, w, root, here) / reduced_inertia(g, c, here)
+        dg = k - here.follower_drag * (g * ratio)
         torque = (pull + here.bearing) * unit / factors(here.flow, here)[0]
         barrel, train = train_losses(g, dg, rate, torque, w, here)
+    air = here.follower_drag * w * ratio + here.follower_viscous * speed
     return ForceAndLosses(
         force=unit * force,
-        friction=unit * friction,
-        driver_bearing=unit * at_driver,
-        follower_bearing=unit * at_follower,
-        driver_drag=unit * drag,
-        follower_drag=unit * air,
+        friction=unit * slot,
+        driver_bearing=unit * (side * here.driver_journal * force + here.bearing),
+        follower_bearing=unit * (side * here.follower_journal * ratio * force),
+        driver_drag=unit * (here.driver_drag * w + here.driver_viscous * speed),
+        follower_drag=unit * (g * g * air),
         barrel=barrel,
         load_train=train,
     )
 
 
 @jit
-def tabulate_losses(scene, theta, inward, driver_angle, w, side, out):
-    """Fill out[0] with the contact force N and out[1:] with each of `law.LOSSES` per driver angle.
+def tabulate(scene, theta, inward, driver_angle, w, side, out):
+    """Fill the rows of a `LawTable` at each angle.
 
-    `inward` is as of `signs_near`; `side` is 0 in a dwell. The force is in units of torque over the
-    path's unit of length.
+    `inward` is as of `signs_near`, `driver_angle` are the driver angles turned since the start of
+    the motion; `side` is 0 in a dwell.
     """
     for i in range(theta.size):
         here = flowing(theta[i], side, w[i], cell_before(driver_angle[i], theta[i], scene))
-        g, u, dg, radius = _pose(theta[i], side, scene)
-        slide_sign, ratio_sign = signs_near(theta[i], inward[i], side, here)
-        k, pull = (
-            dragged_slope(g, dg, here, ratio_sign),
-            torque_at(theta[i], here)[0] - here.bearing,
-        )
-        row = losses_at(g, u, radius, k, pull, w[i], side, here, slide_sign, ratio_sign)
-        for j in range(out.shape[0]):
-            out[j, i] = row[j]
+        signs = signs_near(theta[i], inward[i], side, here)
+        now = wall_state(theta[i], w[i], side, here, *signs)
+        lost = losses_at(now.g, now.u, now.radius, now.k, now.pull, w[i], side, here, *signs)
+        out[0, i], out[1, i], out[2, i] = now.g, now.dg, now.rate
+        out[3, i], out[4, i] = weight(here) * now.moment / now.inertia, now.moment
+        for j in range(ROWS - LOST + 1):
+            out[LOST - 1 + j, i] = lost[j]

@@ -17,7 +17,7 @@ Inertias and torques are referred to the driver and the follower, in natural uni
 
 import numpy as np
 
-from escapement.dynamics.law import bent_pose, contact, net_torque, reduced_inertia, root_of
+from escapement.dynamics.law import wall_state
 from escapement.dynamics.torque import torque_at
 from escapement.numerics.altered import altered
 from escapement.numerics.jit import inner_jit, jit
@@ -100,19 +100,13 @@ def flow_at(theta, side, w, scene):
     for i in range(FLOWS):
         flow = float(i)
         here = in_flow(scene, flow)
-        g, c, k = bent_pose(theta, side, here)
-        pull = torque_at(theta, here)[0] - here.bearing
-        inertia = reduced_inertia(g, c, here)
-        if not inertia > 0.0:
+        now = wall_state(theta, w, side, here)
+        if not now.inertia > 0.0:
             # beyond the Painleve limit of this flow it would need a force of the other sign
             continue
-        root = root_of(w, here)
-        rate = net_torque(g, c, k, pull, w, root, here) / inertia
-        dg = k - here.follower_drag * (g * abs(g))
-        q, z = through_trains(g, dg, rate, torque, w, scene)
-        missed = _misses(flow, q, z)
+        missed = _misses(flow, *through_trains(now.g, now.dg, now.rate, torque, w, scene))
         # beyond the limit two may have the right signs, one of them without a force on this side
-        pressed = side * contact(g, k, pull, w, root, here) > 0.0
+        pressed = side * now.moment > 0.0
         if missed == 0.0 and pressed:
             return flow
         if missed < least or (missed == least and pressed and not held):
@@ -138,36 +132,6 @@ def within_flow(g, k, rate, pull, w, scene):
     q, z = through_trains(g, dg, rate, torque, w, scene)
     back, given = scene.flow == 1.0 or scene.flow == 3.0, scene.flow >= 2.0
     return -q if back else q, -z if given else z
-
-
-@inner_jit
-def shared(efficiency, flow):
-    """The factor e on the torque through a train: eta where the flow of power to the body that
-    moves is +1, 1/eta where it is -1, and in between near rest.
-    """
-    half = 0.5 * (1.0 / efficiency - efficiency)
-    return efficiency + half - flow * half
-
-
-@inner_jit
-def passed_on(near, far, torque, other, efficiency, sense):
-    """Acceleration of a body that moves on its own with a train behind it, and the factor e.
-
-    The far shaft passes on q = T - I theta_ddot, of which the body receives e q.
-
-    Parameters
-    ----------
-    near, far : inertia of the body, and that of the far shaft I, referred to the body.
-    torque, other : T on the far shaft, referred to the body, and all torques on the body itself.
-    efficiency : eta.
-    sense : sign of the body's speed, or a number between -1 and 1 that stands for it near rest.
-    """
-    share = shared(efficiency, sense)
-    rate = (share * torque + other) / (near + share * far)
-    if torque - far * rate < 0.0:
-        share = shared(efficiency, -sense)
-        rate = (share * torque + other) / (near + share * far)
-    return rate, share
 
 
 @inner_jit

@@ -1,4 +1,7 @@
-"""Root finding in a bracket for kernels: Newton's method, kept inside by bisection."""
+"""Searches in a bracket for kernels: a root by Newton's method, a greatest value by golden section.
+
+Each function is one step, so that the loop of its caller holds the function that is searched.
+"""
 
 from escapement.numerics.jit import inner_jit
 
@@ -29,3 +32,39 @@ def newton_in_bracket(x, value, slope, low, high, rising):
     if not low <= guess <= high:
         guess = 0.5 * (low + high)
     return guess, low, high
+
+
+GOLDEN = 0.6180339887498949
+"""The golden ratio less 1."""
+
+
+@inner_jit(inlined=True)
+def golden_point(low, high):
+    """The first point of a search by golden section between `low` and `high`."""
+    return high - GOLDEN * (high - low)
+
+
+@inner_jit(inlined=True)
+def golden_step(low, high, best, greatest, trial, value):
+    """One step of golden section towards the greatest value of a function with one maximum.
+
+    Parameters
+    ----------
+    low, high : float
+        The bracket.
+    best, greatest : float
+        The point in it with the greatest value so far, and that value.
+    trial, value : float
+        The point low + high - best, and the value there.
+
+    Returns
+    -------
+    low, high, best, greatest : the remaining bracket, and the best point in it.
+    """
+    if value > greatest:
+        if trial > best:
+            return best, high, trial, value
+        return low, best, trial, value
+    if trial > best:
+        return low, trial, best, greatest
+    return trial, high, best, greatest

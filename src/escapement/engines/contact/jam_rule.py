@@ -18,7 +18,7 @@ import numpy as np
 from escapement.base import validate
 from escapement.base.text import Shown
 from escapement.dynamics.painleve import first_beyond, friction_limits, margin
-from escapement.dynamics.state_table import tabulate
+from escapement.dynamics.state_table import ROWS, LawTable, tabulate
 from escapement.dynamics.train_losses import is_lossy, scene_in_flow
 from escapement.model.escapement import Escapement
 from escapement.numerics.jit import as_python
@@ -59,7 +59,7 @@ class JamCycle(Shown):
     message: str
 
 
-class _Passed(NamedTuple):
+class _JamsPassed(NamedTuple):
     """An engagement in natural units."""
 
     time: float
@@ -134,9 +134,10 @@ def jam_rule(escapement: Escapement) -> JamCycle:
 
 def _at(scene: Any, theta: float, speed: float, side: float) -> tuple[float, float]:
     """Driver acceleration and X."""
-    found = np.empty((5, 1))
+    found = np.empty((ROWS, 1))
     tabulate(scene, np.array([theta]), *np.zeros((2, 1)), np.array([speed * speed]), side, found)
-    return float(found[2, 0]), float(found[4, 0])
+    law = LawTable(*found)
+    return float(law.rate[0]), float(law.pressing[0])
 
 
 def _wedging(scene: Any) -> Any:
@@ -150,7 +151,7 @@ def _greatest(found: Any, row: int) -> float:
     return float(np.append(peaks[:, row], found.y[row]).max())
 
 
-def _engage(scene: Any, speed: float) -> _Passed:
+def _engage(scene: Any, speed: float) -> _JamsPassed:
     """One engagement from a driver speed at pin entry, and the dwell behind it."""
     theta, end = float(scene.edges[0]), float(scene.edges[-1])
     time, top, jams = 0.0, speed, []
@@ -169,7 +170,7 @@ def _engage(scene: Any, speed: float) -> _Passed:
     if scene.dwell > 0.0:
         theta, speed, spent, most = _push(scene, end, speed, end + scene.dwell, 0.0)
         time, top = time + spent, max(top, most)
-    return _Passed(time, speed, top, jams)
+    return _JamsPassed(time, speed, top, jams)
 
 
 def _push(

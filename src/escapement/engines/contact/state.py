@@ -6,12 +6,9 @@ import numpy as np
 
 from escapement.dynamics.law import LOSSES
 from escapement.dynamics.motion import State
-from escapement.engines.contact.state_rows import FIRST_LOSS, STATE_ROWS, StateRow
+from escapement.engines.contact.state_rows import FIRST_LOSS, STATE_ROWS, ContactState
 from escapement.mechanisms.protocol import FloatArray
 from escapement.model.escapement import Escapement
-
-_NUMBERS = [row for row in StateRow if row < FIRST_LOSS]
-"""Rows that are not losses."""
 
 
 def state_from(escapement: Escapement, t: FloatArray, table: FloatArray) -> State:
@@ -24,21 +21,21 @@ def state_from(escapement: Escapement, t: FloatArray, table: FloatArray) -> Stat
     t : ndarray
         Times [s], of any shape.
     table : ndarray, shape (STATE_ROWS, t.size)
-        Its rows are `StateRow`, in natural units, with angles since the start of the motion.
+        The rows of a `ContactState`, with angles since the start of the motion.
     """
     clock, torque = escapement.time_unit, escapement.torque_unit
     wheel: Any = escapement.mechanism
-    scale = np.full(STATE_ROWS, torque / clock)
-    scale[[StateRow.THETA, StateRow.PHI]] = 1.0
-    scale[[StateRow.THETA_DOT, StateRow.PHI_DOT]] = 1.0 / clock
-    scale[[StateRow.THETA_DDOT, StateRow.PHI_DDOT]] = clock**-2.0
-    scale[StateRow.CONTACT_MOMENT] = torque
-    scale[StateRow.CONTACT_FORCE] = torque / wheel.crank_radius
-    rows = (table * scale[:, None]).reshape(STATE_ROWS, *t.shape)
-    reaction = np.abs(rows[StateRow.CONTACT_FORCE]) * np.hypot(1.0, escapement.scene.mu_plus)
+    speed, acceleration = 1.0 / clock, clock**-2.0
+    scale = ContactState(
+        1.0, speed, acceleration, 1.0, speed, acceleration, torque, torque / wheel.crank_radius,
+        *[torque / clock] * len(LOSSES),
+    )  # fmt: skip
+    rows = (table * np.array(scale)[:, None]).reshape(STATE_ROWS, *t.shape)
+    numbers = dict(zip(ContactState._fields, rows[:FIRST_LOSS], strict=False))
+    reaction = np.abs(numbers["contact_force"]) * np.hypot(1.0, escapement.scene.mu_plus)
     return State(
         t=t,
-        **{row.name.lower(): rows[row] for row in _NUMBERS},
+        **numbers,
         driver_bearing_reaction=reaction,
         follower_bearing_reaction=reaction,
         power_lost=dict(zip(LOSSES, rows[FIRST_LOSS:], strict=True)),

@@ -1,32 +1,41 @@
-"""The rows of a table of states, which the kernels of both laws of contact fill."""
+"""A state of both bodies, and the rows of a table of states, which both laws of contact fill."""
 
-from enum import IntEnum
+from typing import Any, NamedTuple
+
+from escapement.numerics.jit import inner_jit
 
 
-class StateRow(IntEnum):
-    """Rows of a table of states in natural units, with a column for each time.
+class ContactState(NamedTuple):
+    """A state in natural units; each field is a row of a table with a column for each time.
 
     Angles, speeds and accelerations of driver and follower, the moment of the contact on the
     follower, the contact force, and the power lost in each of `dynamics.law.LOSSES`, in their
     order.
     """
 
-    THETA = 0
-    THETA_DOT = 1
-    THETA_DDOT = 2
-    PHI = 3
-    PHI_DOT = 4
-    PHI_DDOT = 5
-    CONTACT_MOMENT = 6
-    CONTACT_FORCE = 7
-    FRICTION = 8
-    DRIVER_BEARING = 9
-    FOLLOWER_BEARING = 10
-    DRIVER_DRAG = 11
-    FOLLOWER_DRAG = 12
-    BARREL = 13
-    LOAD_TRAIN = 14
+    theta: Any
+    theta_dot: Any
+    theta_ddot: Any
+    phi: Any
+    phi_dot: Any
+    phi_ddot: Any
+    contact_moment: Any
+    contact_force: Any
+    friction: Any
+    driver_bearing: Any
+    follower_bearing: Any
+    driver_drag: Any
+    follower_drag: Any
+    barrel: Any
+    load_train: Any
 
 
-FIRST_LOSS, STATE_ROWS = int(StateRow.FRICTION), len(StateRow)
-"""Row of the first of `LOSSES`, and number of rows."""
+STATE_ROWS, FIRST_LOSS = len(ContactState._fields), ContactState._fields.index("friction")
+"""Number of rows, and that of the first of `LOSSES`."""
+
+
+@inner_jit
+def write_state(table, column, state):
+    """Write a state into a column of a table."""
+    for i in range(STATE_ROWS):
+        table[i, column] = state[i]

@@ -30,9 +30,8 @@ from escapement.engines.energy.solve import (
     solve_side,
 )
 from escapement.mechanisms.slotted import transmission_at
+from escapement.numerics import gauss
 from escapement.numerics.gauss import (
-    BARYCENTRIC,
-    FROM_LEFT,
     POINTS,
     N,
     cumulate,
@@ -41,7 +40,6 @@ from escapement.numerics.gauss import (
     to_powers,
 )
 from escapement.numerics.jit import inner_jit
-from escapement.numerics.roots import newton_in_bracket
 
 # A last step of Newton's method for a reversal that is longer than this, in x, is due to
 # rounding and left out.
@@ -51,26 +49,10 @@ LARGEST_CORRECTION = 1e-4
 NEAR_CHANGE = 1e-4
 
 
-@inner_jit(reorders=True)
+@inner_jit
 def weights_to(work, x):
-    """Fill the weights of the values at the points in the value at x.
-
-    Those of `at_x` are for any function. Those of `from_left` are for one that is zero at
-    x = -1, such as an integral from the left end, and keep its relative accuracy next to it.
-    """
-    total = 0.0
-    for i in range(points_of(work)):
-        # barycentric formula; at a point itself a tiny distance gives that point all the weight
-        distance = x - POINTS[i]
-        weight = BARYCENTRIC[i] / (distance if distance != 0.0 else 1e-17)
-        work.at_x[i] = weight
-        total += weight
-    scale = 1.0 / total
-    for i in range(points_of(work)):
-        weight = work.at_x[i] * scale
-        work.at_x[i] = weight
-        # interpolate f(x)/(1 + x), and multiply by 1 + x
-        work.from_left[i] = weight * FROM_LEFT[i] * (1.0 + x)
+    """Fill the weights of the values at the points in the value at x; see `gauss.weights_to`."""
+    gauss.weights_to(x, work.at_x, work.from_left, points_of(work))
 
 
 @inner_jit
@@ -150,21 +132,9 @@ def invert(work, target, whole_time):
 
     `whole_time` is the time over the panel, and `work.scratch` holds that to every point.
     """
-    count = points_of(work)
-    x = 2.0 * target / whole_time - 1.0
-    low, high = -1.0, 1.0
-    for _ in range(60):
-        weights_to(work, x)
-        # Newton's method on the time, whose derivative by x is dt/dx
-        over = dot(work.from_left, work.scratch, count) - target
-        slope = dot(work.at_x, work.slowness, count)
-        guess, low, high = newton_in_bracket(x, over, slope, low, high, True)
-        step = abs(guess - x)
-        x = guess
-        if step <= 1e-8:
-            break
-    weights_to(work, x)
-    return x
+    return gauss.point_reached(
+        work.scratch, work.slowness, target, whole_time, work.at_x, work.from_left, points_of(work)
+    )
 
 
 class Instant(NamedTuple):

@@ -5,27 +5,18 @@ ends and Gauss points, and then between the neighbours of each point that may be
 greatest value.
 """
 
-from escapement.dynamics.law import (
-    contact,
-    dragged_slope,
-    friction_ratio,
-    losses_per_angle,
-    net_torque,
-    reduced_inertia,
-    root_of,
-)
-from escapement.dynamics.state_table import signs_near
-from escapement.dynamics.torque import torque_at
+from escapement.dynamics.law import wall_state
+from escapement.dynamics.state_table import losses_at, signs_near
 from escapement.dynamics.train_losses import weight
 from escapement.engines.energy.locate import weights_to
 from escapement.engines.energy.panels import points_of
 from escapement.mechanisms.slotted import pose_at
 from escapement.numerics.gauss import POINTS, N, dot
 from escapement.numerics.jit import inner_jit
+from escapement.numerics.roots import golden_point, golden_step
 
 PEAKS = ("acceleration_max", "follower_acceleration_max", "contact_moment_max", "contact_force_max")
 """Names of the peaks, in their order."""
-GOLDEN = 0.6180339887498949
 # Golden section ends at this width of x: the error of a peak is in proportion to its square.
 CLOSE = 1e-6
 # A point may be next to the greatest value where its own is at least this share of it.
@@ -39,20 +30,12 @@ def _magnitudes(scene, theta, w, side, slide_sign, ratio_sign):
     `slide_sign` and `ratio_sign` are the signs of the sliding speed and of g; see
     `dynamics.law.grip`.
     """
-    g = u = dg = radius = 0.0
-    if side != 0.0:
-        g, u, dg, radius = pose_at(scene.path, theta)
-    c, k = (
-        friction_ratio(g, u, radius, side, scene, slide_sign, ratio_sign),
-        dragged_slope(g, dg, scene, ratio_sign),
-    )
-    root, inertia = root_of(w, scene), reduced_inertia(g, c, scene)
-    pull = torque_at(theta, scene)[0] - scene.bearing
-    rate = net_torque(g, c, k, pull, w, root, scene) / inertia
-    moment = contact(g, k, pull, w, root, scene) / inertia if side != 0.0 else 0.0
-    force = losses_per_angle(g, u, radius, k, pull, w, side, scene, slide_sign, ratio_sign)[0]
-    unit = weight(scene)
-    return abs(rate), abs(g * rate + dg * w), unit * abs(moment), unit * abs(force)
+    now = wall_state(theta, w, side, scene, slide_sign, ratio_sign)
+    moment = weight(scene) * now.moment / now.inertia
+    signs = slide_sign, ratio_sign
+    lost = losses_at(now.g, now.u, now.radius, now.k, now.pull, w, side, scene, *signs)
+    follower_rate = now.g * now.rate + now.dg * w
+    return abs(now.rate), abs(follower_rate), abs(moment), abs(lost.force)
 
 
 @inner_jit
@@ -100,16 +83,11 @@ def raise_peaks(scene, work, panel, side, ends, values, peaks):
 @inner_jit
 def _summit(scene, work, panel, side, low, high, j, slide_sign, ratio_sign):
     """Greatest magnitude j between two points of a panel, by golden section."""
-    x, y = high - GOLDEN * (high - low), low + GOLDEN * (high - low)
-    at_x = _magnitudes_at(scene, work, panel, side, x, slide_sign, ratio_sign)[j]
-    at_y = _magnitudes_at(scene, work, panel, side, y, slide_sign, ratio_sign)[j]
+    inputs, signs = (scene, work, panel, side), (slide_sign, ratio_sign)
+    best = golden_point(low, high)
+    greatest = _magnitudes_at(*inputs, best, *signs)[j]
     while high - low > CLOSE:
-        if at_x > at_y:
-            high, y, at_y = y, x, at_x
-            x = high - GOLDEN * (high - low)
-            at_x = _magnitudes_at(scene, work, panel, side, x, slide_sign, ratio_sign)[j]
-        else:
-            low, x, at_x = x, y, at_y
-            y = low + GOLDEN * (high - low)
-            at_y = _magnitudes_at(scene, work, panel, side, y, slide_sign, ratio_sign)[j]
-    return max(at_x, at_y)
+        trial = low + high - best
+        value = _magnitudes_at(*inputs, trial, *signs)[j]
+        low, high, best, greatest = golden_step(low, high, best, greatest, trial, value)
+    return greatest

@@ -2,7 +2,6 @@
 
     law        the equation of motion, as numbers and as solve_ivp's right-hand side
     free       a driver that turns free of the follower, in closed form
-    crossings  roots of a smooth function that is sampled between solver steps
     piece      one piece: integrated, its end located, its last step taken again
     simulate   a motion as a sequence of pieces, with its events
     terminal   the terminal cycle as the fixed point of an engagement

@@ -7,9 +7,8 @@ from typing import Any
 import numpy as np
 
 from escapement.dynamics import law as dynamics
-from escapement.dynamics import state_table as tabulation
 from escapement.dynamics.law import scene_of
-from escapement.dynamics.state_table import losses_at
+from escapement.dynamics.state_table import LOST, ROWS, LawTable, losses_at, tabulate
 from escapement.dynamics.torque import torque_after, torque_at
 from escapement.dynamics.train_losses import flowing
 from escapement.mechanisms.protocol import FloatArray
@@ -66,16 +65,15 @@ class SceneLaw:
 
     def loss_rates(self, theta: float, w: float, side: float) -> FloatArray:
         """The losses that there are, per driver angle."""
-        table = np.empty((1 + len(dynamics.LOSSES), 1))
-        angle, driver_angle = np.array([theta]), np.array([self.driver_angle(theta)])
-        inward, squared = np.zeros(1), np.array([w])
-        tabulation.tabulate_losses(self.scene, angle, inward, driver_angle, squared, side, table)
-        rates: FloatArray = table[1 + self.losses, 0]
+        rates: FloatArray = self.table(np.array([theta]), np.array([w]), side)[LOST:][
+            self.losses, 0
+        ]
         return rates
 
     def acceleration(self, theta: float, speed: float, side: float) -> float:
         """Driver acceleration while the given side of the slot carries the force."""
-        return float(self.tabulate(np.array([theta]), np.array([speed**2]), side)[0][0])
+        law = LawTable(*self.table(np.array([theta]), np.array([speed**2]), side))
+        return float(law.rate[0])
 
     def rest(self, theta: float, side: float) -> float:
         """Driver speed at which a motion counts as at rest."""
@@ -123,14 +121,11 @@ class SceneLaw:
         """
         return float(side_from(theta, speed**2, before or 1.0, self.plain))
 
-    def tabulate(
-        self, theta: FloatArray, w: FloatArray, side: float
-    ) -> tuple[FloatArray, FloatArray]:
-        """Acceleration, and `force`, at many driver angles."""
-        table = np.empty((5, theta.size))
-        inward = np.zeros(theta.size)
-        tabulation.tabulate(self.scene, theta, inward, self.driver_angle(theta), w, side, table)
-        return table[2], table[4] if side else np.ones(theta.size)
+    def table(self, theta: FloatArray, w: FloatArray, side: float) -> FloatArray:
+        """The rows of a `LawTable` at many driver angles."""
+        table, inward = np.empty((ROWS, theta.size)), np.zeros(theta.size)
+        tabulate(self.scene, theta, inward, self.driver_angle(theta), w, side, table)
+        return table
 
 
 @jit
@@ -149,18 +144,15 @@ def least_share(scene):
 def contact_at(theta, w, side, plain):
     """X at a driver angle; solve_ivp asks for it at every step."""
     scene = flowing(theta, side, w, scene_of(plain))
-    g, _c, k = dynamics.bent_pose(theta, side, scene)
-    pull = torque_at(theta, scene)[0] - scene.bearing
-    return dynamics.contact(g, k, pull, w, dynamics.root_of(w, scene), scene)
+    return dynamics.wall_state(theta, w, side, scene).moment
 
 
 @jit(allocates=True)
 def side_from(theta, w, before, plain):
     """Side of the slot that carries the force just behind a driver angle."""
     scene = flowing(theta, 1.0, w, scene_of(plain))
-    g, _c, k = dynamics.bent_pose(theta, 1.0, scene)
-    torque, slope = torque_at(theta, scene)
-    return dynamics.side_at(theta, g, k, torque - scene.bearing, slope, w, before, scene)
+    now, slope = dynamics.wall_state(theta, w, 1.0, scene), torque_at(theta, scene)[1]
+    return dynamics.side_at(theta, now.g, now.k, now.pull, slope, w, before, scene)
 
 
 @jit(allocates=True)
@@ -176,17 +168,10 @@ def slope(x, y, anchor, unit, side, slide_sign, ratio_sign, losses, plain):
     out = np.empty(2 + losses.size)
     w, theta = (unit * y[1]) ** 2, anchor + y[0]
     scene = flowing(theta, side, w, scene)
-    g = u = k = c = radius = 0.0
-    if side != 0.0:
-        g, u, dg, radius = pose_at(scene.path, theta)
-        k = dynamics.dragged_slope(g, dg, scene, ratio_sign)
-        c = dynamics.friction_ratio(g, u, radius, side, scene, slide_sign, ratio_sign)
-    root = dynamics.root_of(w, scene)
-    out[0] = y[1]
-    pull = torque_at(theta, scene)[0] - scene.bearing
-    net = dynamics.net_torque(g, c, k, pull, w, root, scene)
-    out[1] = net / dynamics.reduced_inertia(g, c, scene) / unit**2
-    rates = losses_at(g, u, radius, k, pull, w, side, scene, slide_sign, ratio_sign)
+    now = dynamics.wall_state(theta, w, side, scene, slide_sign, ratio_sign)
+    out[0], out[1] = y[1], now.rate / unit**2
+    path = now.g, now.u, now.radius, now.k
+    rates = losses_at(*path, now.pull, w, side, scene, slide_sign, ratio_sign)
     for i in range(losses.size):
         out[2 + i] = rates[1 + losses[i]] * y[1] / unit**2
     return out

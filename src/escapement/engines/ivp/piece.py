@@ -8,18 +8,20 @@ or that which the torque gives the driver over a cell, so that every piece takes
 time of order one and absolute tolerances mean the same at any speed.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
-from enum import Enum
 from functools import cached_property
 from typing import Any, NamedTuple
 
 import numpy as np
 from scipy.integrate import OdeSolution, solve_ivp
 
+from escapement.dynamics.codes import Ending
 from escapement.dynamics.law import settled as _settled
-from escapement.engines.ivp.crossings import ROUNDING, find_roots
+from escapement.dynamics.state_table import LawTable
 from escapement.engines.ivp.law import SceneLaw, slope
 from escapement.mechanisms.protocol import FloatArray
+from escapement.numerics import search
 from escapement.numerics.jit import as_python
 
 settled = as_python(_settled)
@@ -32,6 +34,8 @@ _RETAKES = 5
 """How often the last step of a piece is repeated; two times are enough."""
 _NEARLY = 1e-3
 """Share of a step by which its end may be shifted without another integration."""
+_ROUNDING = 1e-9
+"""A value at the end of a piece below this share of the greatest value may be rounding."""
 _NUDGE = 1e-7
 """Time over which the growth of the force is measured, for a piece whose time is of order one."""
 
@@ -70,21 +74,12 @@ class Task(NamedTuple):
     gap: float
 
 
-class PieceEnd(Enum):
-    """Why a piece ends: at its goal, at a pin reversal, at rest or at the end of the time."""
-
-    ARRIVED = 1
-    REVERSED = 2
-    STOPPED = 3
-    TIME_UP = 4
-
-
 @dataclass(frozen=True)
 class Solution:
     """A solved piece; times are natural ones since its start.
 
     dense : state in the piece's units as a function of time * unit.
-    length : time that the piece takes.
+    length : time that the piece takes. ending : ARRIVED at its goal, REVERSED, STOPPED, or OVER.
     extrema : times at which the driver's acceleration vanishes.
     first_rate, last_rate : sign of the acceleration after the start and before the end.
     """
@@ -93,7 +88,7 @@ class Solution:
     anchor: float
     unit: float
     length: float
-    ending: PieceEnd
+    ending: Ending
     extrema: list[float]
     first_rate: float
     last_rate: float
@@ -132,7 +127,7 @@ def solve_piece(law: SceneLaw, task: Task, options: Tolerances) -> Solution:
         # A locked follower leaves a law of the speed alone: the acceleration keeps its sign, though
         # at the speed where drag balances the drive rounding changes it.
         rates[:] = last_rate = rates[0]
-    roots = [x / unit for x in find_roots(problem.rate, dense, times, rates)]
+    roots = [x / unit for x in _roots(problem.rate, dense, times, rates)]
     first = float(rates[np.argmax(rates != 0.0)])
     return Solution(
         dense=dense,
@@ -221,14 +216,13 @@ class _Problem:
         states = np.hstack([*(step(inner) for step, inner in within), solved.y[:, -1:]])
         (angle, pace), sign = states[:2], self.task.sign or 1.0
         w = (self.unit * pace) ** 2
-        rates, forces = self.law.tabulate(angle + self.task.anchor, w, self.task.sign)
+        law = LawTable(*self.law.table(angle + self.task.anchor, w, self.task.sign))
+        forces: Any = law.pressing if self.task.sign else np.ones(times.size)
         # the reversal at which a piece starts does not count again
         forces[0] = sign * abs(forces[0])
-        return times, rates, forces
+        return times, np.asarray(law.rate), forces
 
-    def find_end(
-        self, solved: Any, times: FloatArray, forces: FloatArray
-    ) -> tuple[float, PieceEnd]:
+    def find_end(self, solved: Any, times: FloatArray, forces: FloatArray) -> tuple[float, Ending]:
         """When the piece ends, and why.
 
         solve_ivp misses two crossings of the force inside one step, so that the force is
@@ -239,21 +233,21 @@ class _Problem:
         if reversed_:
             # the last sample is the root that solve_ivp found: it counts as beyond it
             forces[-1] = -sign * abs(forces[-1])
-        elif abs(forces[-1]) <= ROUNDING * np.abs(forces).max():
+        elif abs(forces[-1]) <= _ROUNDING * np.abs(forces).max():
             # the force may vanish at the goal, g = g' = 0, where its sign is rounding
             forces[-1] = sign * abs(forces[-1])
-        turns = find_roots(self.force, solved.sol, times, forces)
+        turns = _roots(self.force, solved.sol, times, forces)
         if reversed_:
             turns.append(last)
         if turns:
             # a reversal at the goal belongs to the next piece
             beyond = solved.sol(turns[0])[0] >= self.task.end - self.task.anchor - self.task.gap
-            return turns[0], PieceEnd.ARRIVED if beyond else PieceEnd.REVERSED
+            return turns[0], Ending.ARRIVED if beyond else Ending.REVERSED
         if arrived:
-            return last, PieceEnd.ARRIVED
-        return last, PieceEnd.STOPPED if stopped else PieceEnd.TIME_UP
+            return last, Ending.ARRIVED
+        return last, Ending.STOPPED if stopped else Ending.OVER
 
-    def retake_last_step(self, solved: Any, end: float, ending: PieceEnd) -> tuple[Any, float]:
+    def retake_last_step(self, solved: Any, end: float, ending: Ending) -> tuple[Any, float]:
         """Dense output that ends where the piece ends, and when that is.
 
         The interpolant inside a step is less accurate than the ends of the step. Where an
@@ -271,7 +265,7 @@ class _Problem:
             last = self.integrate((join, end), start, first_step=step).sol
             shift = self.correction(last(end), ending)
             near = abs(shift) <= _NEARLY * (last.ts[-1] - last.ts[-2])
-            if ending is PieceEnd.REVERSED and not near:
+            if ending is Ending.REVERSED and not near:
                 # the force only touches zero, and has no root by which to shift the end
                 break
             if not end + shift > join:
@@ -288,17 +282,37 @@ class _Problem:
         steps = dense.interpolants[:whole] + last.interpolants
         return OdeSolution(times, steps, alt_segment=dense.side == "right"), end
 
-    def correction(self, y: FloatArray, ending: PieceEnd) -> float:
+    def correction(self, y: FloatArray, ending: Ending) -> float:
         """By how much later than at `y` the piece ends, by one step of Newton's method."""
-        if ending is PieceEnd.TIME_UP:
+        if ending is Ending.OVER:
             return 0.0
-        if ending is PieceEnd.ARRIVED:
+        if ending is Ending.ARRIVED:
             return float((self.task.end - self.task.anchor - y[0]) / y[1])
         rates = slope(0.0, y, *self.arguments)
-        vanishes = self.pace if ending is PieceEnd.STOPPED else self.force
+        vanishes = self.pace if ending is Ending.STOPPED else self.force
         value = vanishes(y)
         growth = (vanishes(y + _NUDGE * rates) - value) / _NUDGE
         return -value / growth if growth else np.inf
+
+
+def _roots(
+    function: Callable[[FloatArray], float], dense: Any, x: FloatArray, f: FloatArray
+) -> list[float]:
+    """All roots of a function of the state along the dense output, given its values at times.
+
+    solve_ivp compares the signs of an event function at the ends of a step, so that it misses two
+    roots inside one step. With a load an engagement may have two pin reversals, at any distance
+    from each other.
+    """
+
+    def between(low: float, high: float) -> Callable[[float], float]:
+        inside = dense.ts[1:-1].searchsorted(0.5 * (low + high))
+        step = dense.interpolants[inside]
+        # around the end of a step the dense output chooses between two
+        inner = dense.ts[inside] <= low and high <= dense.ts[inside + 1]
+        return lambda time: function(step(time) if inner else dense(time))
+
+    return search.roots(between, x, f, _ROUNDING)
 
 
 def _beside(value: float, other: float, distance: float, gap: float) -> float:

@@ -15,17 +15,17 @@ import numpy as np
 from escapement.base.spoken import as_spoken
 from escapement.base.status import MESSAGES, Status
 from escapement.base.validate import fail
+from escapement.dynamics.codes import Ending, Event
 from escapement.dynamics.law import LOSSES, is_felt, left_by_impact
 from escapement.dynamics.motion import Motion, no_motion, stall_message
 from escapement.dynamics.painleve import friction_limits
 from escapement.dynamics.torque import KNOT_GAP, REST, SAME_ANGLE, is_spent, is_undriven, next_knot
 from escapement.dynamics.train_losses import is_lossy
 from escapement.dynamics.trajectory import Events, Extrema, Trajectory
-from escapement.engines.ivp.free import FreeTurn, is_free, stand_still, turn_free
+from escapement.engines.ivp.free import is_free, stand_still, turn_free
 from escapement.engines.ivp.law import SceneLaw, least_share
 from escapement.engines.ivp.piece import (
     NotConverged,
-    PieceEnd,
     Solution,
     Task,
     Tolerances,
@@ -65,14 +65,14 @@ class Span(NamedTuple):
     locked: bool
 
 
-class Event(NamedTuple):
-    """A pin reversal or an extremum of the driver speed in natural units."""
+class Noted(NamedTuple):
+    """An event of a motion, in natural units: a pin reversal or an extremum of the speed."""
 
+    kind: Event
     engagement: int
     time: float
     theta: float
     speed: float
-    maximum: bool = False
 
 
 @dataclass(frozen=True)
@@ -80,7 +80,7 @@ class SolvedTrajectory(Trajectory):
     """The pieces and events of a motion in SI; see `escapement.dynamics.trajectory.Trajectory`."""
 
     clock: float
-    solution: list[Solution | FreeTurn]
+    solution: list[Solution]
     start: FloatArray
     engagement: np.ndarray
     sign: FloatArray
@@ -130,8 +130,8 @@ class _Simulation:
     stalled: bool = False
     pieces: list[tuple[Any, ...]] = field(default_factory=list)
     handoffs: list[tuple[float, float]] = field(default_factory=list)
-    reversals: list[Event] = field(default_factory=list)
-    extrema: list[Event] = field(default_factory=list)
+    reversals: list[Noted] = field(default_factory=list)
+    extrema: list[Noted] = field(default_factory=list)
 
     @property
     def gap(self) -> float:
@@ -207,7 +207,7 @@ class _Simulation:
             if at_rest and self.law.acceleration(self.theta, 0.0, sign) <= 0.0:
                 # stall: the drive does not carry the load
                 self._stop(sign)
-            elif self._solve_piece(sign, span) is PieceEnd.REVERSED:
+            elif self._solve_piece(sign, span) is Ending.REVERSED:
                 self._note_reversal()
                 sign = -sign
         self.side = sign
@@ -218,7 +218,7 @@ class _Simulation:
         if not self.pieces:
             self._add(sign, 0.0 * self.law.losses, stand_still(self.law, self.theta))
 
-    def _solve_piece(self, sign: float, span: Span) -> PieceEnd:
+    def _solve_piece(self, sign: float, span: Span) -> Ending:
         """Advance by one smooth piece."""
         end = span.end
         # Next to a stop of a mesh all of the friction loss is rounding. A table's pieces are
@@ -236,38 +236,37 @@ class _Simulation:
             time=time_left,
             gap=self.gap,
         )
-        if is_free(self.law, task):
-            solved: Solution | FreeTurn = turn_free(self.law, task)
-        else:
-            solved = solve_piece(self.law, task, self.options)
+        free = is_free(self.law, task)
+        solved = turn_free(self.law, task) if free else solve_piece(self.law, task, self.options)
         theta, speed, losses = solved.state(solved.length)
         self._note_extrema(solved)
         self._add(sign, losses, solved)
-        time_up = solved.ending is PieceEnd.TIME_UP
+        time_up = solved.ending is Ending.OVER
         self.time = self.end_time if time_up else self.time + solved.length
-        self.theta = end if solved.ending is PieceEnd.ARRIVED else float(theta)
+        self.theta = end if solved.ending is Ending.ARRIVED else float(theta)
         self.speed = float(speed)
-        self.stalled = solved.ending is PieceEnd.STOPPED
+        self.stalled = solved.ending is Ending.STOPPED
         return solved.ending
 
-    def _add(self, sign: float, losses: FloatArray, solution: Solution | FreeTurn) -> None:
+    def _add(self, sign: float, losses: FloatArray, solution: Solution) -> None:
         self.pieces.append((self.time, self.engagement, sign, losses, solution))
 
-    def _angle_since(self, event: Event, theta: float) -> float:
-        """Driver angle since an event to one in this engagement [rad]."""
-        cells = (self.engagement - event.engagement) * self.escapement.mechanism.cell_angle
-        return float(cells + theta - event.theta)
+    def _note(
+        self, noted: list[Noted], kind: Event, time: float, theta: float, speed: float
+    ) -> None:
+        """Note an event, or drop the last one of its list if this undoes it at the same angle."""
+        if noted:
+            cells = (self.engagement - noted[-1].engagement) * self.escapement.mechanism.cell_angle
+            if float(cells + theta - noted[-1].theta) <= self.gap:
+                noted.pop()
+                return
+        noted.append(Noted(kind, self.engagement, time, theta, speed))
 
     def _note_reversal(self) -> None:
-        """Note a pin reversal, or drop the last one if this undoes it at the same angle."""
-        found = Event(self.engagement, self.time, self.theta, self.speed)
-        last = self.reversals[-1] if self.reversals else None
-        if last and self._angle_since(last, found.theta) <= self.gap:
-            self.reversals.pop()
-        else:
-            self.reversals.append(found)
+        """Note a pin reversal here."""
+        self._note(self.reversals, Event.REVERSAL, self.time, self.theta, self.speed)
 
-    def _note_extrema(self, solved: Solution | FreeTurn) -> None:
+    def _note_extrema(self, solved: Solution) -> None:
         """Note the extrema of the speed within a piece and on the corner at its start."""
         self._note_corner(solved.first_rate)
         for since in solved.extrema:
@@ -286,12 +285,9 @@ class _Simulation:
         self.trend = after or self.trend
 
     def _note_extremum(self, time: float, theta: float, speed: float) -> None:
-        """Note an extremum, or drop the last one if this undoes it at the same angle."""
-        last = self.extrema[-1] if self.extrema else None
-        if last and self._angle_since(last, theta) <= self.gap:
-            self.extrema.pop()
-        else:
-            self.extrema.append(Event(self.engagement, time, theta, speed, self.trend > 0.0))
+        """Note an extremum of the speed, a maximum if the speed rose so far."""
+        kind = Event.MAXIMUM if self.trend > 0.0 else Event.MINIMUM
+        self._note(self.extrema, kind, time, theta, speed)
 
 
 def simulate(
@@ -370,12 +366,12 @@ def _in_si(run: _Simulation, escapement: Escapement) -> SolvedTrajectory:
     clock, torque = escapement.time_unit, escapement.torque_unit
     cell, delays = escapement.mechanism.cell_angle, np.array([m.delay for m in escapement.pairs])
 
-    def events(rows: Sequence[Event]) -> tuple[Any, ...]:
+    def events(rows: Sequence[Noted]) -> tuple[Any, ...]:
         """Columns of `Events`, and whether each is a maximum."""
-        index, time, theta, speed, maximum = np.array(rows, dtype=float).reshape(-1, 5).T
+        kind, index, time, theta, speed = np.array(rows, dtype=float).reshape(-1, 5).T
         numbers = index.astype(int)
         theta = theta + numbers * cell + delays[numbers % delays.size]
-        return numbers, time * clock, theta, speed / clock, maximum.astype(bool)
+        return numbers, time * clock, theta, speed / clock, kind == Event.MAXIMUM
 
     solutions = [piece[4] for piece in run.pieces]
     rows = np.array([piece[:3] for piece in run.pieces], dtype=float).reshape(-1, 3)

@@ -16,15 +16,7 @@ import numpy as np
 from scipy.optimize import toms748
 
 from escapement.base.status import MESSAGES, Status
-from escapement.dynamics.figure_table import TRANSIENT
-from escapement.dynamics.figures_of_merit import (
-    BOUNDLESS,
-    Figures,
-    fall_times,
-    read_cycle,
-    read_transient,
-    transient_length,
-)
+from escapement.dynamics.figures_of_merit import BOUNDLESS, Figures, read_figures
 from escapement.dynamics.motion import Motion
 from escapement.engines.ivp.simulate import simulate
 from escapement.mechanisms.protocol import dwell_angle
@@ -53,23 +45,12 @@ def terminal(escapement: Escapement, base: Figures, **settings: Any) -> Figures:
     cycle, contraction = bracketed_cycle(escapement, **settings)
     if cycle.outcome is not Status.OK:
         return replace(base, status=cycle.outcome, message=cycle.message)
-    figures = replace(read_cycle(cycle, base), contraction=contraction)
-    size, start = len(escapement.scenes), settings["initial_speed"] / figures.handoff_velocity
-    count = transient_length(abs(contraction) ** (1.0 / size), start)
-    count = count if size == 1 else size * (2 + count // size)
-    while count <= LONGEST_TRANSIENT:
-        motion = simulate(escapement, engagements=count, duration=None, **settings)
-        rise, settled = read_transient(motion, figures)
-        falls = fall_times(motion, settings["initial_speed"], cycle)
-        times: dict[str, Any] = dict(zip(TRANSIENT, (rise, *falls, settled), strict=True))
-        if not any(map(math.isnan, times.values())):
-            return replace(figures, **times)
-        count *= 2
-    message = (
-        f"these figures take more than {LONGEST_TRANSIENT} engagements, too many for engine 'ivp', "
-        f"and are not given: {', '.join(TRANSIENT)}"
-    )
-    return replace(figures, message=message)
+
+    def follow(count: int) -> Motion:
+        return simulate(escapement, engagements=count, duration=None, **settings)
+
+    speed = settings["initial_speed"]
+    return read_figures(base, cycle, contraction, speed, follow, LONGEST_TRANSIENT)
 
 
 def bracketed_cycle(

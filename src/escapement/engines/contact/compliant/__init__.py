@@ -2,7 +2,6 @@
 
 Read `law` first, then `march`.
 
-- `slot`: position of a pin in its slot
 - `law`: the equations of motion and of the contact force
 - `radau`: one step of the method that integrates them
 - `march`: step by step, and the events between

@@ -20,17 +20,19 @@ from typing import NamedTuple
 
 import numpy as np
 
+from escapement.dynamics.bodies import driver_of, follower_of, move
 from escapement.dynamics.torque import torque_after
-from escapement.dynamics.train_losses import is_lossy, passed_on, shared
-from escapement.engines.contact.compliant.slot import (
+from escapement.dynamics.train_losses import is_lossy
+from escapement.engines.contact.slot import (
     FREE,
     LOCKED,
     acceleration_across,
+    journal_share,
     pose,
+    pushes,
     slide,
     touches,
 )
-from escapement.mechanisms.path import PIN_RATE
 from escapement.model.scene import Joint, Scene
 from escapement.numerics.jit import inner_jit
 
@@ -38,7 +40,7 @@ STATE = 14
 """Length of a state: theta, phi or D, their rates, and, summed since the start, the work that the
 load takes, the work lost in each of `dynamics.law.LOSSES` and in the walls, and the impulse of the
 walls."""
-LOAD, LOST, WALLS, IMPULSE = 4, 5, 12, 13
+DRIVER_SPEED, LOAD, LOST, WALLS, IMPULSE = 2, 4, 5, 12, 13
 """Indices in it."""
 
 
@@ -95,84 +97,45 @@ def push(depth, rate, case):
 
 
 @inner_jit
-def resistance(speed, rate, scene, least):
-    """Torque with which load, drag and losses of the train resist the follower."""
-    turn = fading(speed, least)
-    held, air = scene.load * turn, scene.follower_drag * abs(speed) + scene.follower_viscous
-    through, efficiency = held + scene.load_train * rate, scene.load_train_efficiency
-    share = shared(efficiency, -turn if through > 0.0 else turn)
-    return held + air * speed + (share - 1.0) * through
-
-
-@inner_jit
 def rates(y, mode, case, out):
-    """Fill `out` with the derivative of a state by time; returns phi_ddot."""
-    scene, joint = case.scene, case.joint
-    eps, mu, pin, sense = joint.slip, scene.mu_plus, scene.pin, scene.path.numbers[PIN_RATE]
-    at = pose(y, mode, scene)
-    driver, follower = at.driver, at.follower
-    on_driver = on_follower = force = friction = reaction = sliding = wall = 0.0
-    if touches(mode):
-        side = float(mode)
-        depth, rate, arm = side * at.across - joint.half_clearance, side * at.speed, side * pin
-        force, sliding = push(depth, rate, case), slide(at, side, scene)
-        bent = mu * sliding / np.sqrt(sliding * sliding + eps * eps)
-        friction = bent * force
-        if scene.driver_journal + scene.follower_journal > 0.0:
-            # the numbers of the journals are those of a pin that slides with full friction
-            reaction = np.sqrt((1.0 + bent * bent) / (1.0 + mu * mu)) * force
-        on_driver = friction * (at.sine + sense * arm) - side * force * at.cosine
-        on_follower = side * force * at.radius - (at.across + arm) * friction
-        wall = (force - elastic(depth, joint)[0]) * rate
-    pull = torque_after(case.driver_angle + (y[0] - scene.edges[0]), scene)[0]
-    at_driver = scene.bearing + scene.driver_journal * reaction
-    at_follower, held = scene.follower_journal * reaction, scene.load
-    if at_driver + at_follower + held != 0.0:
-        at_driver *= fading(driver, eps)
-        turn = fading(follower, eps)
-        at_follower, held = at_follower * turn, held * turn
-    drag = (scene.driver_drag * abs(driver) + scene.driver_viscous) * driver
-    air = (scene.follower_drag * abs(follower) + scene.follower_viscous) * follower
-    on_driver, on_follower = on_driver - at_driver - drag, on_follower - at_follower - air
-    out[LOST + 5] = out[LOST + 6] = 0.0
-    if is_lossy(scene):
-        on_driver, barrel, on_follower, train = _behind_trains(
-            scene, pull, on_driver, held, on_follower, fading(driver, eps), fading(follower, eps)
-        )
-        out[LOST + 5], out[LOST + 6] = barrel * driver, train * follower
-    else:
-        on_driver, on_follower = (pull + on_driver) / scene.rho, on_follower - held
-    if mode == LOCKED:
-        on_follower = out[LOST + 6] = 0.0
-    out[0], out[1], out[2], out[3] = driver, y[3], on_driver, on_follower
-    if touches(mode):
-        out[3] = acceleration_across(at, on_driver, on_follower, scene)
-    out[LOAD] = held * follower
-    out[LOST] = friction * sliding
-    out[LOST + 1] = at_driver * driver
-    out[LOST + 2] = at_follower * follower
-    out[LOST + 3] = drag * driver
-    out[LOST + 4] = air * follower
-    out[WALLS] = wall
-    out[IMPULSE] = force
-    return on_follower
+    """Fill `out` with the derivative of a state by time.
 
-
-@inner_jit
-def _behind_trains(scene, pull, on_driver, held, on_follower, driver_sign, follower_sign):
-    """Accelerations of driver and follower, each with the torque that its train loses.
-
-    held : torque of the load against the follower. driver_sign, follower_sign : fading signs of
-        their speeds.
+    Returns
+    -------
+    phi_ddot, moment
+        `moment` is that of the contact on the follower, less the friction of its journal.
     """
-    near, far = scene.rho - scene.barrel, scene.barrel
-    rate, share = passed_on(near, far, pull, on_driver, scene.barrel_efficiency, driver_sign)
-    barrel = (1.0 - share) * (pull - far * rate)
-    near, far = 1.0 - scene.load_train, scene.load_train
-    follower_rate, share = passed_on(
-        near, far, -held, on_follower, scene.load_train_efficiency, follower_sign
-    )
-    return rate, barrel, follower_rate, (share - 1.0) * (held + far * follower_rate)
+    scene, joint = case.scene, case.joint
+    at = pose(y, mode, scene)
+    on_driver = on_follower = force = reaction = out[LOST] = out[WALLS] = 0.0
+    if touches(mode):
+        side, mu = float(mode), scene.mu_plus
+        depth, rate = side * at.across - joint.half_clearance, side * at.speed
+        force, sliding = push(depth, rate, case), slide(at, side, scene)
+        f = mu * sliding / np.sqrt(sliding * sliding + joint.slip * joint.slip)
+        on_driver, on_follower = pushes(at, side, f, scene)
+        on_driver, on_follower = on_driver * force, on_follower * force
+        if scene.driver_journal + scene.follower_journal > 0.0:
+            reaction = journal_share(f, scene) * force
+        out[LOST], out[WALLS] = f * force * sliding, (force - elastic(depth, joint)[0]) * rate
+    pull = torque_after(case.driver_angle + (y[0] - scene.edges[0]), scene)[0]
+    held, turn, turns = scene.bearing + scene.driver_journal * reaction, 0.0, 0.0
+    # all that depends on the sense in which a body turns
+    if held + scene.follower_journal * reaction + scene.load != 0.0 or is_lossy(scene):
+        turn, turns = fading(at.driver, joint.slip), fading(at.follower, joint.slip)
+    driver = move(driver_of(scene), at.driver, turn, pull, on_driver, held)
+    held, load = scene.follower_journal * reaction, turns * scene.load
+    follower = move(follower_of(scene), at.follower, turns, -load, on_follower, held)
+    acceleration, train = (0.0, 0.0) if mode == LOCKED else (follower.rate, follower.train)
+    out[0], out[1], out[2], out[3] = at.driver, y[3], driver.rate, acceleration
+    if touches(mode):
+        out[3] = acceleration_across(at, driver.rate, acceleration, scene)
+    out[LOAD] = load * at.follower
+    out[LOST + 1], out[LOST + 2] = driver.friction * at.driver, follower.friction * at.follower
+    out[LOST + 3], out[LOST + 4] = driver.drag * at.driver, follower.drag * at.follower
+    out[LOST + 5], out[LOST + 6] = driver.train * at.driver, train * at.follower
+    out[IMPULSE] = force
+    return acceleration, on_follower - follower.friction
 
 
 @inner_jit

@@ -7,6 +7,7 @@ corners of the law thus lie between steps, and the method keeps its order.
 
 import numpy as np
 
+from escapement.dynamics.codes import Ending
 from escapement.dynamics.torque import REST, cell_after, cell_of, is_held, is_undriven
 from escapement.engines.contact.compliant.law import (
     STATE,
@@ -18,7 +19,7 @@ from escapement.engines.contact.compliant.law import (
     stored,
 )
 from escapement.engines.contact.compliant.radau import STAGES, attempt, prepare, workspace
-from escapement.engines.contact.compliant.slot import (
+from escapement.engines.contact.slot import (
     FREE,
     LOCKED,
     acceleration_across,
@@ -37,13 +38,12 @@ CLOCK = record_dtype({
 """What the next step needs in addition to the state. `moved` is the last time at which the
 mechanism was faster than the slip speed, `tries` the number of steps that were tried, those that
 locate an event included."""
-TIME, CELL, MODE, TOUCH, FIRST, SERIES = 0, 1, 2, 3, 4, 4 + STATE
-ROW = SERIES + 2 * STAGES
-"""A row holds the time, engagement, mode, speed of the last touch and state at the end of a step,
-and the coefficients of the polynomial in time for the accelerations in that step."""
-RUNNING, ARRIVED, STANDS, TOO_LONG = 0, 1, 2, 3
-"""Why a march ends: the rows are full, the goal is reached, nothing moves, or the number of tries
-is used up."""
+STEP_END = record_dtype({
+    "time": float, "engagement": np.int64, "mode": np.int64, "touch": float,
+    "state": (float, (STATE,)), "series": (float, (STAGES, 2)),
+})  # fmt: skip
+"""The end of a step: mode, speed of the last touch and state, and the coefficients of the
+polynomial in time for the accelerations in that step."""
 
 MOST_EACH = 1000
 """Steps that a motion may try for each engagement, in addition to a limit."""
@@ -137,14 +137,13 @@ def _dip(h, before, behind):
 
 
 @inner_jit
-def _write(rows, n, clock, y, series):
-    rows[n, TIME], rows[n, CELL], rows[n, MODE] = clock.time, clock.engagement, clock.mode
-    rows[n, TOUCH] = clock.touch
+def _write(row, clock, y, series):
+    row.time, row.engagement, row.mode = clock.time, clock.engagement, clock.mode
+    row.touch = clock.touch
     for k in range(STATE):
-        rows[n, FIRST + k] = y[k]
+        row.state[k] = y[k]
     for power in range(STAGES):
-        rows[n, SERIES + 2 * power] = series[power, 0]
-        rows[n, SERIES + 2 * power + 1] = series[power, 1]
+        row.series[power, 0], row.series[power, 1] = series[power, 0], series[power, 1]
 
 
 @inner_jit
@@ -256,13 +255,14 @@ def march(y, clocks, scene, joint, step, rtol, engagements, end, limit, rows):
         `CLOCK`.
     step : angle by which the follower turns from pin to pin [rad].
     limit : number of tries after which to give up, in addition to MOST_EACH for each engagement.
-    rows : shape (n, ROW), filled with the states at the ends of steps. Where the law or the pin
-        changes, there are two rows with the same time.
+    rows : array of `STEP_END`, to be filled. Where the law or the pin changes, there are two rows
+        with the same time.
 
     Returns
     -------
-    int, int
-        Number of rows that were written, and why the march ends.
+    int, Ending
+        Number of rows that were written, and why the march ends: RUNNING where the rows are full,
+        ARRIVED at the goal, STANDS where nothing moves, TOO_LONG when the tries are used up.
     """
     clock, work, bare = clocks[0], workspace(), np.zeros((STAGES, 2))
     n, idle, fresh, enters = 0, 0, True, clock.time == 0.0
@@ -277,20 +277,20 @@ def march(y, clocks, scene, joint, step, rtol, engagements, end, limit, rows):
                 _switch(y, clock, case)
                 continue
             prepare(y, clock.mode, case, work)
-            _write(rows, n, clock, y, bare)
+            _write(rows[n], clock, y, bare)
             work.span[0], n, fresh = 0.0, n + 1, False
             if enters and not there and _rests(y, clock.mode, case):
                 clock.time += _INSTANT
-                _write(rows, n, clock, y, bare)
-                return n + 1, STANDS
+                _write(rows[n], clock, y, bare)
+                return n + 1, Ending.STANDS
         if clock.engagement >= engagements or clock.time >= end:
-            return n, ARRIVED
+            return n, Ending.ARRIVED
         if clock.tries >= limit + MOST_EACH * clock.engagement:
-            return n, TOO_LONG
+            return n, Ending.TOO_LONG
         if clock.time - clock.moved > _PATIENCE:
-            return n, STANDS
+            return n, Ending.STANDS
         if n + 2 > rows.shape[0]:
-            return n, RUNNING
+            return n, Ending.RUNNING
         # if both a contact and a flight would end at once, one of them lasts for another step
         looks = idle < _MOST_IDLE
         h, passed, arrived = _advance(y, clock, case, rtol, end, looks, work)
@@ -301,7 +301,7 @@ def march(y, clocks, scene, joint, step, rtol, engagements, end, limit, rows):
         y[:], work.stages[0], work.span[1] = work.end, work.stages[STAGES], 1.0
         if max(abs(y[2]), abs(y[3])) > 10.0 * joint.slip:
             clock.moved = clock.time
-        _write(rows, n, clock, y, work.series)
+        _write(rows[n], clock, y, work.series)
         n += 1
         if arrived:
             _arrive(y, clock, case, step)

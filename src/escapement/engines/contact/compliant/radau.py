@@ -50,7 +50,7 @@ _SLOW = 0.1
 """Below this speed [sqrt(torque/I_f)] the error is no longer relative to the speed."""
 
 
-class Work(NamedTuple):
+class StepMemory(NamedTuple):
     """Arrays that a step reads and fills.
 
     stages : rates at the start, which the caller gives, and at the nodes, shape (1 + STAGES,
@@ -78,7 +78,7 @@ class Work(NamedTuple):
 def workspace():
     """Memory for a step."""
     pairs = ROOTS.size
-    return Work(
+    return StepMemory(
         stages=np.empty((1 + STAGES, STATE)),
         end=np.empty(STATE),
         flow=np.empty((STAGES, 2)),
@@ -256,7 +256,7 @@ def within(x, h, start, series, y):
     for k in range(2):
         speed = distance = 0.0
         for power in range(STAGES - 1, -1, -1):
-            speed = speed * x + series[2 * power + k] / (power + 1)
-            distance = distance * x + series[2 * power + k] / ((power + 1) * (power + 2))
+            speed = speed * x + series[power, k] / (power + 1)
+            distance = distance * x + series[power, k] / ((power + 1) * (power + 2))
         y[2 + k] = start[2 + k] + h * x * speed
         y[k] = start[k] + h * x * (start[2 + k] + h * x * distance)

@@ -7,21 +7,20 @@ from escapement.engines.contact.compliant.law import (
     IMPULSE,
     LOST,
     STATE,
-    WALLS,
     PinInSlot,
     rates,
-    resistance,
     stored,
 )
-from escapement.engines.contact.compliant.march import CELL, FIRST, MODE, SERIES, TIME, TOUCH
 from escapement.engines.contact.compliant.radau import within
-from escapement.engines.contact.compliant.slot import pose, slide, to_angle, touches
+from escapement.engines.contact.slot import pose, slide, to_angle, touches
+from escapement.engines.contact.state_rows import STATE_ROWS, ContactState, write_state
 from escapement.numerics.jit import jit
 
-TABLE = 18
-"""Numbers at each time: theta, phi, their speeds and accelerations, moment of the contact on the
-follower, force, power lost in each of `dynamics.law.LOSSES`, sliding speed, speed of penetration,
-and energy stored in the walls."""
+SLIDE, PRESS, HELD = range(STATE_ROWS, STATE_ROWS + 3)
+"""Rows behind those of a `ContactState`: sliding speed, speed of penetration, and energy stored in
+the walls."""
+TABLE = STATE_ROWS + 3
+"""Number of rows."""
 
 
 @jit(allocates=True)
@@ -30,19 +29,22 @@ def tabulate(rows, which, times, scene, joint, step, out):
     y, slopes = np.zeros(STATE), np.empty(STATE)
     for i in range(times.size):
         here, then = rows[which[i]], rows[which[i] + 1]
-        h, mode = then[TIME] - here[TIME], int(here[MODE])
-        within((times[i] - here[TIME]) / h, h, here[FIRST:], then[SERIES:], y)
-        driver_angle = here[CELL] * cell_of(scene)
-        case = PinInSlot(scene, joint, driver_angle, here[TOUCH])
-        acceleration, at = rates(y, mode, case, slopes), pose(y, mode, scene)
-        on = 1.0 if touches(mode) else 0.0
-        out[15, i] = slide(at, mode, scene)
-        out[16, i] = mode * at.speed
-        out[17, i] = stored(y, mode, case)
+        h, mode, on = then.time - here.time, here.mode, 1.0 if touches(here.mode) else 0.0
+        within((times[i] - here.time) / h, h, here.state, then.series, y)
+        driver_angle = here.engagement * cell_of(scene)
+        case = PinInSlot(scene, joint, driver_angle, here.touch)
+        acceleration, moment = rates(y, mode, case, slopes)
+        at = pose(y, mode, scene)
+        out[SLIDE, i], out[PRESS, i] = slide(at, mode, scene), mode * at.speed
+        out[HELD, i] = stored(y, mode, case)
         if touches(mode):
             to_angle(y, scene)
-        out[0, i], out[1, i], out[2, i] = y[0] + driver_angle, y[2], slopes[2]
-        out[3, i], out[4, i], out[5, i] = y[1] + here[CELL] * step, y[3], acceleration
-        out[6, i] = on * (acceleration + resistance(y[3], acceleration, scene, joint.slip))
-        out[7, i] = mode * on * slopes[IMPULSE]
-        out[8:15, i] = slopes[LOST:WALLS]
+        state = ContactState(
+            theta=y[0] + driver_angle, theta_dot=y[2], theta_ddot=slopes[2],
+            phi=y[1] + here.engagement * step, phi_dot=y[3], phi_ddot=acceleration,
+            contact_moment=on * moment, contact_force=mode * on * slopes[IMPULSE],
+            friction=slopes[LOST], driver_bearing=slopes[LOST + 1],
+            follower_bearing=slopes[LOST + 2], driver_drag=slopes[LOST + 3],
+            follower_drag=slopes[LOST + 4], barrel=slopes[LOST + 5], load_train=slopes[LOST + 6],
+        )  # fmt: skip
+        write_state(out, i, state)

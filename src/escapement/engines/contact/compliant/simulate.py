@@ -10,12 +10,12 @@ import numpy as np
 from escapement.base.errors import InvalidValue
 from escapement.base.spoken import as_spoken
 from escapement.base.status import MESSAGES, Status
+from escapement.dynamics.codes import Ending
 from escapement.dynamics.motion import Motion, stall_message
 from escapement.dynamics.torque import is_spent
 from escapement.engines.contact.compliant import march as marching
-from escapement.engines.contact.compliant.law import STATE
-from escapement.engines.contact.compliant.trajectory import CompliantTrajectory, Rows
-from escapement.mechanisms.protocol import FloatArray
+from escapement.engines.contact.compliant.law import DRIVER_SPEED, STATE
+from escapement.engines.contact.compliant.trajectory import CompliantTrajectory, Steps
 from escapement.model.escapement import Escapement
 from escapement.model.scene import Joint
 from escapement.numerics.interpreted import compile_from_now_on
@@ -74,11 +74,11 @@ class March:
         self.clock = np.zeros(1, marching.CLOCK)
         self.clock["step"], self.before = 1.0, np.zeros(2)
 
-    def go(self, engagements: int, end: float = math.inf) -> tuple[FloatArray, int]:
+    def go(self, engagements: int, end: float = math.inf) -> tuple[np.ndarray, Ending]:
         """Rows up to a number of engagements or a time, and why the march ended."""
-        timer, blocks, why = self.escapement, [], marching.RUNNING
-        buffer = np.empty((_BLOCK, marching.ROW))
-        while why == marching.RUNNING:
+        timer, blocks, why = self.escapement, [], Ending.RUNNING
+        buffer = np.empty(_BLOCK, marching.STEP_END)
+        while why == Ending.RUNNING:
             count, why = marching.march(
                 self.state, self.clock, timer.scene, self.joint, timer.mechanism.follower_step,
                 self.rtol, engagements, end, MOST_TRIES, buffer,
@@ -92,14 +92,14 @@ class March:
         self.state[4:], self.clock["time"], self.clock["moved"] = 0.0, 0.0, 0.0
         self.clock["engagement"] = 0
 
-    def motion(self, rows: FloatArray, why: int, asked: float) -> Motion:
+    def motion(self, rows: np.ndarray, why: Ending, asked: float) -> Motion:
         """The motion that consists of these rows; `asked` is the tolerance."""
         timer, clock = self.escapement, self.escapement.time_unit
-        cells = np.flatnonzero(np.diff(rows[:, marching.CELL])) + 1
-        speeds = rows[cells, marching.FIRST + 2] / clock
+        cells = np.flatnonzero(np.diff(rows["engagement"])) + 1
+        speeds = rows["state"][cells, DRIVER_SPEED] / clock
         status, message = self._outcome(why)
-        times, end = rows[cells, marching.TIME] * clock, float(rows[-1, marching.TIME] * clock)
-        trajectory: Any = CompliantTrajectory(Rows(rows, timer, self.joint))
+        times, end = rows["time"][cells] * clock, float(rows["time"][-1] * clock)
+        trajectory: Any = CompliantTrajectory(Steps(rows, timer, self.joint))
         return Motion(
             timer,
             engine="contact",
@@ -112,10 +112,10 @@ class March:
             message=message,
         )
 
-    def _outcome(self, why: int) -> tuple[Status, str]:
-        if why == marching.TOO_LONG:
+    def _outcome(self, why: Ending) -> tuple[Status, str]:
+        if why == Ending.TOO_LONG:
             return Status.NOT_CONVERGED, self._given_up()
-        if why != marching.STANDS:
+        if why != Ending.STANDS:
             return Status.OK, MESSAGES[Status.OK]
         scene, engagement = self.escapement.scene, int(self.clock["engagement"][0])
         driver_angle = engagement * self.escapement.mechanism.cell_angle

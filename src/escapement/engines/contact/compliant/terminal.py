@@ -14,15 +14,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from escapement.base.status import MESSAGES, Status
-from escapement.dynamics.figure_table import TRANSIENT
-from escapement.dynamics.figures_of_merit import (
-    Figures,
-    Spread,
-    fall_times,
-    read_cycle,
-    read_transient,
-    transient_length,
-)
+from escapement.dynamics.figures_of_merit import BatchSpread, Figures, cycle_figures, read_figures
 from escapement.dynamics.impacts import jams
 from escapement.dynamics.law import is_lossless
 from escapement.dynamics.motion import Motion
@@ -45,7 +37,7 @@ _NOISE = 1e-9
 _LONGEST_TRANSIENT = 200
 
 
-class _Passed(NamedTuple):
+class _PassedEngagement(NamedTuple):
     """One engagement: its motion, and the numbers by which engagements are compared."""
 
     motion: Motion
@@ -58,16 +50,16 @@ class _Cycle:
     def __init__(self, escapement: Escapement, speed: float, rtol: float) -> None:
         self.march, self.asked = March(escapement, speed, rtol), rtol
 
-    def engage(self) -> _Passed:
+    def engage(self) -> _PassedEngagement:
         """Pass one engagement."""
         march = self.march
         march.set_back()
         motion = march.motion(*march.go(1), self.asked)
         if motion.outcome is not Status.OK:
-            return _Passed(motion, {})
-        figures = read_cycle(motion, Figures())
+            return _PassedEngagement(motion, {})
+        found = cycle_figures(motion)
         names = ("period", "velocity_max", "velocity_min", "handoff_velocity")
-        return _Passed(motion, {name: getattr(figures, name) for name in names})
+        return _PassedEngagement(motion, {name: found[name] for name in names})
 
     def hurry(self, factor: float) -> None:
         """Multiply both speeds."""
@@ -129,26 +121,19 @@ def _repeated(
     moved = cycle.engage().numbers.get("handoff_velocity", speed)
     cycle.march.state[:] = end
     contraction = ((moved / speed) ** 2 - 1.0) / ((1.0 + nudge) ** 2 - 1.0)
-    figures = replace(read_cycle(passed.motion, base), contraction=contraction)
+    settings: dict[str, Any] = {"initial_speed": initial_speed, "rtol": rtol}
+
+    def follow(count: int) -> Motion:
+        return simulate(escapement, engagements=count, duration=None, **settings)
+
     if note := _jam_note(passed.motion):
-        figures = replace(figures, message=note)
-    count = transient_length(abs(contraction), initial_speed / speed)
-    if count > _LONGEST_TRANSIENT:
-        why = f"these figures take {count} engagements and are not given"
-        message = f"{why}: {', '.join(TRANSIENT)}"
-        return replace(figures, message=f"{message}; {note}" if note else message)
-    motion = simulate(
-        escapement, engagements=count, duration=None, initial_speed=initial_speed, rtol=rtol
-    )
-    rise, settled = read_transient(motion, figures)
-    falls = fall_times(motion, initial_speed, passed.motion)
-    times: dict[str, Any] = dict(zip(TRANSIENT, (rise, *falls, settled), strict=True))
-    return replace(figures, **times)
+        base = replace(base, message=note)
+    return read_figures(base, passed.motion, contraction, initial_speed, follow, _LONGEST_TRANSIENT)
 
 
 def _spread(cycle: _Cycle, base: Figures) -> Figures:
     """Means of engagements that do not repeat themselves."""
-    passed: list[_Passed] = []
+    passed: list[_PassedEngagement] = []
     while len(passed) < SAMPLE:
         one = cycle.engage()
         if one.motion.outcome is not Status.OK:
@@ -166,7 +151,7 @@ def _spread(cycle: _Cycle, base: Figures) -> Figures:
     for name, column in columns.items():
         batches = column.reshape(BATCHES, -1).mean(axis=1)
         interval[name] = float(_STUDENT * batches.std(ddof=1) / math.sqrt(BATCHES))
-    spread = Spread(count, deviation, interval)
+    spread = BatchSpread(count, deviation, interval)
     share = interval["period"] / means["period"]
     message = (
         f"the engagements do not repeat themselves: the period and the velocities are means over "

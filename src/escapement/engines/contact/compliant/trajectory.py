@@ -11,46 +11,37 @@ import numpy as np
 from escapement.dynamics.motion import State
 from escapement.dynamics.trajectory import Events, Extrema, Impacts, Trajectory
 from escapement.engines.contact.compliant.law import IMPULSE, LOAD, LOST, WALLS
-from escapement.engines.contact.compliant.march import (
-    CELL,
-    FIRST,
-    MODE,
-    SERIES,
-    TIME,
-    TOUCH,
-)
-from escapement.engines.contact.compliant.rows import TABLE, tabulate
-from escapement.engines.contact.compliant.slot import LOCKED
+from escapement.engines.contact.compliant.rows import HELD, PRESS, SLIDE, TABLE, tabulate
+from escapement.engines.contact.slot import LOCKED
 from escapement.engines.contact.state import state_from
-from escapement.engines.contact.state_rows import STATE_ROWS
+from escapement.engines.contact.state_rows import STATE_ROWS, ContactState
 from escapement.mechanisms.protocol import FloatArray
 from escapement.model.escapement import Escapement
 from escapement.model.scene import Joint
 from escapement.numerics.gauss import POINTS, WEIGHTS
+from escapement.numerics.search import peaks, zeros
 
-_HALVINGS, _NARROWINGS = 50, 10
 _SHARES = np.linspace(0.0, 1.0, 5)
 """Points in each step between which extrema and changes of sign are looked for."""
-_RATE, _SLIDE, _PRESS, _HELD = 2, 15, 16, 17
-"""Rows of a table: the driver's acceleration, sliding speed, speed of penetration, and energy
-stored in the walls."""
-_FORCE = 7
-_PEAKS = [_RATE, 5, 6, _FORCE]
+_RATE, _TURN, _MOMENT, _FORCE = _PEAKS = [
+    ContactState._fields.index(name)
+    for name in ("theta_ddot", "phi_ddot", "contact_moment", "contact_force")
+]
 """Rows of both accelerations, moment and force, whose greatest magnitudes are figures of merit."""
-_KEPT = [*_PEAKS, _SLIDE, _PRESS, _HELD]
+_KEPT = [*_PEAKS, SLIDE, PRESS, HELD]
 _CANDIDATES = 4
 """Number of steps that are searched for a greatest magnitude; two of them may share an end."""
 
 
 @dataclass(frozen=True)
-class Rows:
+class Steps:
     """The states at the ends of all steps of a march, in natural units.
 
-    table : rows of `march.march`, shape (n, march.ROW).
+    table : array of `march.STEP_END`.
     escapement, joint : the mechanism that moves.
     """
 
-    table: FloatArray
+    table: np.ndarray
     escapement: Escapement
     joint: Joint
 
@@ -64,7 +55,7 @@ class Rows:
     @cached_property
     def samples(self) -> dict[int, FloatArray]:
         """Some rows of `at`, each of shape (steps, shares), with one-sided values at both ends."""
-        which, time = self.steps, self.table[:, TIME]
+        which, time = self.steps, self.table["time"]
         low, high = time[which], time[which + 1]
         found = np.empty((len(_KEPT), which.size, _SHARES.size))
         for k, share in enumerate(_SHARES):
@@ -74,14 +65,14 @@ class Rows:
     @cached_property
     def steps(self) -> np.ndarray:
         """Rows at which a step begins: the next one is later."""
-        return np.flatnonzero(np.diff(self.table[:, TIME]) > 0.0)
+        return np.flatnonzero(np.diff(self.table["time"]) > 0.0)
 
     @cached_property
     def pieces(self) -> tuple[np.ndarray, np.ndarray]:
         """First and last row of each piece of contact, flight or dwell in an engagement."""
         rows, first = self.table, self.steps
-        kind = rows[first][:, [CELL, MODE]]
-        new = np.append(True, (np.diff(kind, axis=0) != 0.0).any(axis=1))
+        changes = np.diff(rows["engagement"][first]) != 0
+        new = np.append(True, changes | (np.diff(rows["mode"][first]) != 0))
         starts = np.flatnonzero(new)
         return first[starts], first[np.append(starts[1:], first.size) - 1] + 1
 
@@ -90,46 +81,40 @@ class Rows:
         values = self.samples[column]
         step, index = np.nonzero(values[:, :-1] * values[:, 1:] < 0.0)
         which, before = self.steps[step], values[step, index]
-        start, end = self.table[which, TIME], self.table[which + 1, TIME]
+        start, end = self.table["time"][which], self.table["time"][which + 1]
         low, high = (start + _SHARES[index + k] * (end - start) for k in (0, 1))
-        for _ in range(_HALVINGS):
-            middle = 0.5 * (low + high)
-            same = self.at(which, middle)[column] * before > 0.0
-            low, high = np.where(same, middle, low), np.where(same, high, middle)
-        return which, high, before > 0.0
+        times = zeros(lambda times: self.at(which, times)[column], low, high)
+        return which, times, before > 0.0
 
     def greatest(self, column: int) -> tuple[float, float]:
         """Greatest magnitude of a row of `samples`, refined in the best steps, and its time."""
         values = np.abs(self.samples[column])
         which = np.argsort(values.max(axis=1))[-_CANDIDATES:]
-        best, rows = values[which].argmax(axis=1), self.steps[which]
-        low, high = self.table[rows, TIME], self.table[rows + 1, TIME]
-        found = when = 0.0
-        for _ in range(_NARROWINGS):
-            around = _SHARES[np.clip([best - 1, best + 1], 0, _SHARES.size - 1)]
-            low, high = low + around * (high - low)
-            times = low + _SHARES[:, None] * (high - low)
-            nodes = self.at(np.tile(rows, _SHARES.size), times.reshape(-1))[column]
-            magnitudes = np.abs(nodes).reshape(times.shape)
-            best = magnitudes.argmax(axis=0)
-            index = np.unravel_index(int(magnitudes.argmax()), magnitudes.shape)
-            if magnitudes[index] >= found:
-                found, when = float(magnitudes[index]), float(times[index])
-        return found, when
+        rows = self.steps[which][:, None]
+        low, high = self.table["time"][rows], self.table["time"][rows + 1]
+
+        def size_at(times: FloatArray) -> FloatArray:
+            owners = np.broadcast_to(rows, times.shape).reshape(-1)
+            found = self.at(owners, times.reshape(-1))[column]
+            return np.asarray(np.abs(found).reshape(times.shape))
+
+        found, when = peaks(size_at, low + _SHARES * (high - low), values[which])
+        best = int(found.argmax())
+        return float(found[best]), float(when[best])
 
 
 class CompliantTrajectory(Trajectory):
     """The `Trajectory` of a motion with compliant contact."""
 
-    def __init__(self, rows: Rows) -> None:
+    def __init__(self, rows: Steps) -> None:
         self.rows, self._clock = rows, rows.escapement.time_unit
         first, last = rows.pieces
         table, torque = rows.table, rows.escapement.torque_unit
-        self.start: FloatArray = table[first, TIME] * self._clock
-        self.engagement: np.ndarray = table[first, CELL].astype(int)
-        mode = table[first, MODE]
+        self.start: FloatArray = table["time"][first] * self._clock
+        self.engagement: np.ndarray = table["engagement"][first]
+        mode = table["mode"][first]
         self.sign: FloatArray = np.where(mode == LOCKED, 0.0, mode)
-        gained = (table[last, FIRST:SERIES] - table[first, FIRST:SERIES]).T
+        gained = (table["state"][last] - table["state"][first]).T
         self.losses: FloatArray = gained[LOST:WALLS] * torque
         self.load_work: FloatArray = gained[LOAD] * torque
 
@@ -137,7 +122,7 @@ class CompliantTrajectory(Trajectory):
         """The whole state at times within pieces [s]."""
         first, last = self.rows.pieces
         owners, times = np.asarray(pieces).reshape(-1), t.reshape(-1) / self._clock
-        time = self.rows.table[:, TIME]
+        time = self.rows.table["time"]
         which = np.clip(
             np.searchsorted(time, times, side="right") - 1, first[owners], last[owners] - 1
         )
@@ -150,7 +135,7 @@ class CompliantTrajectory(Trajectory):
     ) -> tuple[np.ndarray, FloatArray, FloatArray, FloatArray]:
         """Columns of `Events` at times between rows."""
         theta, speed = self.rows.at(which, time)[:2]
-        engagement = self.rows.table[which, CELL].astype(int)
+        engagement = self.rows.table["engagement"][which]
         return engagement, time * self._clock, theta, speed / self._clock
 
     @cached_property
@@ -160,7 +145,7 @@ class CompliantTrajectory(Trajectory):
         held = np.flatnonzero(self.sign)
         reversed_at = held[:-1][self.sign[held[1:]] * self.sign[held[:-1]] < 0.0]
         which = last[reversed_at] - 1
-        return Events(*self._events(which, self.rows.table[which + 1, TIME]))
+        return Events(*self._events(which, self.rows.table["time"][which + 1]))
 
     @cached_property
     def extrema(self) -> Extrema:
@@ -169,7 +154,7 @@ class CompliantTrajectory(Trajectory):
         before, behind = self.rows.samples[_RATE][:, 0], self.rows.samples[_RATE][:, -1]
         corners = np.flatnonzero(behind[:-1] * before[1:] < 0.0)
         edge = self.rows.steps[corners + 1]
-        which, time = np.append(which, edge), np.append(time, self.rows.table[edge, TIME])
+        which, time = np.append(which, edge), np.append(time, self.rows.table["time"][edge])
         top = np.append(top, behind[corners] > 0.0)
         order = np.argsort(time, kind="stable")
         events = self._events(which[order], time[order])
@@ -178,8 +163,8 @@ class CompliantTrajectory(Trajectory):
     @cached_property
     def slide_changes(self) -> Events:
         """Instants at which the contact point changes its sense of sliding on a wall."""
-        which, time, _falls = self.rows.roots(_SLIDE)
-        held = np.abs(self.rows.table[which, MODE]) == 1.0
+        which, time, _falls = self.rows.roots(SLIDE)
+        held = np.abs(self.rows.table["mode"][which]) == 1.0
         return Events(*self._events(which[held], time[held]))
 
     @cached_property
@@ -191,18 +176,19 @@ class CompliantTrajectory(Trajectory):
         """
         rows, escapement = self.rows, self.rows.escapement
         first, table = rows.pieces[0], rows.table
-        mode = table[first, MODE]
+        mode = table["mode"][first]
         # a contact with a wall may last over a handoff
         at = first[(mode != np.append(0.0, mode[:-1])) & (mode != 0.0)]
-        locked = table[at, MODE] == LOCKED
-        taken = np.append(table[at - locked, FIRST + WALLS], table[-1, FIRST + WALLS])
-        columns = self._events(at, table[at, TIME])
+        locked = table["mode"][at] == LOCKED
+        walls = table["state"][:, WALLS]
+        taken = np.append(walls[at - locked], walls[-1])
+        columns = self._events(at, table["time"][at])
         length: float = escapement.mechanism.crank_radius
         return Impacts(
             *columns,
-            np.where(locked, 0.0, table[at, MODE]),
+            np.where(locked, 0.0, table["mode"][at]),
             columns[3],
-            np.where(locked, 0.0, table[at, TOUCH]) * length / self._clock,
+            np.where(locked, 0.0, table["touch"][at]) * length / self._clock,
             self._compressions(at) * (escapement.torque_unit * self._clock / length),
             np.diff(taken) * escapement.torque_unit,
         )
@@ -210,11 +196,11 @@ class CompliantTrajectory(Trajectory):
     def _compressions(self, at: np.ndarray) -> FloatArray:
         """Impulse of the wall from each of these rows to the deepest penetration."""
         rows, table = self.rows, self.rows.table
-        mode, impulse = table[:, MODE], table[:, FIRST + IMPULSE]
-        which, time, falls = rows.roots(_PRESS)
+        mode, impulse = table["mode"], table["state"][:, IMPULSE]
+        which, time, falls = rows.roots(PRESS)
         deepest = falls & (np.abs(mode[which]) == 1.0)
         which, time = which[deepest], time[deepest]
-        start = table[which, TIME]
+        start = table["time"][which]
         times = start + 0.5 * (POINTS[:, None] + 1.0) * (time - start)
         forces = np.abs(rows.at(np.tile(which, POINTS.size), times.reshape(-1))[_FORCE])
         part = 0.5 * (time - start) * (WEIGHTS @ forces.reshape(times.shape))
@@ -225,13 +211,13 @@ class CompliantTrajectory(Trajectory):
         order = np.argsort(indices, kind="stable")
         reached = np.append(impulse[which] + part, impulse[ends])[order]
         found: FloatArray = reached[np.searchsorted(indices[order], at)] - impulse[at]
-        pressed = rows.samples[_PRESS][np.searchsorted(rows.steps, at), 0] >= 0.0
+        pressed = rows.samples[PRESS][np.searchsorted(rows.steps, at), 0] >= 0.0
         return np.where(pressed, found, 0.0)
 
     @property
     def elastic(self) -> float:
         """Energy stored in the walls at the end, less that at the start [J]."""
-        held = self.rows.samples[_HELD]
+        held = self.rows.samples[HELD]
         return float(held[-1, -1] - held[0, 0]) * self.rows.escapement.torque_unit
 
     @cached_property

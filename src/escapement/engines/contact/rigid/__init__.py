@@ -19,7 +19,7 @@ the friction is Coulomb's: the contact slides, sticks or slides back. The impuls
 
 Trains that lose power are treated as in `dynamics.train_losses`. Along a wall, each direction of
 the powers has its own scene, and a panel ends where a direction changes. Without contact, driver
-and follower are separate, and `passed_on` gives the acceleration of each.
+and follower are separate bodies, see `dynamics.bodies`.
 
 A cell ends at its nominal angle: there the pin leaves the slot, and the next pin begins between
 the walls of the next slot without a change of speeds. In a wheel with a dwell, the follower is
@@ -31,9 +31,9 @@ Read `engagement` first. The files, from the bottom to the top:
 - `walls`: the two walls as scenes, and the angles between which they are smooth
 - `workspace`, `panel`: memory of the kernels, and contact with a wall over a panel of driver angles
 - `instant`, `notes`: driver and follower at an instant, and the record of pieces and events
-- `free`, `flight`, `arrival`: motion without contact, and the first wall that the pin reaches
+- `flight`, `arrival`: motion without contact, and the first wall that the pin reaches
 - `impact`: the impulse between pin and wall
-- `touching`: contact with a wall, panel by panel
+- `along_wall`, `touching`: contact with a wall, panel by panel
 - `engagement`, `march`: one engagement, and one after the other
 - `trace`, `trajectory`: states at given times, and the pieces that `Motion` asks for
 - `simulate`, `terminal`: what the engine offers

@@ -11,24 +11,25 @@ The engagement ends DONE where the pin leaves the slot, at the driver angle `sce
 ends earlier where the motion ends: see `dynamics.codes.Ending`. `turn_on` adds the dwell of a wheel
 that has one, in which the follower is locked, and goes on to the next pin and slot.
 
-All of them take driver and follower as an `Instant` and return the one at the end with an `Ending`.
-If rows of the `Notes` are wanted, they also write where pieces begin and which events there are.
+All of them take driver and follower as a `RigidState` and return the one at the end with an
+`Ending`. If rows of the `Notes` are wanted, they also write where pieces begin and which events
+there are.
 """
 
 import numpy as np
 
 from escapement.dynamics.codes import Ending, Event, has_ended
+from escapement.dynamics.law import wall_state
 from escapement.dynamics.torque import REST, is_undriven
 from escapement.dynamics.train_losses import UNKNOWN
 from escapement.engines.contact.rigid.arrival import arrival, pin_offset
-from escapement.engines.contact.rigid.flight import launch, state_after
-from escapement.engines.contact.rigid.free import is_calm
+from escapement.engines.contact.rigid.flight import is_calm, launch, state_after
 from escapement.engines.contact.rigid.impact import strike
-from escapement.engines.contact.rigid.instant import Instant, instant_with, on_wall
+from escapement.engines.contact.rigid.instant import RigidState, instant_with, on_wall
 from escapement.engines.contact.rigid.notes import follow_trend, last_row, note, takes_too_many
-from escapement.engines.contact.rigid.panel import law_at
 from escapement.engines.contact.rigid.touching import stopped, thrown_out, touch
 from escapement.engines.contact.rigid.walls import wall_scene
+from escapement.engines.contact.slot import frame_of
 from escapement.mechanisms.slotted import pose_at
 from escapement.numerics.jit import inner_jit
 
@@ -75,7 +76,7 @@ def fly(work, notes, walls, now, end, locked, end_time):
 
     While the follower is `locked`, in a dwell, there is no wall.
     """
-    scene = walls.plus
+    scene, frame = walls.plus, frame_of(walls.plus)
     while True:
         # the pin of a driver that turns back leaves the slot where it has entered it
         if now.speed < 0.0 and now.theta <= scene.edges[0] + 1e-12:
@@ -87,11 +88,11 @@ def fly(work, notes, walls, now, end, locked, end_time):
             return now, stopped(now.theta, scene)
         time, struck = flight.length, 0.0
         if not locked:
-            time, struck = arrival(work, walls.clearance, flight, now.wall)
+            time, struck = arrival(work, frame, walls.clearance.half_clearance, flight, now.wall)
         theta, speed, phi, turning = state_after(work, flight, time)
         if struck == 0.0 and abs(theta - end) < 1e-12:
             theta = end
-        now = Instant(
+        now = RigidState(
             theta=theta, speed=speed, phi=phi, turning=turning, time=now.time + time, wall=struck,
             trend=now.trend,
         )  # fmt: skip
@@ -155,15 +156,15 @@ def holds(walls, now):
     """Whether the wall that the pin touches carries a force, and whether J_s is positive."""
     sense, w = 1.0 if now.speed >= 0.0 else -1.0, now.speed * now.speed
     scene = wall_scene(walls, now.wall, now.theta, sense, w, UNKNOWN)
-    force, _rate, sound = law_at(scene, now.wall, now.theta, w)
-    return force > 0.0, sound
+    there = wall_state(now.theta, w, now.wall, scene)
+    return now.wall * there.moment > 0.0, there.inertia > 0.0
 
 
 @inner_jit
 def _gap(walls, now):
     """By how much the pin is beyond the wall that it touches or has left."""
-    wheel = walls.clearance
-    return pin_offset(wheel, now.theta, 0.0, now.phi, 0.0)[0] - now.wall * wheel.half_clearance
+    across = pin_offset(frame_of(walls.plus), now.theta, 0.0, now.phi, 0.0)[0]
+    return across - now.wall * walls.clearance.half_clearance
 
 
 @inner_jit

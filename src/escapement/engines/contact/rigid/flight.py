@@ -10,9 +10,8 @@ equations of motion. The flight is then only a part of the motion, which ends
   lossy train turns back, where bodies that nothing drives count as at rest,
 - at the driver angle asked for.
 
-The caller launches the next part from the end of the last one. Friction never drives: a body at
-rest that the torque on it cannot move is held. Whether the pin reaches a wall meanwhile, `arrival`
-finds out.
+The caller launches the next part from the end of the last one. Whether the pin reaches a wall
+meanwhile, `arrival` finds out.
 """
 
 from enum import IntEnum
@@ -20,14 +19,24 @@ from typing import NamedTuple
 
 import numpy as np
 
-from escapement.dynamics.law import is_viscous
-from escapement.dynamics.torque import KNOT_GAP, REST, is_undriven, last_knot, next_knot, torque_at
-from escapement.dynamics.train_losses import shared
-from escapement.engines.contact.rigid.free import (
-    driver_rate,
+from escapement.dynamics.bodies import (
+    drag_slope,
+    driver_of,
     driver_sense,
-    follower_rate,
-    is_even,
+    follower_of,
+    free_driver,
+    free_follower,
+    shared,
+)
+from escapement.dynamics.law import is_drag_free, is_viscous
+from escapement.dynamics.torque import (
+    KNOT_GAP,
+    REST,
+    is_constant,
+    is_undriven,
+    last_knot,
+    next_knot,
+    torque_at,
 )
 from escapement.numerics.gauss import N
 from escapement.numerics.jit import inner_jit
@@ -84,8 +93,8 @@ def launch(work, scene, theta, speed, phi, turning, end):
     if not is_even(scene):
         return _in_series(work, scene, theta, speed, phi, turning, end)
     sense, follower_sense = driver_sense(scene, theta, speed), np.sign(turning)
-    rate = driver_rate(scene, theta, speed, sense)
-    turning_rate = follower_rate(scene, turning, follower_sense)
+    rate = free_driver(scene, theta, speed, sense).rate
+    turning_rate = free_follower(scene, turning, follower_sense).rate
     rest = -turning / turning_rate if turning_rate != 0.0 else np.inf
     length, halt = _even_length(scene, theta, speed, rate, end)
     if sense == 0.0 and turning != 0.0:
@@ -126,9 +135,9 @@ def _in_series(work, scene, theta, speed, phi, turning, end):
         )  # fmt: skip
     # whether power flows backwards through a lossy train
     backs = scene.barrel_efficiency != 1.0 and sense != 0.0
-    backs = backs and _through_barrel(scene, theta, speed, sense) < -_TIE
+    backs = backs and free_driver(scene, theta, speed, sense).through < -_TIE
     driven = scene.load_train_efficiency != 1.0
-    driven = driven and _through_load(scene, turning, follower_sense) < -_TIE
+    driven = driven and _given(scene, turning, follower_sense) < -_TIE
     _fill_series(work, scene, theta, speed, phi, turning, backs, driven)
     part = Flight(
         theta=theta, speed=speed, rate=work.driver_speed[1], phi=phi, turning=turning,
@@ -166,9 +175,10 @@ def _fill_series(work, scene, theta, speed, phi, turning, backs, driven):
     # the factors e of both trains
     barrel = shared(scene.barrel_efficiency, -sense if backs else sense)
     train = shared(scene.load_train_efficiency, 1.0 if driven else -1.0)
+    one, two = driver_of(scene), follower_of(scene)
     # a driver that is held does not yield to the torque
-    driver = scene.rho + (barrel - 1.0) * scene.barrel if sense != 0.0 else np.inf
-    follower = 1.0 + (train - 1.0) * scene.load_train
+    driver = one.near + barrel * one.far if sense != 0.0 else np.inf
+    follower = two.near + train * two.far
     # at a knot, the torque that the driver is about to meet counts
     torque, slope = torque_at(theta + sense * KNOT_GAP, scene)
     torque, slope = barrel * torque, barrel * slope
@@ -209,41 +219,32 @@ def _series_length(work):
 
 
 @inner_jit
-def _through_barrel(scene, theta, speed, sense):
-    """The torque q through the barrel's train in a flight, times a positive number."""
-    lost = scene.bearing + (scene.driver_drag * speed + scene.driver_viscous * sense) * speed
-    near = scene.rho - scene.barrel
-    return near * torque_at(theta, scene)[0] + scene.barrel * sense * lost
-
-
-@inner_jit
-def _through_load(scene, turning, sense):
+def _given(scene, turning, sense):
     """The torque z through the load's train in a flight, times a positive number."""
-    air = (scene.follower_drag * turning + scene.follower_viscous * sense) * turning
-    return (1.0 - scene.load_train) * scene.load - scene.load_train * air
+    return -sense * free_follower(scene, turning, sense).through
 
 
 @inner_jit
 def _watched(scene, goal, what, sense, follower_sense, theta, speed, turning):
     """A value whose zero `_passing` finds, and its slope in time; `goal` is a driver angle."""
+    driver = free_driver(scene, theta, speed, sense)
+    follower = free_follower(scene, turning, follower_sense)
     if what == _Watched.ANGLE_LEFT:
         return theta - goal, speed
     if what == _Watched.DRIVER_SPEED:
-        return speed, driver_rate(scene, theta, speed, sense)
-    if what == _Watched.BARREL_TORQUE:
-        slope = (scene.rho - scene.barrel) * torque_at(theta, scene)[1] * speed
-        lost = 2.0 * scene.driver_drag * speed + scene.driver_viscous * sense
-        slope += scene.barrel * sense * lost * driver_rate(scene, theta, speed, sense)
-        return _through_barrel(scene, theta, speed, sense), slope
-    if what == _Watched.ENERGY_ABOVE_REST:
-        slope = scene.rho * speed * driver_rate(scene, theta, speed, sense)
-        slope += turning * follower_rate(scene, turning, follower_sense)
-        return scene.rho * (speed * speed - REST) + turning * turning, 2.0 * slope
-    turning_rate = follower_rate(scene, turning, follower_sense)
+        return speed, driver.rate
     if what == _Watched.FOLLOWER_SPEED:
-        return turning, turning_rate
-    air = 2.0 * scene.follower_drag * turning + scene.follower_viscous * follower_sense
-    return _through_load(scene, turning, follower_sense), -scene.load_train * air * turning_rate
+        return turning, follower.rate
+    if what == _Watched.ENERGY_ABOVE_REST:
+        slope = scene.rho * speed * driver.rate + turning * follower.rate
+        return scene.rho * (speed * speed - REST) + turning * turning, 2.0 * slope
+    if what == _Watched.BARREL_TORQUE:
+        body = driver_of(scene)
+        slope = body.near * torque_at(theta, scene)[1] * speed
+        return driver.through, slope + body.far * drag_slope(body, speed) * driver.rate
+    body = follower_of(scene)
+    slope = body.far * drag_slope(body, turning) * follower.rate
+    return _given(scene, turning, follower_sense), -follower_sense * slope
 
 
 @inner_jit
@@ -292,3 +293,17 @@ def state_after(work, flight, t):
     theta, speed, phi, turning = state_at(work, flight, t)
     speed = 0.0 if t >= flight.halt else speed
     return theta, speed, phi, 0.0 if t >= flight.rest else turning
+
+
+@inner_jit
+def is_calm(scene, theta, speed, turning):
+    """Whether only viscous drag acts and both bodies count as at rest: `law.rest_speed`."""
+    if not (is_viscous(scene) and is_undriven(theta, scene)):
+        return False
+    return scene.rho * speed * speed + turning * turning <= (1.0 + 1e-9) * scene.rho * REST
+
+
+@inner_jit
+def is_even(scene):
+    """Whether driver and follower have constant accelerations without contact."""
+    return is_constant(scene) and is_drag_free(scene)

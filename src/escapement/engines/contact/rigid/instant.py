@@ -2,14 +2,11 @@
 
 from typing import NamedTuple
 
-import numpy as np
-
-from escapement.engines.contact.rigid.walls import wall_of
-from escapement.mechanisms.slotted import pose_at
+from escapement.engines.contact.slot import follower_angle, frame_of, pose_across
 from escapement.numerics.jit import inner_jit
 
 
-class Instant(NamedTuple):
+class RigidState(NamedTuple):
     """Driver and follower at an instant of an engagement.
 
     theta, speed, phi, turning : angles and speeds, as in the package's docstring.
@@ -30,7 +27,7 @@ class Instant(NamedTuple):
 @inner_jit
 def instant_with(now, theta=None, speed=None, phi=None, turning=None, wall=None, trend=None):
     """The instant with other values of the fields that are given by their names."""
-    return Instant(
+    return RigidState(
         theta=now.theta if theta is None else theta,
         speed=now.speed if speed is None else speed,
         phi=now.phi if phi is None else phi,
@@ -44,17 +41,16 @@ def instant_with(now, theta=None, speed=None, phi=None, turning=None, wall=None,
 @inner_jit
 def follower_on(walls, side, theta):
     """Follower angle, and g, while the pin touches a wall."""
-    wheel = walls.clearance
-    x, y = wheel.centre + wheel.crank * np.cos(theta), np.sin(theta)
-    behind = np.arcsin(side * wheel.half_clearance / np.sqrt(x * x + y * y))
-    return np.arctan2(y, x) - behind, pose_at(wall_of(walls, side).path, theta)[0]
+    frame = frame_of(walls.plus)
+    at = pose_across(frame, theta, side * walls.clearance.half_clearance, 0.0, 0.0)
+    return follower_angle(frame, theta, at), at.cosine / at.radius
 
 
 @inner_jit
 def on_wall(walls, now, theta, speed, time):
     """Another driver angle, speed and time, while the pin touches the same wall."""
     phi, g = follower_on(walls, now.wall, theta)
-    return Instant(
+    return RigidState(
         theta=theta, speed=speed, phi=phi, turning=g * speed, time=time, wall=now.wall,
         trend=now.trend,
     )  # fmt: skip

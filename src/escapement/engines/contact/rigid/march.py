@@ -6,9 +6,9 @@ from escapement.dynamics.codes import Ending
 from escapement.dynamics.law import scene_of
 from escapement.dynamics.torque import cell_after, cell_of, is_constant
 from escapement.engines.contact.rigid.engagement import MOST_STEPS, engage, turn_on
-from escapement.engines.contact.rigid.instant import Instant
+from escapement.engines.contact.rigid.instant import RigidState
 from escapement.engines.contact.rigid.notes import Notes
-from escapement.engines.contact.rigid.walls import Walls, walls_of
+from escapement.engines.contact.rigid.walls import Clearance, Walls, walls_of
 from escapement.engines.contact.rigid.workspace import workspace
 from escapement.numerics.jit import inner_jit, jit
 
@@ -42,7 +42,7 @@ def pass_one(work, notes, walls, state, end_time, trend):
 
     `trend` is the sign of theta_ddot before it, 0 if nothing is known of it.
     """
-    now = Instant(
+    now = RigidState(
         theta=walls.plus.edges[0], speed=state[SPEED], phi=state[PHI], turning=state[TURNING],
         time=0.0, wall=state[WALL], trend=trend,
     )  # fmt: skip
@@ -89,7 +89,7 @@ def march(scene_tuple, clearance, rtol, limit, first, states, numbers, rows, eng
     Parameters
     ----------
     scene_tuple : as `model.scene.scene_tuple` gives it.
-    clearance : Clearance
+    clearance : the numbers of a `Clearance`, as a plain tuple like those of the scene.
     rtol : relative error asked for.
     limit : time after which to stop.
     first : number of the engagement that begins with the first of the states.
@@ -107,7 +107,7 @@ def march(scene_tuple, clearance, rtol, limit, first, states, numbers, rows, eng
         How the last engagement ended, how many were completed, where and when it ended.
     """
     scene = scene_of(scene_tuple)
-    walls, memory = walls_of(scene, clearance, rtol), workspace()
+    walls, memory = walls_of(scene, Clearance(*clearance), rtol), workspace()
     cell, lost, constant = cell_of(scene), 0.0, is_constant(scene)
     ending, end, trend, last = Ending.DONE, states[0, TIME], 0.0, first
     wanted = numbers.size > 0

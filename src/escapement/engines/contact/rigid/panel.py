@@ -1,7 +1,7 @@
 """Contact with a wall over a panel of driver angles.
 
 Twice the kinetic energy, E = (rho + g^2) w, obeys dE/dx = A - B E with `dynamics.law.energy_rates`,
-so that with b = int B it is E = exp(-b) (E_left + int A exp(b)). Time is int dtheta/sqrt(w).
+which `gauss.solve_linear` solves. Time is int dtheta/sqrt(w).
 A panel is halved until what it leaves out is small; see `gauss`.
 
 Where a row of its solution changes its sign, such as s X at a lift-off, a panel is cut: Newton's
@@ -22,6 +22,7 @@ from escapement.dynamics.law import (
     net_torque,
     reduced_inertia,
     root_of,
+    wall_state,
 )
 from escapement.dynamics.torque import REST, torque_at
 from escapement.dynamics.train_losses import UNKNOWN, within_flow
@@ -29,11 +30,11 @@ from escapement.mechanisms.slotted import pose_at, transmission_on
 from escapement.numerics.gauss import (
     POINTS,
     N,
-    cumulate,
-    fill_decay,
+    first_change,
     integral,
     root_between,
     series_at,
+    solve_linear,
     tail_of,
     to_powers,
 )
@@ -49,7 +50,7 @@ _FAILED = Ending.STOPPED, Ending.JAM
 """Endings of a panel without a solution."""
 
 
-class Panel(NamedTuple):
+class WallPanel(NamedTuple):
     """A solved panel.
 
     ending : TOUCHES, where the contact goes on, LIFTED, BARREL_TURNED, LOAD_TURNED or RESTED, where
@@ -70,7 +71,7 @@ class Panel(NamedTuple):
 @inner_jit
 def _unsolved(ending, left, width):
     """A panel without a solution."""
-    return Panel(ending=ending, left=left, width=width, w=0.0, time=0.0, tail=1.0)
+    return WallPanel(ending=ending, left=left, width=width, w=0.0, time=0.0, tail=1.0)
 
 
 @inner_jit
@@ -80,29 +81,16 @@ def has_failed(panel):
 
 
 @inner_jit
-def law_at(scene, side, theta, w):
-    """s X and theta_ddot in contact with a wall, and whether J_s is positive."""
-    g, u, dg, radius = pose_at(scene.path, theta)
-    k, c = dragged_slope(g, dg, scene), friction_ratio(g, u, radius, side, scene)
-    pull, root = torque_at(theta, scene)[0] - scene.bearing, root_of(w, scene)
-    inertia = reduced_inertia(g, c, scene)
-    rate = net_torque(g, c, k, pull, w, root, scene) / inertia
-    return side * contact(g, k, pull, w, root, scene), rate, inertia > 0.0
-
-
-@inner_jit
 def _kept_at(scene, side, theta, w, ending):
     """s X, a torque through a train, or the energy above that of bodies at rest: what is positive
     up to a panel's end of this kind.
     """
-    force, rate, _sound = law_at(scene, side, theta, w)
+    now = wall_state(theta, w, side, scene)
     if ending == Ending.LIFTED:
-        return force
-    g, _u, dg, _radius = pose_at(scene.path, theta)
+        return side * now.moment
     if ending == Ending.RESTED:
-        return (scene.rho + g * g) * w - scene.rho * REST
-    pull = torque_at(theta, scene)[0] - scene.bearing
-    q, z = within_flow(g, dragged_slope(g, dg, scene), rate, pull, w, scene)
+        return (scene.rho + now.g * now.g) * w - scene.rho * REST
+    q, z = within_flow(now.g, now.k, now.rate, now.pull, w, scene)
     return q if ending == Ending.BARREL_TURNED else z
 
 
@@ -134,13 +122,13 @@ def _solve_energy(work, scene, half, energy):
         c, k, pull, inverse = work.c[i], work.k[i], work.pull[i], work.inverse_inertia[i]
         rates = energy_rates(work.g[i], c, k, pull, inverse, half, root, scene)
         work.gain[i], work.decay[i] = rates[0], rates[1]
-    cumulate(work.decay, work.exponent)
-    fill_decay(work.exponent, work.alpha, work.gain, count)
-    cumulate(work.gain, work.energy)
+    alpha, beta, _exponent = solve_linear(
+        work.gain, work.decay, work.exponent, work.alpha, work.energy, count
+    )
     for i in range(count & N):
-        work.energy[i] = work.alpha[i] * (energy + work.energy[i])
+        work.energy[i] += work.alpha[i] * energy
         work.w[i] = work.energy[i] * work.inverse_inertia[i]
-    return np.exp(-integral(work.decay, count)) * (energy + integral(work.gain, count))
+    return alpha * energy + beta
 
 
 @inner_jit
@@ -188,7 +176,7 @@ def solve_panel(work, scene, side, left, width, w):
     tail = max(tail, tail_of(work.slowness, count) * np.sqrt(slowest) / abs(half))
     tail = max(tail, tail_of(work.inverse_inertia, count) * scene.rho)
     time = abs(integral(work.slowness, count))
-    return Panel(ending=Ending.TOUCHES, left=left, width=width, w=at_end, time=time, tail=tail)
+    return WallPanel(ending=Ending.TOUCHES, left=left, width=width, w=at_end, time=time, tail=tail)
 
 
 @inner_jit
@@ -231,11 +219,9 @@ def next_panel(work, scene, side, theta, w, width, limit, tail, lifts):
         found = _cut(work, scene, side, found, w, work.force, Ending.LIFTED)
     # without inertia behind it the power of a train keeps its direction
     if scene.flow != UNKNOWN and scene.barrel > 0.0 and scene.barrel_efficiency != 1.0:
-        driver_angle = Ending.BARREL_TURNED
-        found = _cut(work, scene, side, found, w, work.barrel_torque, driver_angle)
+        found = _cut(work, scene, side, found, w, work.barrel_torque, Ending.BARREL_TURNED)
     if scene.flow != UNKNOWN and scene.load_train > 0.0 and scene.load_train_efficiency != 1.0:
-        driver_angle = Ending.LOAD_TURNED
-        found = _cut(work, scene, side, found, w, work.load_torque, driver_angle)
+        found = _cut(work, scene, side, found, w, work.load_torque, Ending.LOAD_TURNED)
     return found
 
 
@@ -258,19 +244,9 @@ def flow_behind(panel, flow, ends):
 
 
 @inner_jit
-def _first_change(values, at_end):
-    """Points x between which a row first becomes zero; they are equal where it stays positive."""
-    low = -1.0
-    for i in range(N):
-        if not values[i] > 0.0:
-            return low, POINTS[i]
-        low = POINTS[i]
-    return low, 1.0 if not at_end > 0.0 else low
-
-
-@inner_jit
 def _first_dip(work, values):
-    """As `_first_change`, of a row that is positive at all points but may not be between two."""
+    """Points x between which a row first becomes zero that is positive at all points; 2 for the
+    second one if it stays positive."""
     to_powers(values, work.series)
     for k in range(N):
         work.series_slope[k] = (k + 1) * work.series[k + 1] if k + 1 < N else 0.0
@@ -280,7 +256,7 @@ def _first_dip(work, values):
             least = root_between(work.series_slope, POINTS[i], low, high, True)[0]
             if series_at(work.series, least) < 0.0:
                 return (low if least < POINTS[i] else POINTS[i]), least
-    return 1.0, 1.0
+    return 1.0, 2.0
 
 
 @inner_jit
@@ -292,10 +268,10 @@ def _cut(work, scene, side, panel, w, values, ending):
     at_end = _kept_at(scene, side, theta + width, panel.w, ending)
     # without a load the force and the power of its train become zero at the same angle
     at_end += _SAME if panel.ending == Ending.LIFTED else 0.0
-    low, high = _first_change(values, at_end)
-    if low == high and ending != Ending.LIFTED:
+    low, high = first_change(values, 1.0, at_end)
+    if high > 1.0 and ending != Ending.LIFTED:
         low, high = _first_dip(work, values)
-    if low == high:
+    if high > 1.0:
         return panel
     to_powers(values, work.series)
     x, slope = root_between(work.series, 0.5 * (low + high), low, high, False)
@@ -308,6 +284,6 @@ def _cut(work, scene, side, panel, w, values, ending):
         if has_failed(found) or not abs(more) > 1e-11 or abs(more) > 0.1 * abs(width):
             break
         width += more
-    return Panel(
+    return WallPanel(
         ending=ending, left=theta, width=width, w=found.w, time=found.time, tail=found.tail
     )

@@ -12,14 +12,8 @@ import numpy as np
 
 from escapement.base.status import Status
 from escapement.dynamics.codes import Ending
-from escapement.dynamics.figure_table import TRANSIENT
-from escapement.dynamics.figures_of_merit import (
-    Figures,
-    fall_times,
-    read_cycle,
-    read_transient,
-    transient_length,
-)
+from escapement.dynamics.figures_of_merit import Figures, read_figures
+from escapement.dynamics.motion import Motion
 from escapement.engines.contact.rigid.march import SPEED, TIME, TURNING, WALL
 from escapement.engines.contact.rigid.simulate import (
     first_state,
@@ -107,22 +101,13 @@ def _figures(
     state = state.copy()
     state[TIME] = 0.0
     cycle = motion_from(escapement, state, 1, None, rtol)
-    figures = replace(read_cycle(cycle, base), contraction=_contraction(escapement, state, rtol))
-    start = initial_speed / figures.handoff_velocity
-    count = transient_length(abs(figures.contraction), start)
-    if count > LONGEST_TRANSIENT:
-        message = (
-            f"these figures take more than {LONGEST_TRANSIENT} engagements and are not given: "
-            f"{', '.join(TRANSIENT)}"
-        )
-        return replace(figures, message=message)
     settings: dict[str, Any] = {"initial_speed": initial_speed, "rtol": rtol}
-    motion = simulate(escapement, engagements=count, duration=None, **settings)
-    rise, settled = read_transient(motion, figures)
-    most, nearly = fall_times(motion, initial_speed, cycle)
-    return replace(
-        figures, rise_time=rise, settling_time=settled, rise_time_63=most, rise_time_98=nearly
-    )
+
+    def follow(count: int) -> Motion:
+        return simulate(escapement, engagements=count, duration=None, **settings)
+
+    contraction = _contraction(escapement, state, rtol)
+    return read_figures(base, cycle, contraction, initial_speed, follow, LONGEST_TRANSIENT)
 
 
 def _contraction(escapement: Escapement, state: FloatArray, rtol: float) -> float:

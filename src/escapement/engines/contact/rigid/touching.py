@@ -3,23 +3,15 @@
 import numpy as np
 
 from escapement.dynamics.codes import Ending, Event
-from escapement.dynamics.law import is_viscous
+from escapement.dynamics.law import is_viscous, wall_state
 from escapement.dynamics.torque import is_spent, is_undriven
-from escapement.dynamics.train_losses import UNKNOWN
-from escapement.engines.contact.rigid.free import is_calm
-from escapement.engines.contact.rigid.instant import Instant, instant_with, on_wall
+from escapement.engines.contact.rigid.along_wall import ahead, behind, set_off
+from escapement.engines.contact.rigid.flight import is_calm
+from escapement.engines.contact.rigid.instant import RigidState, instant_with, on_wall
 from escapement.engines.contact.rigid.notes import follow_trend, note, takes_too_many
-from escapement.engines.contact.rigid.panel import (
-    SMALLEST,
-    flow_behind,
-    law_at,
-    next_panel,
-    slowed,
-    solve_panel,
-    width_after,
-)
-from escapement.engines.contact.rigid.walls import breaks_of, next_break, wall_scene
-from escapement.numerics.gauss import POINTS, N, root_between, to_powers
+from escapement.engines.contact.rigid.panel import next_panel, slowed, solve_panel
+from escapement.engines.contact.rigid.walls import breaks_of
+from escapement.numerics.gauss import first_change, root_between, to_powers
 from escapement.numerics.jit import inner_jit
 
 MOST_TURNS = 1000
@@ -31,43 +23,37 @@ MOST_EXTREMA = 4
 @inner_jit
 def touch(work, notes, walls, now, end_time, tail):
     """Follow the motion while the pin touches a wall; returns the instant at the end, and why."""
-    side, theta = now.wall, now.theta
-    sense, w, width = 1.0 if now.speed >= 0.0 else -1.0, now.speed * now.speed, np.inf
-    if w == 0.0:
-        scene = wall_scene(walls, side, theta, 1.0, 0.0, UNKNOWN)
-        rate = law_at(scene, side, theta, 0.0)[1]
-        if not rate > 0.0:
-            return now, stopped(theta, scene)
-        # over the smallest angle of a panel the acceleration is taken as constant
-        w, theta = 2.0 * rate * SMALLEST, theta + SMALLEST
-        now = on_wall(walls, now, theta, np.sqrt(w), now.time + np.sqrt(w) / rate)
-    flow, turns = UNKNOWN, 0
-    if is_calm(walls.plus, theta, now.speed, now.turning):
-        return now, stopped(theta, walls.plus)
+    way, turns = set_off(walls, now.wall, now.theta, now.speed, now.time), 0
+    if way.time > now.time:
+        now = on_wall(walls, now, way.theta, np.sqrt(way.w), way.time)
+    if way.w == 0.0 or is_calm(walls.plus, way.theta, now.speed, now.turning):
+        return now, stopped(way.theta, walls.plus)
     while True:
-        scene = wall_scene(walls, side, theta, sense, w, flow)
-        limit = next_break(walls, side, theta, sense, scene)
-        found = next_panel(work, scene, side, theta, w, width, limit, tail, True)
+        side, theta, w, (scene, limit) = way.side, way.theta, way.w, ahead(walls, way)
+        found = next_panel(work, scene, side, theta, w, way.width, limit, tail, True)
         if found.ending == Ending.JAM:
             return now, Ending.JAM
         if is_viscous(scene) and is_undriven(theta, walls.plus):
             found = slowed(work, scene, side, found, w)
         if found.ending == Ending.STOPPED:
-            rate = abs(law_at(scene, side, theta, w)[1])
+            rate = abs(wall_state(theta, w, side, scene).rate)
             time = now.time + np.sqrt(w) / rate
-            now = on_wall(walls, now, theta + 0.5 * sense * w / rate, 0.0, time)
-            return now, Ending.TURNED if sense < 0.0 else stopped(now.theta, scene)
+            now = on_wall(walls, now, theta + 0.5 * way.sense * w / rate, 0.0, time)
+            return now, Ending.TURNED if way.sense < 0.0 else stopped(now.theta, scene)
         trend = now.trend
         if notes.wanted:
-            now = follow_trend(notes, now, np.sign(law_at(scene, side, theta, w)[1]))
-            trend = _note_extrema(work, notes, walls, found, now, scene, sense)
-        whole = found.ending == Ending.TOUCHES and found.width == limit - theta
-        flow = flow_behind(found, scene.flow, whole)
-        theta, w, width = limit if whole else theta + found.width, found.w, width_after(found, tail)
-        now = _moved(now, theta, sense * np.sqrt(w), now.time + found.time, trend)
-        ending = Ending.OVER if now.time > end_time else _ending_of(found, walls, theta, sense)
+            now = follow_trend(notes, now, np.sign(wall_state(theta, w, side, scene).rate))
+            trend = _note_extrema(work, notes, walls, found, now, scene, way.sense)
+        way = behind(way, scene, limit, found, tail)
+        # that of the follower stays until `on_wall` computes it
+        now = RigidState(
+            theta=way.theta, speed=way.sense * np.sqrt(way.w), phi=now.phi, turning=now.turning,
+            time=way.time, wall=side, trend=trend,
+        )  # fmt: skip
+        ending = _ending_of(found, walls, way.theta, way.sense)
+        ending = Ending.OVER if now.time > end_time else ending
         if notes.wanted or ending != Ending.TOUCHES:
-            now = on_wall(walls, now, theta, now.speed, now.time)
+            now = on_wall(walls, now, now.theta, now.speed, now.time)
         if ending != Ending.TOUCHES:
             return now, ending
         if takes_too_many(notes):
@@ -75,17 +61,8 @@ def touch(work, notes, walls, now, end_time, tail):
         turns += 1 if found.ending != Ending.TOUCHES else 0
         if turns > MOST_TURNS:
             return now, Ending.RESTLESS
-        if notes.wanted and theta == breaks_of(walls, side).slide_change:
+        if notes.wanted and way.theta == breaks_of(walls, side).slide_change:
             note(notes, Event.SLIDE_CHANGE, now)
-
-
-@inner_jit
-def _moved(now, theta, speed, time, trend):
-    """The instant behind a panel; that of the follower stays, until `on_wall` computes it."""
-    return Instant(
-        theta=theta, speed=speed, phi=now.phi, turning=now.turning, time=time, wall=now.wall,
-        trend=trend,
-    )  # fmt: skip
 
 
 @inner_jit
@@ -119,10 +96,10 @@ def _note_extrema(work, notes, walls, panel, now, scene, sense):
     """Note the extrema of the speed inside a panel; returns the trend behind them."""
     side, left, rest, w = now.wall, now.theta, panel.width, now.speed**2
     time, trend = now.time, now.trend
-    at_end = law_at(scene, side, left + rest, panel.w)[1]
+    at_end = wall_state(left + rest, panel.w, side, scene).rate
     for _ in range(MOST_EXTREMA):
-        low, high = _first_turn(work, trend, at_end)
-        if high > 1.0:
+        low, high = first_change(work.net_torque, trend, at_end)
+        if trend == 0.0 or high > 1.0:
             break
         to_powers(work.net_torque, work.series)
         x = root_between(work.series, 0.5 * (low + high), low, high, trend < 0.0)[0]
@@ -135,18 +112,3 @@ def _note_extrema(work, notes, walls, panel, now, scene, sense):
         # the rows hold the rest of the panel, where another one may be
         solve_panel(work, scene, side, left, rest, w)
     return trend
-
-
-@inner_jit
-def _first_turn(work, trend, at_end):
-    """Points x of a panel between which theta_ddot first loses the sign `trend`; 2 for none.
-
-    `at_end` is theta_ddot at its right end.
-    """
-    low = -1.0
-    for i in range(N + 1):
-        x, rate = (POINTS[i], work.net_torque[i]) if i < N else (1.0, at_end)
-        if rate * trend < 0.0:
-            return low, x
-        low = x
-    return low, 2.0

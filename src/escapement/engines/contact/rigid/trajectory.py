@@ -14,7 +14,7 @@ from escapement.engines.contact.rigid.notes import ROW
 from escapement.engines.contact.rigid.trace import LOST, trace
 from escapement.engines.contact.rigid.walls import Clearance
 from escapement.engines.contact.state import state_from
-from escapement.engines.contact.state_rows import STATE_ROWS, StateRow
+from escapement.engines.contact.state_rows import STATE_ROWS, ContactState
 from escapement.mechanisms.protocol import FloatArray
 from escapement.model.escapement import Escapement
 from escapement.model.scene import scene_tuple
@@ -27,7 +27,7 @@ _KEPT = 512
 NO_ROWS, NO_NUMBERS = np.empty(0, ROW), np.empty(0, np.int64)
 
 
-def prepared(escapement: Escapement) -> tuple[tuple[Any, ...], Clearance, float]:
+def prepared(escapement: Escapement) -> tuple[tuple[Any, ...], tuple[float, ...], float]:
     """Scene and clearance as `march.march` takes them, and the follower angle at the pin entry.
 
     They are kept on the escapement, so that its next call does not compute them again.
@@ -36,16 +36,19 @@ def prepared(escapement: Escapement) -> tuple[tuple[Any, ...], Clearance, float]
     if _KEY not in kept:
         wheel: Any = escapement.mechanism
         clearance = Clearance(
-            centre=float(wheel.centre_distance),
-            crank=1.0 if wheel.internal else -1.0,
             half_clearance=float(escapement.joint.half_clearance),
             restitution=float(escapement.joint.restitution),
             step=float(wheel.follower_step),
         )
         entry = float(wheel.follower_angle(np.array(wheel.breaks[:1]))[0])
-        kept[_KEY] = scene_tuple(escapement.scene), clearance, entry
-    result: tuple[tuple[Any, ...], Clearance, float] = kept[_KEY]
+        kept[_KEY] = scene_tuple(escapement.scene), tuple(clearance), entry
+    result: tuple[tuple[Any, ...], tuple[float, ...], float] = kept[_KEY]
     return result
+
+
+def _are(rows: np.ndarray, kinds: tuple[Event, ...]) -> np.ndarray:
+    """Whether each row is of one of these kinds."""
+    return np.asarray(np.logical_or.reduce([rows["kind"] == int(kind) for kind in kinds]))
 
 
 @dataclass
@@ -97,7 +100,8 @@ class RigidTrajectory(Trajectory):
     def _happened_in(self, wanted: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """The same for some engagements."""
         # whether a handoff is an extremum depends on the engagement before it
-        numbers = np.unique(np.concatenate([np.maximum(wanted - 1, 0), wanted]))
+        whole = wanted.size == wanted[-1] + 1
+        numbers = wanted if whole else np.union1d(np.maximum(wanted - 1, 0), wanted)
         begun = self.begun[numbers]
         used, size = np.zeros(2, np.int64), _ROOM * numbers.size
         while True:
@@ -111,13 +115,15 @@ class RigidTrajectory(Trajectory):
         end = self.end_time / self.escapement.time_unit
         # no rounding may put an event into the next engagement
         rows["time"] = np.minimum(rows["time"], np.append(self.begun[1:, TIME], np.inf)[engagement])
-        kept = (rows["time"] <= end) & np.isin(engagement, wanted)
+        kept = rows["time"] <= end
+        if not whole:
+            kept &= np.isin(engagement, wanted)
         return rows[kept], engagement[kept]
 
     def _events(self, *kinds: Event) -> tuple[dict[str, Any], np.ndarray]:
         """Columns of `Events` by name for the rows of some kinds, and the rows."""
         rows, engagement = self._happened
-        chosen = np.isin(rows["kind"], kinds)
+        chosen = _are(rows, kinds)
         rows, engagement, clock = rows[chosen], engagement[chosen], self.escapement.time_unit
         theta = rows["theta"] + engagement * self.escapement.mechanism.cell_angle
         columns = {"engagement": engagement, "time": rows["time"] * clock, "theta": theta}
@@ -126,7 +132,7 @@ class RigidTrajectory(Trajectory):
     @cached_property
     def _pieces(self) -> tuple[np.ndarray, np.ndarray]:
         rows, engagement = self._happened
-        chosen = np.isin(rows["kind"], PIECES)
+        chosen = _are(rows, PIECES)
         return rows[chosen], engagement[chosen]
 
     @cached_property
@@ -223,6 +229,7 @@ class RigidTrajectory(Trajectory):
         table = np.empty((STATE_ROWS, times.size))
         table[:, order] = self._traced(which, np.append(firsts, times.size), since)[0]
         mechanism = self.escapement.mechanism
-        table[StateRow.THETA] += engagement[owners] * mechanism.cell_angle
-        table[StateRow.PHI] += engagement[owners] * mechanism.follower_step
+        states = ContactState(*table)
+        states.theta[:] += engagement[owners] * mechanism.cell_angle
+        states.phi[:] += engagement[owners] * mechanism.follower_step
         return state_from(self.escapement, t, table)

@@ -17,15 +17,11 @@ from escapement.numerics.roots import newton_in_bracket
 class Clearance(NamedTuple):
     """Numbers of a wheel with clearance, which `march.march` takes; lengths in crank radii.
 
-    centre : distance of the axes. crank : +1 for an internal wheel, else -1: the pin is at
-        (centre + crank cos(theta), sin(theta)).
     half_clearance : half the difference between the width of the slot and the diameter of the pin.
     restitution : impulse of rebound over that of compression.
     step : angle by which the follower turns from pin to pin [rad].
     """
 
-    centre: float
-    crank: float
     half_clearance: float
     restitution: float
     step: float

@@ -21,10 +21,12 @@ _PANEL = (
     *("barrel_torque", "load_torque"),
 )
 """Rows of a panel of contact."""
-_SCRATCH = ("alpha", "w_before", "above_rest", "series", "series_slope", "times")
+_SCRATCH = (
+    *("alpha", "w_before", "above_rest", "series", "series_slope", "times", "at_x", "from_left"),
+)
 """Rows for a moment: exp(-int B), theta_dot^2 of the iteration before, the energy above that of
-bodies at rest, coefficients of a power series and of its slope, and the times at which the motion
-reaches the points."""
+bodies at rest, coefficients of a power series and of its slope, the times at which the motion
+reaches the points, and the weights of `gauss.weights_to`."""
 _FLIGHT = ("driver_angle", "driver_speed", "follower_angle", "follower_speed")
 """Coefficients of Taylor series in time, from the constant one upwards."""
 WORKSPACE = record_dtype({
