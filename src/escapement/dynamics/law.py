@@ -226,12 +226,17 @@ class WallState(NamedTuple):
 @inner_jit
 def wall_state(theta, w, side, scene, slide_sign=0.0, ratio_sign=0.0):
     """`WallState` at a driver angle; the side is 0 in a dwell, and signs are as in `grip`."""
-    g = u = dg = radius = moment = 0.0
-    if side != 0.0:
-        g, u, dg, radius = pose_at(scene.path, theta)
+    pose = pose_at(scene.path, theta) if side != 0.0 else (0.0, 0.0, 0.0, 0.0)
+    return state_of_pose(pose, torque_at(theta, scene)[0], w, side, scene, slide_sign, ratio_sign)
+
+
+@inner_jit(inlined=True)
+def state_of_pose(pose, torque, w, side, scene, slide_sign=0.0, ratio_sign=0.0):
+    """`WallState` at a `pose_at` and a torque of the drive."""
+    g, u, dg, radius = pose
     c = friction_ratio(g, u, radius, side, scene, slide_sign, ratio_sign)
     k = dragged_slope(g, dg, scene, ratio_sign)
-    pull, root = torque_at(theta, scene)[0] - scene.bearing, root_of(w, scene)
+    pull, root, moment = torque - scene.bearing, root_of(w, scene), 0.0
     inertia = reduced_inertia(g, c, scene)
     rate = net_torque(g, c, k, pull, w, root, scene) / inertia
     if side != 0.0:

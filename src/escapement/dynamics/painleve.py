@@ -27,7 +27,7 @@ from escapement.model.natural import slid
 from escapement.model.scene import Scene
 from escapement.numerics.chebyshev import zeros
 from escapement.numerics.jit import as_python, inner_jit, jit
-from escapement.numerics.roots import golden_point, golden_step, newton_in_bracket
+from escapement.numerics.roots import golden_point, golden_step, golden_trial, newton_in_bracket
 
 _LIMITS = "painleve.limits"
 _NOTE = "painleve.note"
@@ -147,7 +147,7 @@ def _nearest(low, high, scene):
     best = golden_point(low, high)
     greatest = _nearness_at(best, slide_sign, scene)
     while high - low > 1e-12:
-        trial = low + high - best
+        trial = golden_trial(low, high, best)
         value = _nearness_at(trial, slide_sign, scene)
         low, high, best, greatest = golden_step(low, high, best, greatest, trial, value)
     return greatest, 0.5 * (low + high)

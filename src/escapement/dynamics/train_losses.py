@@ -17,8 +17,9 @@ Inertias and torques are referred to the driver and the follower, in natural uni
 
 import numpy as np
 
-from escapement.dynamics.law import wall_state
+from escapement.dynamics.law import state_of_pose
 from escapement.dynamics.torque import torque_at
+from escapement.mechanisms.slotted import pose_at
 from escapement.numerics.altered import altered
 from escapement.numerics.jit import inner_jit, jit
 
@@ -97,10 +98,11 @@ def _misses(flow, q, z):
 def flow_at(theta, side, w, scene):
     """The flow at a driver angle while the side s carries the force, 0 in a dwell."""
     torque, best, least, held = torque_at(theta, scene)[0], 0.0, np.inf, False
+    pose = pose_at(scene.path, theta) if side != 0.0 else (0.0, 0.0, 0.0, 0.0)
     for i in range(FLOWS):
         flow = float(i)
         here = in_flow(scene, flow)
-        now = wall_state(theta, w, side, here)
+        now = state_of_pose(pose, torque_at(theta, here)[0], w, side, here)
         if not now.inertia > 0.0:
             # beyond the Painleve limit of this flow it would need a force of the other sign
             continue

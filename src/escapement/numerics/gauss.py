@@ -111,69 +111,51 @@ def dot(a, b, count):
 
 
 @inner_jit(reorders=True)
-def weights_to(x, at_x, from_left, count):
+def weights_to(work, x):
     """Fill the weights of the values at the points in the value at x.
+
+    `work` is a workspace: a record with N as `points`, and rows for the weights.
 
     Those of `at_x` are for any function. Those of `from_left` are for one that is zero at
     x = -1, such as an integral from the left end, and keep its relative accuracy next to it.
     """
     total = 0.0
-    for i in range(count & N):
+    for i in range(work.points & N):
         # barycentric formula; at a point itself a tiny distance gives that point all the weight
         distance = x - POINTS[i]
         weight = BARYCENTRIC[i] / (distance if distance != 0.0 else 1e-17)
-        at_x[i] = weight
+        work.at_x[i] = weight
         total += weight
     scale = 1.0 / total
-    for i in range(count & N):
-        weight = at_x[i] * scale
-        at_x[i] = weight
+    for i in range(work.points & N):
+        weight = work.at_x[i] * scale
+        work.at_x[i] = weight
         # interpolate f(x)/(1 + x), and multiply by 1 + x
-        from_left[i] = weight * FROM_LEFT[i] * (1.0 + x)
+        work.from_left[i] = weight * FROM_LEFT[i] * (1.0 + x)
 
 
 @inner_jit
-def point_reached(integrals, values, target, whole, at_x, from_left, count):
-    """The x up to which values of one sign have the integral `target`; its weights are filled.
+def invert(work, target, whole_time):
+    """x in [-1, 1] at the time `target` since the left end; leaves its weights in the workspace.
 
-    `integrals` are those up to each point, as from `cumulate`, and `whole` is that up to x = 1.
+    `whole_time` is the time over the panel, `work.scratch` holds that to every point, and
+    `work.slowness` its derivative by x.
     """
-    x = 2.0 * target / whole - 1.0
+    count = work.points & N
+    x = 2.0 * target / whole_time - 1.0
     low, high = -1.0, 1.0
     for _ in range(60):
-        weights_to(x, at_x, from_left, count)
-        over = dot(from_left, integrals, count) - target
-        slope = dot(at_x, values, count)
-        guess, low, high = newton_in_bracket(x, over, slope, low, high, whole > 0.0)
+        weights_to(work, x)
+        # Newton's method on the time, whose derivative by x is dt/dx
+        over = dot(work.from_left, work.scratch, count) - target
+        slope = dot(work.at_x, work.slowness, count)
+        guess, low, high = newton_in_bracket(x, over, slope, low, high, whole_time > 0.0)
         step = abs(guess - x)
         x = guess
-        # Newton's method squares the error, so the next step would be below rounding
         if step <= 1e-8:
             break
-    weights_to(x, at_x, from_left, count)
+    weights_to(work, x)
     return x
-
-
-@inner_jit(inlined=True)
-def solve_linear(gain, decay, exponent, alpha, beta, count):
-    """Solve dE/dx = A - B E: E = alpha E_left + beta, with alpha = exp(-int B).
-
-    The rows of `exponent`, int B, of `alpha` and of `beta` are filled. `gain`, A, becomes A/alpha.
-
-    Returns
-    -------
-    alpha, beta, exponent at the right end.
-    """
-    total = integral(decay, count)
-    cumulate(decay, exponent)
-    fill_decay(exponent, alpha, gain, count)
-    # beta = alpha int A/alpha
-    source = integral(gain, count)
-    cumulate(gain, beta)
-    for i in range(count & N):
-        beta[i] *= alpha[i]
-    at_end = exponentials(total)[0] if abs(total) <= SERIES else np.exp(-total)
-    return at_end, at_end * source, total
 
 
 @inner_jit

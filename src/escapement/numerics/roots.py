@@ -45,6 +45,15 @@ def golden_point(low, high):
 
 
 @inner_jit(inlined=True)
+def golden_trial(low, high, best):
+    """The next point of a search whose best point so far is `best`: the one on its other side."""
+    # low + high - best, but its rounding errors would grow from step to step
+    if best - low < high - best:
+        return low + GOLDEN * (high - low)
+    return high - GOLDEN * (high - low)
+
+
+@inner_jit(inlined=True)
 def golden_step(low, high, best, greatest, trial, value):
     """One step of golden section towards the greatest value of a function with one maximum.
 
@@ -55,7 +64,7 @@ def golden_step(low, high, best, greatest, trial, value):
     best, greatest : float
         The point in it with the greatest value so far, and that value.
     trial, value : float
-        The point low + high - best, and the value there.
+        The point of `golden_trial`, and the value there.
 
     Returns
     -------

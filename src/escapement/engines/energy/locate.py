@@ -30,7 +30,6 @@ from escapement.engines.energy.solve import (
     solve_side,
 )
 from escapement.mechanisms.slotted import transmission_at
-from escapement.numerics import gauss
 from escapement.numerics.gauss import (
     POINTS,
     N,
@@ -39,6 +38,8 @@ from escapement.numerics.gauss import (
     root_between,
     to_powers,
 )
+from escapement.numerics.gauss import invert as invert
+from escapement.numerics.gauss import weights_to as weights_to
 from escapement.numerics.jit import inner_jit
 
 # A last step of Newton's method for a reversal that is longer than this, in x, is due to
@@ -47,12 +48,6 @@ LARGEST_CORRECTION = 1e-4
 # A panel is split this share of the distance to a change before it, which is known to that
 # accuracy.
 NEAR_CHANGE = 1e-4
-
-
-@inner_jit
-def weights_to(work, x):
-    """Fill the weights of the values at the points in the value at x; see `gauss.weights_to`."""
-    gauss.weights_to(x, work.at_x, work.from_left, points_of(work))
 
 
 @inner_jit
@@ -124,17 +119,6 @@ def cut_near(panel, x):
     if distance <= width:
         return panel.left + distance + 0.5 * width
     return panel.left + distance - max(0.5 * width, NEAR_CHANGE * distance)
-
-
-@inner_jit
-def invert(work, target, whole_time):
-    """x in [-1, 1] at the time `target` since the left end; leaves its weights in the workspace.
-
-    `whole_time` is the time over the panel, and `work.scratch` holds that to every point.
-    """
-    return gauss.point_reached(
-        work.scratch, work.slowness, target, whole_time, work.at_x, work.from_left, points_of(work)
-    )
 
 
 class Instant(NamedTuple):

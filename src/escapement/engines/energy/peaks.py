@@ -13,7 +13,7 @@ from escapement.engines.energy.panels import points_of
 from escapement.mechanisms.slotted import pose_at
 from escapement.numerics.gauss import POINTS, N, dot
 from escapement.numerics.jit import inner_jit
-from escapement.numerics.roots import golden_point, golden_step
+from escapement.numerics.roots import golden_point, golden_step, golden_trial
 
 PEAKS = ("acceleration_max", "follower_acceleration_max", "contact_moment_max", "contact_force_max")
 """Names of the peaks, in their order."""
@@ -87,7 +87,7 @@ def _summit(scene, work, panel, side, low, high, j, slide_sign, ratio_sign):
     best = golden_point(low, high)
     greatest = _magnitudes_at(*inputs, best, *signs)[j]
     while high - low > CLOSE:
-        trial = low + high - best
+        trial = golden_trial(low, high, best)
         value = _magnitudes_at(*inputs, trial, *signs)[j]
         low, high, best, greatest = golden_step(low, high, best, greatest, trial, value)
     return greatest

@@ -29,8 +29,16 @@ from escapement.engines.energy.panels import (
     solution_of,
 )
 from escapement.engines.energy.sampling import friction_ratio_at, net_torque_at
-from escapement.numerics import gauss
-from escapement.numerics.gauss import POINTS, N, cumulate, integral, tail_of
+from escapement.numerics.gauss import (
+    POINTS,
+    SERIES,
+    N,
+    cumulate,
+    exponentials,
+    fill_decay,
+    integral,
+    tail_of,
+)
 from escapement.numerics.jit import inner_jit
 
 # The error of b is compared with at least the decay that this value instead of int 2 |u| g'
@@ -182,10 +190,18 @@ def solve_linear(scene, work, panel, solution, side):
     # J is a difference of nearly equal terms near the Painleve limit: its rounding error is
     # amplified by (rho + g^2)/J, and no finer panel makes it smaller
     noise = ROUNDING * (1.0 + integral(solution.beta, count))
-    solution.alpha_end, solution.beta_end, solution.b_end = gauss.solve_linear(
-        work.gain, work.decay, solution.b, solution.alpha, solution.beta, count
-    )
-    solution.noise = noise * max(1.0, abs(solution.b_end))
+    total = integral(work.decay, count)
+    # b = int B from the left end to each point, and alpha = exp(-b)
+    cumulate(work.decay, solution.b)
+    fill_decay(solution.b, solution.alpha, work.gain, count)
+    # beta = alpha int A/alpha
+    source = integral(work.gain, count)
+    cumulate(work.gain, solution.beta)
+    for i in range(count & N):
+        solution.beta[i] *= solution.alpha[i]
+    alpha = exponentials(total)[0] if abs(total) <= SERIES else np.exp(-total)
+    solution.alpha_end, solution.beta_end, solution.b_end = alpha, alpha * source, total
+    solution.noise = noise * max(1.0, abs(total))
     solution.pull = panel.entry.pull
     if not is_constant(scene):
         keep_share(scene, work, panel, solution, count)

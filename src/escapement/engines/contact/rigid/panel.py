@@ -1,7 +1,7 @@
 """Contact with a wall over a panel of driver angles.
 
 Twice the kinetic energy, E = (rho + g^2) w, obeys dE/dx = A - B E with `dynamics.law.energy_rates`,
-which `gauss.solve_linear` solves. Time is int dtheta/sqrt(w).
+so that with b = int B it is E = exp(-b) (E_left + int A exp(b)). Time is int dtheta/sqrt(w).
 A panel is halved until what it leaves out is small; see `gauss`.
 
 Where a row of its solution changes its sign, such as s X at a lift-off, a panel is cut: Newton's
@@ -30,11 +30,12 @@ from escapement.mechanisms.slotted import pose_at, transmission_on
 from escapement.numerics.gauss import (
     POINTS,
     N,
+    cumulate,
+    fill_decay,
     first_change,
     integral,
     root_between,
     series_at,
-    solve_linear,
     tail_of,
     to_powers,
 )
@@ -97,15 +98,15 @@ def _kept_at(scene, side, theta, w, ending):
 @inner_jit
 def _sample(work, scene, side, left, half):
     """Fill the rows that do not depend on the speed; returns whether J_s is positive throughout."""
-    count, g, u, k, radius = work.count, work.g, work.u, work.k, work.radius
-    transmission_on(scene.path, left, half, work.points, count, g, u, k, radius)
+    count, g, u, k, radius = work.points, work.g, work.u, work.k, work.radius
+    transmission_on(scene.path, left, half, work.nodes, count, g, u, k, radius)
     middle, slope = torque_at(left + half, scene)
     middle, slope, unsound = middle - scene.bearing, slope * half, 0
     for i in range(count & N):
         k[i] = dragged_slope(g[i], k[i], scene)
         work.c[i] = c = friction_ratio(g[i], u[i], radius[i], side, scene)
         work.inverse_inertia[i] = 1.0 / (scene.rho + g[i] * g[i])
-        work.pull[i] = middle + slope * work.points[i]
+        work.pull[i] = middle + slope * work.nodes[i]
         unsound += not reduced_inertia(g[i], c, scene) > 0.0
     return unsound == 0
 
@@ -116,25 +117,25 @@ def _solve_energy(work, scene, half, energy):
 
     Returns E at the right end.
     """
-    count, viscous = work.count, is_viscous(scene)
+    count, viscous = work.points, is_viscous(scene)
     for i in range(count & N):
         root = np.sqrt(max(work.w[i], 1e-300)) if viscous else 0.0
         c, k, pull, inverse = work.c[i], work.k[i], work.pull[i], work.inverse_inertia[i]
         rates = energy_rates(work.g[i], c, k, pull, inverse, half, root, scene)
         work.gain[i], work.decay[i] = rates[0], rates[1]
-    alpha, beta, _exponent = solve_linear(
-        work.gain, work.decay, work.exponent, work.alpha, work.energy, count
-    )
+    cumulate(work.decay, work.exponent)
+    fill_decay(work.exponent, work.alpha, work.gain, count)
+    cumulate(work.gain, work.energy)
     for i in range(count & N):
-        work.energy[i] += work.alpha[i] * energy
+        work.energy[i] = work.alpha[i] * (energy + work.energy[i])
         work.w[i] = work.energy[i] * work.inverse_inertia[i]
-    return alpha * energy + beta
+    return np.exp(-integral(work.decay, count)) * (energy + integral(work.gain, count))
 
 
 @inner_jit
 def solve_panel(work, scene, side, left, width, w):
     """Solve a panel from the squared speed `w` at its start; `work` then holds the solution."""
-    count, half = work.count, 0.5 * width
+    count, half = work.points, 0.5 * width
     if not _sample(work, scene, side, left, half):
         return _unsolved(Ending.JAM, left, width)
     ratio, right = pose_at(scene.path, left)[0], pose_at(scene.path, left + width)[0]

@@ -18,7 +18,7 @@ from escapement.engines.contact.rigid.panel import has_failed, next_panel, solve
 from escapement.engines.contact.rigid.walls import Clearance, wall_scene, walls_of
 from escapement.engines.contact.rigid.workspace import workspace
 from escapement.engines.contact.state_rows import FIRST_LOSS, ContactState, write_state
-from escapement.numerics.gauss import POINTS, WEIGHTS, N, cumulate, dot, point_reached
+from escapement.numerics.gauss import POINTS, WEIGHTS, N, cumulate, dot, invert
 from escapement.numerics.jit import inner_jit, jit
 
 STRICT = 1e-13
@@ -97,11 +97,11 @@ def _along_wall(work, walls, wanted):
         if has_failed(found):
             break
         following = behind(way, scene, limit, found, STRICT)
-        cumulate(work.slowness, work.times)
+        cumulate(work.slowness, work.scratch)
         while k < wanted.last and times[k] <= following.time:
             x = _point_after(work, max(times[k] - way.time, 0.0), found)
             angle = theta + 0.5 * found.width * (1.0 + x)
-            squared = max(dot(work.at_x, work.w, work.count), 0.0)
+            squared = max(dot(work.at_x, work.w, work.points), 0.0)
             write_state(states, k, _touching_state(walls, scene, way, angle, squared))
             k += 1
         if following.time > length * (1.0 + 1e-13):
@@ -124,12 +124,9 @@ def _along_wall(work, walls, wanted):
 
 @inner_jit
 def _point_after(work, time, found):
-    """The point x of a panel that is reached after a time; its `times` are filled."""
+    """The point x of a panel that is reached after a time; its `scratch` holds the times."""
     sign = np.sign(found.width)
-    return point_reached(
-        work.times, work.slowness, sign * time, sign * found.time, work.at_x, work.from_left,
-        work.count,
-    )  # fmt: skip
+    return invert(work, sign * time, sign * found.time)
 
 
 @inner_jit

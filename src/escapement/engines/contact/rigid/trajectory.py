@@ -115,10 +115,15 @@ class RigidTrajectory(Trajectory):
         end = self.end_time / self.escapement.time_unit
         # no rounding may put an event into the next engagement
         rows["time"] = np.minimum(rows["time"], np.append(self.begun[1:, TIME], np.inf)[engagement])
-        kept = rows["time"] <= end
+        # the rounding of the end must not leave out what happens there
+        kept = rows["time"] <= end * (1.0 + 1e-15)
         if not whole:
             kept &= np.isin(engagement, wanted)
         return rows[kept], engagement[kept]
+
+    def _seconds(self, rows: np.ndarray) -> FloatArray:
+        """Times of rows [s]."""
+        return np.asarray(np.minimum(rows["time"] * self.escapement.time_unit, self.end_time))
 
     def _events(self, *kinds: Event) -> tuple[dict[str, Any], np.ndarray]:
         """Columns of `Events` by name for the rows of some kinds, and the rows."""
@@ -126,7 +131,7 @@ class RigidTrajectory(Trajectory):
         chosen = _are(rows, kinds)
         rows, engagement, clock = rows[chosen], engagement[chosen], self.escapement.time_unit
         theta = rows["theta"] + engagement * self.escapement.mechanism.cell_angle
-        columns = {"engagement": engagement, "time": rows["time"] * clock, "theta": theta}
+        columns = {"engagement": engagement, "time": self._seconds(rows), "theta": theta}
         return columns | {"theta_dot": rows["speed"] / clock}, rows
 
     @cached_property
@@ -138,7 +143,7 @@ class RigidTrajectory(Trajectory):
     @cached_property
     def start(self) -> FloatArray:
         """Start time of each piece [s]."""
-        return np.asarray(self._pieces[0]["time"] * self.escapement.time_unit)
+        return self._seconds(self._pieces[0])
 
     @property
     def engagement(self) -> np.ndarray:

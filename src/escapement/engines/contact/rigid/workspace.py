@@ -22,7 +22,7 @@ _PANEL = (
 )
 """Rows of a panel of contact."""
 _SCRATCH = (
-    *("alpha", "w_before", "above_rest", "series", "series_slope", "times", "at_x", "from_left"),
+    *("alpha", "w_before", "above_rest", "series", "series_slope", "scratch", "at_x", "from_left"),
 )
 """Rows for a moment: exp(-int B), theta_dot^2 of the iteration before, the energy above that of
 bodies at rest, coefficients of a power series and of its slope, the times at which the motion
@@ -30,10 +30,10 @@ reaches the points, and the weights of `gauss.weights_to`."""
 _FLIGHT = ("driver_angle", "driver_speed", "follower_angle", "follower_speed")
 """Coefficients of Taylor series in time, from the constant one upwards."""
 WORKSPACE = record_dtype({
-    **dict.fromkeys(("points", *_PANEL, *_SCRATCH, *_FLIGHT), (float, N)),
-    "count": np.int64,
+    **dict.fromkeys(("nodes", *_PANEL, *_SCRATCH, *_FLIGHT), (float, N)),
+    "points": np.int64,
 })  # fmt: skip
-"""The rows by name. `points` are the Gauss points themselves, and `count` is their number, which
+"""The rows by name. `nodes` are the Gauss points themselves, and `points` is their number, which
 the compiler does not know: see `numerics.gauss`. Fields of a record do not overlap, so that loops
 over them become vector code."""
 
@@ -46,6 +46,6 @@ def workspace():
     kernel that needs the record in a loop takes it from this memory within the loop.
     """
     memory = np.empty(1, WORKSPACE)
-    memory[0].points[:] = POINTS
-    memory[0].count = N
+    memory[0].nodes[:] = POINTS
+    memory[0].points = N
     return memory
