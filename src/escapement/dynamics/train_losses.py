@@ -113,8 +113,6 @@ def flow_at(theta, side, w, scene):
         missed = _misses(flow, q, z)
         # beyond the limit two may have the right signs, one of them without a force on this side
         pressed = side * contact(g, k, pull, w, root, here) > 0.0
-        if missed == 0.0 and pressed:
-            return flow
         if missed < least or (missed == least and pressed and not held):
             best, least, held = flow, missed, pressed
     return best
