@@ -77,7 +77,7 @@ def test_given_noise_and_missing_beats():
 
 def test_steps_that_no_pin_strikes_are_confined():
     ahead = 1e-3 * np.array([-0.6, 0.9, 0.2, -1.1, 0.6])  # behind the one before: slots 0, 2, 3
-    fit = esc.fit_beats(beats_of(design(), PINS, ahead, rounds=2, noise=1e-5), design())
+    fit = esc.fit_beats(beats_of(design(), PINS, ahead, rounds=2, noise=1e-5, seed=1), design())
     assert "no pin strikes slots 0, 2, 3" in fit.message
     assert (np.abs(fit.slot_angle_errors - ahead) <= fit.slot_half_widths).all()
     assert (fit.pin_half_widths < 1e-4).all()

@@ -109,8 +109,6 @@ def flow_at(theta, side, w, scene):
         missed = _misses(flow, *through_trains(now.g, now.dg, now.rate, torque, w, scene))
         # beyond the limit two may have the right signs, one of them without a force on this side
         pressed = side * now.moment > 0.0
-        if missed == 0.0 and pressed:
-            return flow
         if missed < least or (missed == least and pressed and not held):
             best, least, held = flow, missed, pressed
     return best

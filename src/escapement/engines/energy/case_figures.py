@@ -18,7 +18,7 @@ from escapement.dynamics.law import is_lossless
 from escapement.dynamics.torque import torque_at
 from escapement.engines.energy import cycle
 from escapement.engines.energy.leap import (
-    GENTLE_TRAINS,
+    GENTLE,
     GOALS,
     ROWS,
     Leap,
@@ -45,6 +45,8 @@ KEPT_EVENTS = 256
 LATEST_SEARCH = 40
 # Where no leap is possible so many rounds are marched before the next attempt.
 RETRY = 64
+# The transient of a pattern is followed for so many engagements, that of one pair for more.
+LONGEST_PATTERN = 10_000
 # A loss or an inequality of the ends of an engagement below this share is rounding.
 ROUNDING = 1e-12
 
@@ -94,7 +96,8 @@ def figures(case, handoffs, rows, w, rtol, extent, out):
     first, in_band, k, attempt, rows[GOALS, 0] = NO_EVENTS, 0, 0, 0, np.nan
     time, rising, cycle_known, sought = 0.0, 0.0, False, False
     _note_handoff(handoffs, k, time, w)
-    while k < MAX_ENGAGEMENTS:
+    longest = MAX_ENGAGEMENTS if size == 1 else LONGEST_PATTERN
+    while k < longest:
         ready = cycle_known
         found = pass_round(case, Start(w, rising, first), request)
         used, rising = found.used, found.rising
@@ -135,7 +138,7 @@ def figures(case, handoffs, rows, w, rtol, extent, out):
         settled = cycle_known and in_band >= 2 * size
         if settled and (extent < Extent.FALLEN or out[cycle.RISE_98] >= 0.0):
             return OK
-        if ready and k >= attempt and out[cycle.CONTRACTION] > 1.0 - GENTLE_TRAINS:
+        if ready and k >= attempt and out[cycle.CONTRACTION] > 1.0 - GENTLE:
             passed = _leap_on(case, request, start, w, k, found, extent, rows, out)
             attempt = k if passed.number > 0 else k + RETRY * size
             k, w, time = k + passed.number * size, passed.w, time + passed.time
@@ -198,7 +201,7 @@ def _leap_on(case, request, start, w, k, found, extent, rows, out):
     """
     none, final = Leap(0, w, 0.0), out[cycle.HANDOFF] ** 2
     step = cycle.newton_step(w, found, True)
-    if not is_gentle(case.scene, w, step):
+    if not is_gentle(w, step):
         return none
     goals = rows[GOALS]
     if np.isnan(goals[0]):
@@ -208,7 +211,8 @@ def _leap_on(case, request, start, w, k, found, extent, rows, out):
     goal = _goal(goals, start, w, extent, out)
     if not is_worth_it(w, 1.0 - step.contraction, final, goal):
         return none
-    most = (MAX_ENGAGEMENTS - k) // case.data.size
+    size = case.data.size
+    most = ((MAX_ENGAGEMENTS if size == 1 else LONGEST_PATTERN) - k) // size
     return leap(case, request, w, final, goal, most, rows)
 
 

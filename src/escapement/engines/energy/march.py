@@ -50,6 +50,8 @@ STALL, PAINLEVE, NOT_CONVERGED = int(Status.STALL), int(Status.PAINLEVE), int(St
 SPENT = int(Status.SPENT)
 # One engagement needs fewer panels than this and two for every edge.
 TOO_MANY_PANELS = 128
+# Where power turns back in a train every other speed cuts out narrow panels of its own.
+TOO_MANY_NARROW = 24
 
 
 @inner_jit
@@ -73,12 +75,12 @@ def march(scene, cells, store, count, request, w, rising, events, used):
     -------
     MarchResult
     """
-    # if the torque has a knot in this cell, the chain is for this cell only, and where power turns
-    # back in a train, for this speed; `first_scene` is the scene whose trains lose nothing, to
-    # which E belongs outside the march
+    # if the torque has a knot in this cell, the chain is for this cell only; `first_scene` is the
+    # scene whose trains lose nothing, to which E belongs outside the march
     first_scene, lossy = scene, is_lossy(scene)
-    knotted, most = has_knot(scene), TOO_MANY_PANELS + 2 * scene.edges.size
-    if knotted or lossy or count == panels.NO_PANELS or count > most:
+    knotted = has_knot(scene)
+    most = (TOO_MANY_NARROW if lossy else TOO_MANY_PANELS) + 2 * scene.edges.size
+    if knotted or count == panels.NO_PANELS or count > most:
         count = panels.lay_out(scene, cells, store, request.loose)
     work = store.workspace[0]
     first = store.panels[panels.FIRST_PANEL]

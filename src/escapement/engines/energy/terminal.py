@@ -13,7 +13,7 @@ from escapement.dynamics.needs import FIXED
 from escapement.engines.energy import cycle
 from escapement.engines.energy.batch import solve_rows
 from escapement.engines.energy.calls import prepared
-from escapement.engines.energy.case_figures import Extent
+from escapement.engines.energy.case_figures import LONGEST_PATTERN, Extent
 from escapement.engines.energy.cells import NO_CELLS
 from escapement.engines.energy.simulate import simulate
 from escapement.model.escapement import Escapement
@@ -48,7 +48,7 @@ def terminal(
     missing = [name for name, time in times.items() if np.isnan(time)]
     message = base.message
     if missing:
-        count_text = f"{MAX_ENGAGEMENTS:_}".replace("_", " ")
+        count_text = f"{MAX_ENGAGEMENTS if count == 1 else LONGEST_PATTERN:_}".replace("_", " ")
         message = (
             f"these figures take more than {count_text} engagements and are not given: "
             f"{', '.join(missing)}"
