@@ -1,10 +1,11 @@
 """The Painleve limit: the friction at which the equation of motion loses its solution.
 
-Where the reduced inertia J_s = rho + g p_s vanishes the rigid problem has two solutions or
-none. The side in question is the one that holds the follower back, s = -1. After dead centre,
-where the force changes to this side, there is no solution beyond the limit. Before it the motion
-on the side s = +1 goes on, but another one exists as well. For an ideal pin the limits of both
-halves are equal, and known in closed form.
+Sections 7 and 9 of docs/theory.md derive what this file computes. Where the reduced inertia
+J_s = rho + g p_s is zero or negative, the equations of rigid bodies have two solutions or none.
+This can happen for the side that holds the follower back, s = -1. After dead centre the force
+changes to this side, so there is no motion if friction is at its limit or above. Before dead centre
+the side s = +1 carries the force, and this motion goes on, but a second one is possible as well.
+For an ideal pin the limits before and after dead centre are equal, and known in closed form.
 """
 
 from typing import Any
@@ -35,7 +36,7 @@ _NOTE = "painleve.note"
 
 @jit
 def painleve_ratio(path, theta, rho):
-    """Friction at which the reduced inertia vanishes at `theta`, or inf."""
+    """Friction of an ideal pin at which the reduced inertia vanishes at `theta`, or inf."""
     g, u, _dg = transmission_at(path, theta)
     product = abs(g * u)
     return (rho + g * g) / product if product > 0.0 else np.inf
@@ -45,8 +46,9 @@ def painleve_ratio(path, theta, rho):
 def _stationary(g1, g2, rho, end):
     """g between 0 and `end` at which (rho + g^2)/(|g| |u|) is stationary on the circle.
 
-    It is a root of the cubic in `critical_friction`. The cubic is negative at 0 and positive at
-    g1 and g2, one of which is `end`, so Newton's method in this bracket cannot fail.
+    On the circle u^2 = (g1 - g)(g - g2), see `slotted`. The result is a root of the cubic in
+    `critical_friction`. `end` is g1 or g2. The cubic is negative at 0 and positive at both of them,
+    so Newton's method between 0 and `end` always finds the root.
     """
     total, product = g1 + g2, g1 * g2
     low, high = min(0.0, end), max(0.0, end)
@@ -64,7 +66,7 @@ def _stationary(g1, g2, rho, end):
 
 @jit
 def painleve_limit(path, rho, entry, exit_):
-    """Least painleve_ratio over the engagement, and a driver angle that has it."""
+    """Least `painleve_ratio` over the engagement, and a driver angle at which it is reached."""
     if path.table:
         return np.inf, entry
     limit, angle = painleve_ratio(path, entry, rho), entry
@@ -82,7 +84,7 @@ def painleve_limit(path, rho, entry, exit_):
         turn = np.arcsin(np.sqrt(x)) / abs(c[HALF_RATE])
         for theta in (-turn, turn):
             nearest = min(max(theta, entry), exit_)
-            # the angle lies outside the engagement by more than rounding
+            # leave out an angle that lies outside the engagement by more than rounding
             if abs(nearest - theta) > 1e-15 * abs(theta):
                 continue
             # |u| comes from the circle: with a light driver the minimum lies so close to the
@@ -95,7 +97,10 @@ def painleve_limit(path, rho, entry, exit_):
 
 @jit
 def margin(theta, scene):
-    """J_s h_s for s = -1, (rho + g^2) h - |g| h |c|; neither factor may vanish."""
+    """J_s h_s for s = -1, which is (rho + g^2) h - |g| h |c|.
+
+    Below the Painleve limit the reduced inertia J_s and the lever h_s are both positive.
+    """
     g, u, _dg, radius = pose_at(scene.path, theta)
     slide, lever = grip(g, u, radius, -1.0, scene)
     lost = scene.mu_minus * slide + scene.driver_journal + scene.follower_journal * abs(g)
@@ -104,7 +109,7 @@ def margin(theta, scene):
 
 @inner_jit
 def least_lever(scene, exit_):
-    """Least lever of the contact force on the side s = +1, over the engagement that ends there."""
+    """Least lever of the contact force on the side s = +1 over an engagement up to its `exit_`."""
     radius = min(pose_at(scene.path, 0.0)[3], pose_at(scene.path, exit_)[3])
     arm = scene.pin + abs(scene.path.numbers[OFFSET])
     return radius - scene.mu_plus * arm - scene.follower_journal
@@ -114,8 +119,10 @@ def least_lever(scene, exit_):
 def nearness(moment, slope, journal):
     """One over the least mu at which moment - slope mu - journal sqrt(1 + mu^2) vanishes.
 
-    It is infinite where the moment of a body does not exceed the friction of a journal, and not
-    positive where there is no such mu. With mu = tan x, moment cos x - slope sin x = journal.
+    These are A, B and C of docs/theory.md, section 9, where the closed form is derived with
+    mu = tan x. The result is infinite if the moment does not exceed the friction of the journals,
+    and zero or negative if there is no such mu. Its greatest value over an engagement gives the
+    least mu.
     """
     b, c = slope / moment, journal / moment
     if not abs(c) < 1.0:
@@ -128,6 +135,7 @@ def _nearness_at(theta, slide_sign, scene):
     """`nearness` of the friction at which `margin` vanishes at an angle; `slide_sign` is the sign
     of v."""
     g, u, _dg, radius = pose_at(scene.path, theta)
+    # the journals of a scene contain the factor sqrt(1 + mu^2), named `share`, of its own friction
     inertia, ratio, share = scene.rho + g * g, abs(g), np.hypot(1.0, scene.mu_minus)
     driver, follower = scene.driver_journal / share, scene.follower_journal / share
     slide = slide_sign * slide_at(g, u, radius, -1.0, scene)
@@ -138,9 +146,10 @@ def _nearness_at(theta, slide_sign, scene):
 
 @inner_jit
 def _nearest(low, high, scene):
-    """The greatest `_nearness_at` between two angles that v keeps its sign between, and its angle.
+    """The greatest `_nearness_at` between two angles, and its angle.
 
-    There it has one maximum, inside or at an end, which golden section finds.
+    The sliding speed v must keep its sign between them. `_nearness_at` then has one maximum, inside
+    or at an end, which golden section finds.
     """
     g, u, _dg, radius = pose_at(scene.path, 0.5 * (low + high))
     slide_sign = np.copysign(1.0, slide_at(g, u, radius, -1.0, scene))
@@ -157,10 +166,11 @@ def _nearest(low, high, scene):
 def friction_limit(scene, low, high):
     """Least friction at which `margin` vanishes between two driver angles, and the angle.
 
-    If the lever of the other side vanishes at less friction, that is the limit, and the angle is
-    NaN. The limit does not depend on the friction of the scene; below it margin and lever are
-    positive.
+    If the lever of the side s = +1 vanishes at less friction, the result is that friction, and the
+    angle is NaN. Below the result margin and lever are both positive. The friction of the scene
+    itself has no influence on it.
     """
+    # `margin` is smooth on either side of the angle at which the sliding changes its direction
     entry, exit_ = scene.edges[0], scene.edges[-1]
     change = slide_change(scene.path, scene.pin, -1.0, entry, exit_)
     if not low < change < high:
@@ -186,15 +196,16 @@ def first_beyond(scene, low, high):
     while low < high:
         if not margin(low, scene) > 0.0:
             return low
-        # the margin falls to one minimum, or rises, so that it vanishes once on the way there
+        # From `low` to the angle with the least friction limit the margin changes its sign at most
+        # once, and bisection finds this first zero.
         left, right = low, _nearest(low, middle, scene)[1]
         if not margin(right, scene) > 0.0:
             while left < 0.5 * (left + right) < right:
-                nearest = 0.5 * (left + right)
-                if margin(nearest, scene) > 0.0:
-                    left = nearest
+                halfway = 0.5 * (left + right)
+                if margin(halfway, scene) > 0.0:
+                    left = halfway
                 else:
-                    right = nearest
+                    right = halfway
             return right
         low, middle = middle, high
     return np.nan if margin(high, scene) > 0.0 else high
@@ -202,7 +213,7 @@ def first_beyond(scene, low, high):
 
 @inner_jit
 def beyond_painleve(scene):
-    """Whether friction reaches the Painleve limit for any direction of power in the trains."""
+    """Whether friction is at or above the Painleve limit for any direction of power in trains."""
     if not is_lossy(scene):
         return _beyond(scene)
     count = 0
@@ -215,23 +226,25 @@ def beyond_painleve(scene):
 def _beyond(scene):
     """Whether friction is at or above the Painleve limit of a scene.
 
-    (rho + g^2)/|g| is at least 2 sqrt(rho), and |u| is at most the radius of the circle that
-    (g, u) runs on. This bound settles most scenes. For most others the stationary g on the circle
-    is enough, without its driver angle. A mechanism without slots has no such limit, because J_s
-    = rho + g^2 eta is positive.
+    For an ideal pin the limit is the least (rho + g^2)/|g u|. Here (rho + g^2)/|g| is at least
+    2 sqrt(rho), and |u| is at most |g1 - g2|/2, the radius of the circle on which (g, u) moves. For
+    most scenes this lower bound of the limit is above their friction. For most others the limit
+    follows from the stationary g on the circle, without its driver angle. A mechanism without slots
+    has no such limit, because J_s = rho + g^2 eta is positive.
     """
     if scene.path.table:
         return False
     if not is_ideal(scene):
         return scene.mu_minus >= friction_limit(scene, 0.0, scene.edges[-1])[0]
-    # Where g > 0, J may vanish on the side s = -1. One of Meyer's published cells also has g < 0,
-    # where J may vanish for s = +1, but its pins have one mu and the limit there is higher.
+    # Where g > 0, J may vanish for s = -1. In a part of one of Meyer's published cells g < 0, and J
+    # may vanish for s = +1. This needs no test, because both sides have the same mu there, and the
+    # limit of that part is higher.
     mu, rho = scene.mu_minus, scene.rho
     g1, g2 = circle(scene.path)
     if mu * abs(g1 - g2) < 4.0 * np.sqrt(rho) * (1.0 - 1e-12):
         return False
     if g2 < 0.0 < g1:
-        # g rises from 0 at entry to g1 at dead centre, so the stationary g is passed
+        # g rises from 0 at entry to g1 at dead centre, so the stationary g lies in between
         g = _stationary(g1, g2, rho, g1)
         # the friction over its limit, mu |g u|/(rho + g^2)
         share = mu * g * np.sqrt((g1 - g) * (g - g2)) / (rho + g * g)
@@ -264,9 +277,10 @@ def critical_friction(mechanism: Mechanism, inertia: Inertia) -> float:
 
 
 def friction_limits(escapement: Escapement) -> tuple[float, float]:
-    """Frictions at which motion ceases to exist, and at which it ceases to be unique [-].
+    """The least friction at which no motion exists, and that at which it is not unique [-].
 
-    For an ideal pin the two are equal. With a roller they are frictions inside the roller.
+    For an ideal pin the two are equal. With a roller both are for the friction between the roller
+    and its pin.
     """
     kept = escapement.kept
     if _LIMITS not in kept:
@@ -281,14 +295,14 @@ def friction_limits(escapement: Escapement) -> tuple[float, float]:
 
 
 def _flows_of(escapement: Escapement) -> list[Scene]:
-    """The scenes of an escapement, each for every direction of power through lossy trains."""
+    """The scenes of an escapement; if trains lose power, each for all directions of the power."""
     if not as_python(is_lossy)(escapement.scene):
         return [*escapement.scenes]
     return [scene_in_flow(scene, float(i)) for scene in escapement.scenes for i in range(FLOWS)]
 
 
 def _limit(escapement: Escapement, before: bool) -> float:
-    """Least friction at which the margin vanishes before or after a dead centre."""
+    """Least friction at which the margin vanishes before dead centre, or after it."""
     limits = [
         friction_limit(scene, *((scene.edges[0], 0.0) if before else (0.0, scene.edges[-1])))[0]
         for scene in _flows_of(escapement)
@@ -314,7 +328,7 @@ def critical_angle(mechanism: Mechanism, inertia: Inertia, friction: float) -> f
 
     def reduced_inertia(theta: FloatArray) -> FloatArray:
         found = transmission(path, theta)
-        # over the friction, which may be as great as a double
+        # J is divided by the friction, which may be so great that mu |g u| would overflow
         return np.asarray((rho + found.g**2) / friction - np.abs(found.g * found.u))
 
     # if the function only touches zero, rounding may leave no root
@@ -334,7 +348,7 @@ def painleve_message(escapement: Escapement) -> str | None:
         )
     else:
         found = [(first_beyond(scene, 0.0, scene.edges[-1]), k) for k, scene in enumerate(scenes)]
-        # at the limit itself rounding may leave no place
+        # x == x leaves out NaN; at the limit itself rounding may leave no angle at all
         angle, k = next(((x, k) for x, k in found if x == x), (0.0, 0))
     wheel: Any = escapement.mechanism
     where = f" of pin {k % wheel.pins} in slot {k % wheel.slots}" if count > 1 else ""
@@ -346,7 +360,7 @@ def painleve_message(escapement: Escapement) -> str | None:
 
 
 def _remedy(escapement: Escapement) -> str:
-    """Which option gives an answer beyond the limit, if one does."""
+    """The end of the message: which option gives a result beyond the limit, if one does."""
     if len(escapement.scenes) > 1 or escapement.curve is not None:
         return ""
     if not escapement.mechanism.takes_clearance:
@@ -368,7 +382,7 @@ def _uniqueness_note(escapement: Escapement) -> str | None:
     if all(as_python(is_ideal)(scene) for scene in escapement.scenes):
         return None
     if escapement.contact == "compliant":
-        # with compliant contact there is one motion
+        # with compliant contact the motion is unique
         return None
     limit = friction_limits(escapement)[1]
     if escapement.friction < limit:

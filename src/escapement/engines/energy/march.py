@@ -1,10 +1,11 @@
-"""One engagement in the driver-angle domain, panel by panel.
+"""One engagement, solved over the driver angle, panel by panel.
 
-A march goes from panel to panel, each time with these steps:
+The figure in section 4 of docs/theory.md shows pieces, panels and the energy E. A march goes
+through the chain of panels from left to right, and takes these steps for each of them:
 
 1. `_face`: find which side of the slot carries the force at the left end.
-2. `over_panel.choose`: solve the panel for that side. Where the motion starts from rest, solve
-   the spare panel instead, which has another variable.
+2. `over_panel.choose`: solve the energy equation on the panel for that side. At a start from rest
+   this is done on the spare panel instead, whose variable is the square root of the angle.
 3. `over_panel.pass_over`: compute energy, time and contact at the right end, and find out whether
    the panel holds a reversal, or a stop, which ends the march.
 4. `_note_left_end`: note the events of the left end.
@@ -13,9 +14,13 @@ A march goes from panel to panel, each time with these steps:
    solution of the other side.
 7. `_advance`: make the state at the left end of the next panel.
 
-If steps 3, 5 or 6 find that the panel is too coarse for what it holds, it is halved, and the steps
-are repeated with its left half. The chain of panels thus becomes as fine as the scene needs, and
-later engagements use the same chain again.
+If step 3, 5 or 6 finds that the panel is too coarse for what it holds, the panel is halved, and the
+steps are repeated with its left half. The chain of panels thus becomes as fine as the scene needs,
+and the marches over later engagements use it again.
+
+Where gear trains lose power, the law depends on the direction of the power in them. Before step 1
+the march then takes the scene for the direction at the left end, and step 3 splits a panel in which
+the direction changes.
 """
 
 import numpy as np
@@ -48,9 +53,12 @@ from escapement.numerics.jit import inner_jit
 OK, NO_TERMINAL = int(Status.OK), int(Status.NO_TERMINAL)
 STALL, PAINLEVE, NOT_CONVERGED = int(Status.STALL), int(Status.PAINLEVE), int(Status.NOT_CONVERGED)
 SPENT = int(Status.SPENT)
-# One engagement needs fewer panels than this and two for every edge.
+# A chain is laid out again if it has more panels than this and two for every edge, which is more
+# than one engagement needs.
 TOO_MANY_PANELS = 128
-# Where power turns back in a train every other speed cuts out narrow panels of its own.
+# This is the same number for trains that lose power. The angles at which the direction of the power
+# changes move with the speed, and around each of them narrow panels are cut, so the chain grows
+# faster.
 TOO_MANY_NARROW = 24
 
 
@@ -61,11 +69,11 @@ def march(scene, cells, store, count, request, w, rising, events, used):
     Parameters
     ----------
     scene : Scene
-    cells : as `tabulate_cells` makes them for the scene's path.
-    store, count : memory, and number of panels in use. The chain is laid out if there is none. It
-        is laid out again if it has grown too long after many engagements with reversals at
-        different angles.
-    request : Request
+    cells : geometry of the scene's path, tabulated by `cells.tabulate_cells`.
+    store, count : the memory of the panels, and the number of those in use. If that is 0, the chain
+        is laid out. The chain is laid out again if it has become too long, after many engagements
+        whose reversals were at different angles.
+    request : the `Request`, which tells the results that are wanted and their accuracy.
     w : squared driver speed at entry.
     rising : sign of theta_ddot before the entry, 0 at the start of the motion.
     events, used : array of `EVENT` to be filled from row `used` on. The march ends with
@@ -75,9 +83,10 @@ def march(scene, cells, store, count, request, w, rising, events, used):
     -------
     MarchResult
     """
-    # if the torque has a knot in this cell, the chain is for this cell only; `first_scene` is the
-    # scene whose trains lose nothing, to which E belongs outside the march
+    # With trains that lose power `scene` changes from panel to panel, and so does its rho.
+    # `first_scene` is the scene as given; with its rho the result gives E at entry and exit.
     first_scene, lossy = scene, is_lossy(scene)
+    # the knots of the torque divide the panels, so a chain with a knot serves one cell only
     knotted = has_knot(scene)
     most = (TOO_MANY_NARROW if lossy else TOO_MANY_PANELS) + 2 * scene.edges.size
     if knotted or count == panels.NO_PANELS or count > most:
@@ -90,8 +99,8 @@ def march(scene, cells, store, count, request, w, rising, events, used):
         scene = flowing(first.left, 1.0, w, first_scene)
         panels.fill_again(store, first, scene, cells)
     state = _enter(scene, first, w, rising, used)
-    # a driver at rest stays at rest if nothing accelerates it; one that hardly turns and is not
-    # driven would come to rest after any time, and counts as at rest
+    # A driver at rest stays at rest if nothing accelerates it. A driver that nothing drives counts
+    # as at rest if w is at most `REST`: drag alone might never stop it.
     still = w == 0.0 and (
         is_held(first.left, scene)
         or sampling.net_torque_at(first.entry, state.side, 0.0, scene) <= 0.0
@@ -147,9 +156,9 @@ def _enter(scene, panel, w, rising, used):
 def _face(scene, panel, state, events):
     """The state with the side that carries the force just behind the left end of a panel.
 
-    If the side changes there, a reversal is noted, as where a spring is spent at dead centre.
-    `pass_over` finds only reversals that are well inside a panel: next to its end, rounding would
-    decide in which of two panels one lies.
+    If that is another side than before, a reversal is noted at the left end. `pass_over` leaves a
+    reversal to this function if it is next to the end of a panel, where rounding would decide in
+    which of the two panels it is. A spring that is spent at dead centre causes such a reversal.
     """
     end = panel.entry
     side = state.side
@@ -165,17 +174,20 @@ def _note_left_end(scene, work, panel, state, events):
     """Note a break of the mechanism, and an extremum of the speed, at the left end of a panel."""
     used, rising = state.used, state.rising
     if panel.kink and not state.left_noted:
-        left_slot = panel.left == scene.edges[-1]
-        kind = Event.EXIT if left_slot else Event.BREAK
+        pin_leaves = panel.left == scene.edges[-1]
+        kind = Event.EXIT if pin_leaves else Event.BREAK
         used = note(events, used, kind, panel.left, state.time, state.w)
-    # at a kink of |u|, an exit, and an entry on another side than before, theta_ddot jumps
+    # The speed has an extremum here if theta_ddot jumps to the other sign. It may jump at a kink of
+    # |u|, at the exit, and at the entry if the pin before pressed on the other side.
     now = sampling.net_torque_at(panel.entry, state.side, state.w, scene)
     if panel.locked and panel.slope == 0.0 and not panel.kink:
-        now = 0.0  # nothing jumps inside a dwell, and near the final speed this is rounding
+        # inside a dwell nothing jumps, and near the steady speed the sign is due to rounding
+        now = 0.0
     elif (
         not turns_free(scene, panel)
         and sampling.beside(scene, panel, now, work.net_torque, 0) == 0.0
     ):
+        # the sign changes so close to the left end that the one at the first point counts
         now = work.net_torque[0]
     if now * rising < 0.0:
         used = note(events, used, extremum_kind(rising), panel.left, state.time, state.w)
@@ -186,17 +198,21 @@ def _note_left_end(scene, work, panel, state, events):
 
 @inner_jit(inlined=True)
 def _check(scene, work, panel, starting, state, passage, request):
-    """Look for an extremum of the driver speed in a panel, up to its reversal if it has one."""
+    """Look for an extremum of the driver speed in a panel, up to its reversal if it has one.
+
+    Behind the reversal there must be none: `locate.pass_reversal` makes sure of that.
+    """
     side = state.side
     first, final, point, split = 1.0, 1.0, NOWHERE, passage.split
-    # under a constant torque the speed in a dwell tends to that at which drag takes all of it,
-    # and never passes it
+    # In a dwell under a constant torque the speed tends to the one at which drag balances the
+    # torque, and never passes it, so that it has no extremum.
     steady = panel.locked and panel.slope == 0.0
     if not split and request.detail > Detail.TIME and not steady:
         first = sampling.net_torque_at(panel.entry, side, state.w, scene)
         first = sampling.beside(scene, panel, first, work.net_torque, 0)
         last = passage.reversal
-        # at a reversal X = 0, so that J theta_ddot = D J/rho has the sign of the drive D
+        # at a reversal X = rho F + g D = 0, so that J theta_ddot = D - p F = D J/rho has the sign
+        # of D
         if last >= 0:
             last_point = min(last, N - 1)
             final = drive_sign(panel.pull[last_point], work.w[last_point], scene)
@@ -204,13 +220,15 @@ def _check(scene, work, panel, starting, state, passage, request):
             final, last = sampling.net_torque_at(panel.exit, side, passage.w, scene), N
             final = sampling.beside(scene, panel, final, work.net_torque, N - 1)
         slowing, changes = passage.slowing, 0
-        # one sign at all points and at both ends means that there is nothing to find
+        # if J theta_ddot has one sign at all points and at both ends, no sign changes
         gains = slowing == 0 and first > 0.0 and final > 0.0
         if not gains and not (slowing == N and first < 0.0 and final < 0.0):
             changes, point = sampling.find_extremum(work.net_torque, last, first, final)
-        # a panel may hold one extremum, and the spare panel of a start may hold none
+        # A panel may hold one extremum. The spare panel of a start may hold none, since its x does
+        # not grow in proportion to the angle.
         split = changes > 1 or (changes == 1 and starting)
         if not split and panel.half > CLOSE_PAIR:
+            # two extrema between neighbouring points would leave the signs at all points alike
             tried = Points(0, last)
             split = sampling.may_vanish(work, work.net_torque, NEGLIGIBLE, first, final, tried)
     return SpeedExtremum(
@@ -221,7 +239,10 @@ def _check(scene, work, panel, starting, state, passage, request):
 
 @inner_jit(inlined=True)
 def _note_inside(scene, work, panel, state, passage, extremum, request, events):
-    """Note the extremum and the reversal of a panel, and pass the reversal to the other side."""
+    """Note the extremum and the reversal of a panel, and go on behind the reversal.
+
+    Behind the reversal the other side carries the force, up to the right end of the panel.
+    """
     used, split, reversal = state.used, extremum.split, passage.reversal
     after_reversal = locate.AfterReversal(
         good=True, energy=passage.energy, length=0.0, exponent=0.0, source=0.0
@@ -230,7 +251,7 @@ def _note_inside(scene, work, panel, state, passage, extremum, request, events):
         return Inside(split, used, after_reversal)
     x, slope = 1.0, 0.0
     if reversal >= 0:
-        # with s X = 0 at the left end and s X < 0 at the first point the reversal lies there
+        # the reversal is at the left end if s X is 0 there and negative at the first point
         x = -1.0
         if reversal > 0 or passage.left_contact > 0.0:
             left, right = passage.left_contact, passage.contact
@@ -244,13 +265,15 @@ def _note_inside(scene, work, panel, state, passage, extremum, request, events):
         used = note_extremum(scene, events, used, kind, work, panel, extremum, x)
     if reversal >= 0:
         instant = locate.Instant(np.nan, np.nan, np.nan)
-        # E and time change with the square of an error of x only, so they need no correction of x
+        # theta_ddot is continuous at the reversal, so an error of x changes E and time at the right
+        # end with its square only; x is improved only if the event itself is wanted
         if request.detail == Detail.EVERYTHING:
             instant = locate.reversal_at(scene, work, panel, state.side, x, slope, state.w)
         time = state.time + instant.elapsed
         used = note(events, used, Event.REVERSAL, instant.angle, time, instant.w)
         if extremum.final == 0.0:
-            # after the spring is spent nothing acts on the driver here, which is an extremum too
+            # Without a contact force and without a drive, as with a spent spring, theta_ddot is 0
+            # here: the reversal is also an extremum.
             kind = extremum_kind(state.rising)
             used = note(events, used, kind, instant.angle, time, instant.w)
         trend = extremum.final if request.detail > Detail.TIME else 0.0
@@ -258,7 +281,8 @@ def _note_inside(scene, work, panel, state, passage, extremum, request, events):
             scene, work, panel, state.side, reversal, request.strict, trend, state.source
         )
         if trend == 0.0 and request.detail > Detail.TIME:
-            # there the sign of theta_ddot after it is not known before, but it must not change
+            # `pass_reversal` was given no sign of theta_ddot to expect behind such a reversal; the
+            # sign must be the same at all points there
             for i in range(reversal + 1, N):
                 split |= work.net_torque[i] * work.net_torque[i - 1] < 0.0
     return Inside(split or not after_reversal.good, used, after_reversal)
@@ -267,7 +291,8 @@ def _note_inside(scene, work, panel, state, passage, extremum, request, events):
 @inner_jit(inlined=True)
 def _advance(scene, panel, following, state, passage, extremum, inside):
     """The state at the right end of a panel, which is the left end of the one at `following`."""
-    # after a reversal theta_ddot keeps its sign, see `_check`, unless it vanishes there
+    # Behind a reversal theta_ddot has the sign of the drive, `extremum.final`. Without a drive the
+    # reversal is an extremum, and the sign changes there.
     if passage.reversal >= 0:
         after = inside.after_reversal
         rising = extremum.final if extremum.final != 0.0 else -state.rising

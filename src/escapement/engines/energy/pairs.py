@@ -1,9 +1,11 @@
-"""The pairs of a wheel, which take turns: each has its scene, its panels and its map of w.
+"""The pairs of pin and slot of a wheel, which engage one after the other.
 
-The parts of a perfect wheel are alike. It has one pair, whose scene is that of the escapement. Of
-imperfect parts `mechanisms.pattern` lays out every pair with a path of its own. If a pin strikes, a
-part of the speed is left: an impact is a linear map of w. `engage` goes over the engagement of a
-pair, and over the handoff to the next one; `pass_round` goes over all pairs in turn.
+Each pair has its own scene, its own chain of panels, and its own map from w at the start of its
+engagement to w at the start of the next one (docs/theory.md, section 5). In a perfect wheel all
+pins and all slots are alike, so one pair, with the scene of the escapement, stands for all of them.
+With imperfect parts `mechanisms.pattern` gives every pair a path of its own, and a late pin may
+strike its slot. The impact multiplies w by a constant factor. `engage` follows the engagement of
+one pair and the handoff to the next pair; `pass_round` does this for all pairs in turn, a round.
 """
 
 from typing import Any, NamedTuple
@@ -28,21 +30,25 @@ from escapement.numerics.records import record_dtype
 PAIR_DATA = record_dtype(
     {
         "panels": WHOLE,  # how many panels its chain has
-        "share": NUMBER,  # share of the speed that the handoff at its end leaves
-        # w behind the handoff is exp(slope - exponent) w + source/inertia, see `MarchResult`
+        # share of the speed that is left behind the handoff at its end, 1 without an impact
+        "share": NUMBER,
+        # two constants of its map: w behind the handoff is exp(slope - exponent) w + source/inertia
+        # with exponent and source of the `MarchResult`
         **dict.fromkeys(("slope", "inertia"), NUMBER),
-        # driver angle from the start of a round to that of its engagement, and to the next round
+        # driver angle from the start of a round to the start of its engagement, and that of a whole
+        # round
         **dict.fromkeys(("begin", "lap"), NUMBER),
         # of the last round: its time, and w at its end and behind the handoff
         **dict.fromkeys(("time", "before", "after"), NUMBER),
-        # of the terminal cycle: greatest maximum and least minimum of the speed, NaN where there is
-        # none, and the speed behind the handoff
+        # of its engagement in the terminal cycle: greatest maximum and least minimum of the speed,
+        # NaN where there is none, and the speed behind the handoff
         **dict.fromkeys(("top", "low", "final"), NUMBER),
     }
 )
 """What is known of one pair of a wheel."""
 
-# The panels of this many pairs are kept; those of a longer pattern are laid out every time.
+# There is memory for the panels of this many pairs. In a longer pattern several pairs share it, and
+# the panels are laid out anew for each engagement.
 MOST_CHAINS = 16
 # Number of events of one engagement of a pair, see `located_events.most_events`.
 MOST_EVENTS = 32
@@ -52,8 +58,8 @@ class MarchInputs(NamedTuple):
     """The arguments that all marches of one case share.
 
     addresses : as `calls.kernel_addresses` returns them.
-    scene : a `Scene`. Of a pattern each pair has its own path, edges and dwell.
-    cells : of the mechanism's path; none of a pattern.
+    scene : a `Scene`; with a pattern each pair has its own path, edges and dwell in place of those.
+    cells : tabulated geometry of the scene's path; with a pattern nothing is tabulated.
     pattern : array of `mechanisms.pattern.PAIR`, empty for perfect parts.
     data : array of `PAIR_DATA`, one for each pair.
     store, events : memory that the marches fill, a `Store` and an array of `EVENT`.
@@ -69,7 +75,7 @@ class MarchInputs(NamedTuple):
 
 
 class Start(NamedTuple):
-    """How a march begins: w, the sign of theta_ddot before it, and the row of its first event."""
+    """How a march begins: w, the sign of theta_ddot before it, and the row for its first event."""
 
     w: float
     rising: float
@@ -77,14 +83,14 @@ class Start(NamedTuple):
 
 
 class Engaged(NamedTuple):
-    """What an engagement and the handoff behind it, or a round of them, have led to.
+    """The result of an engagement and the handoff behind it, or of a round of them.
 
     status : a value of `Status`.
-    w : behind the handoff.
-    angle, pair : driver angle of a stall [rad], and the index of the pair.
-    time : from the start to the start of the next one, or to a stall.
-    slope, source : of the map exp(slope) w + source, which holds as long as the reversals stay at
-        their angles.
+    w : theta_dot^2 behind the last handoff.
+    angle, pair : driver angle of a stall [rad], and the index of the last pair.
+    time : from the start of the engagement or round to the start of the next one, or to a stall.
+    slope, source : of the map from w at the start to exp(slope) w + source behind the last handoff,
+        which holds as long as the reversals stay at their angles.
     side, rising, used : s at the exit, sign of theta_ddot at the end, and number of events noted.
     """
 
@@ -102,7 +108,7 @@ class Engaged(NamedTuple):
 
 @inner_jit(allocates=True, inlined=True)
 def scene_of_pair(scene, pattern, index, driver_angle):
-    """The scene of a pair of a pattern, after a driver angle turned; of perfect parts the same."""
+    """The scene of a pair, after a driver angle turned; perfect parts keep the path of `scene`."""
     scene = altered(scene, "driver_angle", driver_angle)
     if pattern.size > 0:
         pair = pattern[index]
@@ -126,7 +132,7 @@ def store_of(case, index):
 
 @inner_jit(allocates=True, inlined=True)
 def new_case(addresses, scene, cells, pattern, room):
-    """The inputs of a case, with memory for so many events."""
+    """The inputs of a case, with memory for `room` events."""
     count = max(pattern.size, 1)
     data, events = np.empty(count, PAIR_DATA), np.empty(room, EVENT)
     return MarchInputs(
@@ -137,27 +143,29 @@ def new_case(addresses, scene, cells, pattern, room):
 
 @inner_jit
 def round_events(edges, size):
-    """Number of events of one round for which there must be room."""
-    # an engagement of a pair has four edges at most
+    """Number of events of one round for which there must be room; `size` is that of the pattern."""
+    # `MOST_EVENTS` is `most_events` for four edges, which a pair of a pattern has at most
     return most_events(edges) if size == 0 else size * MOST_EVENTS
 
 
 @inner_jit
 def prepare(case):
-    """Fill what is known of the pairs before any motion; returns OK, or PAINLEVE."""
+    """Fill the data of the pairs that do not depend on the motion; returns OK, or PAINLEVE."""
     status, size, begin = OK, case.data.size, 0.0
     for index in range(size):
         data, scene = case.data[index], scene_at(case, index, 0.0)
-        # at the Painleve limit J_s reaches zero, and the march would divide by it
+        # at the Painleve limit J_s reaches zero, and a march would divide by zero
         if beyond_painleve(scene):
             status = PAINLEVE
         data.panels, data.share, data.begin = NO_PANELS, 1.0, begin
         begin += scene.edges[-1] - scene.edges[0] + scene.dwell
         following = (index + 1) % size
+        # the handoff at the end of this pair is an impact if the pin of the next pair strikes
         if case.pattern.size > 0 and case.pattern[following].kind == Handoff.STRIKE:
             data.share = left_by_impact(scene_at(case, following, 0.0))
-        # in a published cell g differs between entry and exit; then the map has the slope
-        # exp(-exponent) (1 - unequal), in which equal ends leave no rounding
+        # With 1 - unequal = (rho + g_in^2)/(rho + g_out^2) the map has the slope
+        # share^2 (1 - unequal) exp(-exponent). Only in a cell that Meyer published does g differ
+        # between entry and exit; for equal ends `unequal` is 0 without rounding error.
         g_in = transmission_at(scene.path, scene.edges[0])[0]
         g_out = 0.0 if scene.dwell > 0.0 else transmission_at(scene.path, scene.edges[-1])[0]
         inertia = scene.rho + g_out * g_out
@@ -172,21 +180,25 @@ def prepare(case):
 
 @inner_jit
 def start_inertia(case, index):
-    """rho + g^2 where the engagement of a pair begins."""
+    """rho + g^2 at the start of the engagement of a pair."""
     scene = scene_at(case, index, 0.0)
     return scene.rho + transmission_at(scene.path, scene.edges[0])[0] ** 2
 
 
 @inner_jit
 def lay_out_again(case):
-    """Drop the panels of all pairs."""
+    """Drop the panels of all pairs, so that the next march lays them out again."""
     for index in range(case.data.size):
         case.data[index].panels = NO_PANELS
 
 
 @inner_jit
 def engage(case, index, start, request, driver_angle):
-    """March over the engagement of a pair, after a driver angle turned, to the next handoff."""
+    """March over the engagement of a pair and the handoff behind it.
+
+    The engagement begins after the driver has turned by `driver_angle`, on which the torque may
+    depend.
+    """
     data = case.data[index]
     if case.data.size > MOST_CHAINS:
         data.panels = NO_PANELS
@@ -199,7 +211,7 @@ def engage(case, index, start, request, driver_angle):
     w, rising, used = found.w, found.rising, found.used
     if data.share < 1.0:
         w *= data.share**2
-        # the speed falls at once, from a maximum if it rose
+        # the impact makes the speed fall suddenly, so it is at a maximum there if it rose before
         if is_felt(data.share) and found.status == OK and request.detail > Detail.TIME:
             if rising > 0.0:
                 end = scene.edges[-1] + scene.dwell
@@ -215,9 +227,11 @@ def engage(case, index, start, request, driver_angle):
 
 @inner_jit
 def pass_round(case, start, request):
-    """Pass the engagements of all pairs in turn; a round after which the same ones follow.
+    """Pass one round: the engagements of all pairs in turn, up to the first that fails.
 
-    Its events are marked with their pair and with the time from the start of the round.
+    For the torque, each of them begins as if the driver had not turned before. Each event is marked
+    with the index of its pair and with the time from the start of the round to that of its
+    engagement.
     """
     w, rising, used, slope, source, time = start.w, start.rising, start.first, 0.0, 0.0, 0.0
     for index in range(case.data.size):
@@ -225,6 +239,7 @@ def pass_round(case, start, request):
         for i in range(used, found.used):
             case.events[i].index, case.events[i].engagement_start = index, time
         w, rising, used, time = found.w, found.rising, found.used, time + found.time
+        # the map of this pair is applied to the result of the map so far
         source = np.exp(found.slope) * source + found.source if index > 0 else found.source
         slope += found.slope
         if found.status != OK:
@@ -237,7 +252,7 @@ def pass_round(case, start, request):
 
 @inner_jit
 def make_exact(case, i, driver_angle):
-    """Make event i exact, see `located_events.refine`."""
+    """Make the angle, time and w of event i exact, see `located_events.refine`."""
     event = case.events[i]
     if not event.exact:
         scene = scene_at(case, event.index, driver_angle)

@@ -1,19 +1,20 @@
 """One engagement with clearance: from the entry of a pin to that of the next one.
 
-At its entry the pin is in flight between the walls of its slot. From there `engage` follows one
-piece of the motion after the other:
+The figure in section 4 of docs/theory.md shows the two walls of a slot. At its entry the pin is in
+flight between them. From there `engage` follows one piece of the motion after the other:
 
-- `fly`: a flight, until the pin strikes a wall. Behind the impact the pin flies on if it rebounds,
-  or touches the wall if that carries a force.
-- `touching.touch`: contact with a wall, until the wall would have to pull, and the pin lifts off.
+- `fly`: a flight, until the pin strikes a wall. Behind the impact the pin stays at the wall if it
+  does not rebound and the wall carries a force; otherwise it flies on.
+- `touching.touch`: contact with a wall. The pin lifts off where the wall would have to pull it.
 
-The engagement ends DONE where the pin leaves the slot, at the driver angle `scene.edges[-1]`. It
-ends earlier where the motion ends: see `dynamics.codes.Ending`. `turn_on` adds the dwell of a wheel
-that has one, in which the follower is locked, and goes on to the next pin and slot.
+Where the pin leaves the slot, at the driver angle `scene.edges[-1]`, the engagement ends with
+`Ending.DONE`. It ends before with another `Ending` if the motion ends there. `turn_on` then goes on
+to the next pin and slot; in a wheel with a dwell it first follows the driver through the dwell,
+in which the follower is locked.
 
-All of them take driver and follower as a `RigidState` and return the one at the end with an
-`Ending`. If rows of the `Notes` are wanted, they also write where pieces begin and which events
-there are.
+These functions take driver and follower as a `RigidState`, and return the state at the end
+together with an `Ending`. If rows of the `Notes` are wanted, they also write the starts of pieces
+and the events.
 """
 
 import numpy as np
@@ -34,14 +35,19 @@ from escapement.mechanisms.slotted import pose_at
 from escapement.numerics.jit import inner_jit
 
 MOST_PIECES = 20_000
-"""Pieces of an engagement."""
+"""Greatest number of pieces of an engagement."""
 MOST_STEPS = 100_000
-"""Panels of contact and parts of flights in an engagement; they take some tenths of a second."""
+"""Greatest number of steps of an engagement, which are the panels of contacts and the parts of
+flights. So many take some tenths of a second."""
 
 
 @inner_jit
 def engage(work, notes, walls, now, end_time, tail):
-    """Follow an engagement from its entry, in flight; returns the instant at its end, and why."""
+    """Follow an engagement from its entry, in flight; returns the state at its end and an `Ending`.
+
+    It ends early after the first step that ends later than `end_time`. `tail` is the greatest tail
+    of a panel of contact, which sets the accuracy.
+    """
     exit_, touching = walls.plus.edges[-1], False
     if rests(walls.plus, now):
         if notes.wanted:
@@ -52,6 +58,7 @@ def engage(work, notes, walls, now, end_time, tail):
             note(notes, Event.CONTACT if touching else Event.FLIGHT, now)
         if touching:
             now, ending = touch(work, notes, walls, now, end_time, tail)
+            # a driver that has turned back and come to rest may press on the same wall again
             touching = ending == Ending.TURNED and holds(walls, now)[0]
             if ending == Ending.LIFTED and notes.wanted:
                 note(notes, Event.LIFT_OFF, now)
@@ -62,7 +69,7 @@ def engage(work, notes, walls, now, end_time, tail):
                 if not sound:
                     return now, Ending.JAM
         if ending == Ending.DONE:
-            # the wall that the pin touches here is the one that the next pin starts from
+            # the next pin starts at the wall of this side if this pin touches it here
             wall = now.wall if abs(_gap(walls, now)) < 1e-12 else 0.0
             return instant_with(now, wall=wall), ending
         if has_ended(ending):
@@ -72,9 +79,10 @@ def engage(work, notes, walls, now, end_time, tail):
 
 @inner_jit
 def fly(work, notes, walls, now, end, locked, end_time):
-    """Follow a flight to a wall or to the driver angle `end`; returns the instant there, and why.
+    """Follow a flight to a wall or to the driver angle `end`; returns the state, and an `Ending`.
 
-    While the follower is `locked`, in a dwell, there is no wall.
+    `launch` gives the flight in parts, one at a time. In a dwell the follower is `locked`, and
+    there is no wall to strike.
     """
     scene, frame = walls.plus, frame_of(walls.plus)
     while True:
@@ -108,8 +116,12 @@ def fly(work, notes, walls, now, end, locked, end_time):
 
 @inner_jit
 def _behind_impact(notes, walls, now):
-    """The instant behind the impact on the wall that the pin has reached, whether the pin then
-    touches the wall, and whether there is a solution: of the impact, and of the contact behind it.
+    """Compute the impact on the wall that the pin has reached.
+
+    Returns
+    -------
+    now, touching, sound : the state behind the impact; whether the pin then stays at the wall; and
+        whether the impact, and the contact behind it if there is one, have a solution.
     """
     impact = strike(walls, now.wall, now.theta, now.speed, now.turning)
     if not impact.sound:
@@ -136,7 +148,7 @@ def _note_impact(notes, walls, now, before, impact):
     note(notes, Event.IMPACT, now)
     row = last_row(notes)
     row.before, row.approach, row.impulse = speed, impact.approach, impact.impulse
-    # differences of squares as products, which keep the digits of a small loss
+    # as products the differences of squares keep their digits where little energy is lost
     row.energy = 0.5 * walls.plus.rho * (speed - impact.speed) * (speed + impact.speed)
     row.energy += 0.5 * (turning - impact.turning) * (turning + impact.turning)
 
@@ -145,7 +157,7 @@ def _note_impact(notes, walls, now, before, impact):
 def rests(scene, now):
     """Whether both bodies count as at rest at a pin entry: see `escapement.simulate`.
 
-    Where nothing drives them, bodies that hardly move would come to rest after any time.
+    They do if nothing drives them and they hardly move, because drag alone might never stop them.
     """
     energy = scene.rho * now.speed * now.speed + now.turning * now.turning
     return energy <= scene.rho * REST and is_undriven(now.theta, scene)
@@ -153,7 +165,10 @@ def rests(scene, now):
 
 @inner_jit
 def holds(walls, now):
-    """Whether the wall that the pin touches carries a force, and whether J_s is positive."""
+    """Whether the wall that the pin touches carries a force, and whether J_s is positive.
+
+    The wall s carries a force if X has the sign of s.
+    """
     sense, w = 1.0 if now.speed >= 0.0 else -1.0, now.speed * now.speed
     scene = wall_scene(walls, now.wall, now.theta, sense, w, UNKNOWN)
     there = wall_state(now.theta, w, now.wall, scene)
@@ -162,14 +177,18 @@ def holds(walls, now):
 
 @inner_jit
 def _gap(walls, now):
-    """By how much the pin is beyond the wall that it touches or has left."""
+    """Offset of the pin less the one at which it touches the wall `now.wall`; 0 in contact."""
     across = pin_offset(frame_of(walls.plus), now.theta, 0.0, now.phi, 0.0)[0]
     return across - now.wall * walls.clearance.half_clearance
 
 
 @inner_jit
 def turn_on(work, notes, walls, now, end_time):
-    """The dwell behind an exit, and the change to the next pin and slot."""
+    """Go from an exit to the entry of the next pin, through the dwell if there is one.
+
+    At that entry driver and follower angle are counted from the dead centre of the next pin and
+    slot.
+    """
     scene, ending = walls.plus, Ending.DONE
     if scene.dwell > 0.0:
         locked = instant_with(now, turning=0.0, wall=0.0)
@@ -187,11 +206,14 @@ def turn_on(work, notes, walls, now, end_time):
 
 @inner_jit
 def _note_lock(notes, scene, now, locked):
-    """Note the impact with which the lock stops the follower."""
+    """Note the impact with which the lock stops the follower.
+
+    Its speed of approach and its impulse are given as at the distance of the pin from the axis.
+    """
     radius, moved = pose_at(scene.path, now.theta)[3], abs(now.turning)
     note(notes, Event.IMPACT, locked)
     row = last_row(notes)
     row.before, row.energy = now.speed, 0.5 * moved * moved
-    # what is behind a lossy train gives back less than it holds
+    # the shaft behind a lossy train gives back only a share of its angular momentum
     inertia = 1.0 + (scene.load_train_efficiency - 1.0) * scene.load_train
     row.approach, row.impulse = moved * radius, inertia * moved / radius

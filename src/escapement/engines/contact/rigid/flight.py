@@ -1,17 +1,17 @@
 """Motion without contact: how driver and follower move on their own.
 
 `launch` gives a `Flight` from a state, as far as one formula holds. Without drag and with a
-constant torque both accelerations are constant until a body comes to rest. Otherwise a Taylor
-series in time about the start is used, whose coefficients follow one from the other by the
-equations of motion. The flight is then only a part of the motion, which ends
+constant torque both accelerations are constant until a body comes to rest. Otherwise angles and
+speeds are Taylor series in time about the start. The equations of motion give their coefficients
+one after the other. A `Flight` in series is often only a part of the whole flight. This part ends
 
-- where the last terms of the series would be above rounding,
-- where the law changes: at a knot of the torque, where a body comes to rest, where the power in a
-  lossy train turns back, where bodies that nothing drives count as at rest,
+- where the last terms of the series would exceed rounding errors,
+- where the law changes: at a knot of the torque, where a body comes to rest, where the torque
+  through a lossy train changes its sign, or where bodies that nothing drives count as at rest,
 - at the driver angle asked for.
 
-The caller launches the next part from the end of the last one. Whether the pin reaches a wall
-meanwhile, `arrival` finds out.
+The caller launches the next part from the end of the last one. A flight takes no notice of the
+walls: `arrival` finds out whether the pin reaches one meanwhile.
 """
 
 from enum import IntEnum
@@ -43,14 +43,17 @@ from escapement.numerics.jit import inner_jit
 from escapement.numerics.roots import newton_in_bracket
 
 _LONGEST, _SHORTEST = 0.5, 1e-7
-"""Longest and shortest part of a flight in series, in natural units. For bodies that are slower
-than 1 the longest one is the time in which they would turn by so many radians."""
+"""Longest and shortest part of a flight in series, in natural units of time. For bodies that are
+slower than 1 the longest part is the time in which they would turn by so many radians."""
 _FARTHEST = np.pi
-"""Greatest angle by which a follower turns before it meets the pin of a driver at rest [rad]."""
+"""Greatest angle by which the follower turns in a flight with the driver at rest [rad]; it meets
+the pin before."""
 _LAST_TERM = 1e-16
-"""The last terms of a series over the speed, at the end of its part."""
+"""Greatest size of the last terms of a series at the end of its part, divided by the driver speed
+plus 1."""
 _TIE = 1e-12
-"""A torque through a train that is nearer to zero counts as positive: in a flight it grows."""
+"""A torque through a train counts as negative only if it is less than minus this. Where a part ends
+because a negative torque has grown to zero, rounding thus cannot make it negative again."""
 
 
 class Flight(NamedTuple):
@@ -59,9 +62,10 @@ class Flight(NamedTuple):
     theta, speed, rate, phi, turning, turning_rate : angle, speed and acceleration of driver and
         follower at its start.
     length : how long it lasts; inf where both bodies are at rest for good.
-    halt, rest : times at which driver and follower come to rest, inf if they do not.
-    even : whether the accelerations are constant. If they are not, the workspace holds the series
-        of the part, within which neither driver nor follower changes its sense.
+    halt, rest : times at which driver and follower come to rest, inf if they do not. This ends the
+        flight, except that with constant accelerations a follower comes to rest and stays so.
+    even : whether the accelerations are constant. If they are not, the workspace holds the series,
+        and neither driver nor follower reverses before the end of the part.
     """
 
     theta: float
@@ -77,7 +81,7 @@ class Flight(NamedTuple):
 
 
 class _Watched(IntEnum):
-    """What becomes zero where the series of a part no longer holds: see `_watched`."""
+    """The quantities of `_watched`; the part of a flight in series ends where one becomes zero."""
 
     ANGLE_LEFT = 0
     DRIVER_SPEED = 1
@@ -97,6 +101,7 @@ def launch(work, scene, theta, speed, phi, turning, end):
     turning_rate = free_follower(scene, turning, follower_sense).rate
     rest = -turning / turning_rate if turning_rate != 0.0 else np.inf
     length, halt = _even_length(scene, theta, speed, rate, end)
+    # a driver that its bearing holds never comes to `end`
     if sense == 0.0 and turning != 0.0:
         length = min(rest, _FARTHEST / abs(turning))
     return Flight(
@@ -107,14 +112,19 @@ def launch(work, scene, theta, speed, phi, turning, end):
 
 @inner_jit
 def _even_length(scene, theta, speed, rate, end):
-    """Time to the driver angle `end` at a constant acceleration, or to where a driver that turns
-    back leaves the slot or stops, and the time at which it comes to rest.
+    """The length of a flight with constant accelerations, and the time at which the driver comes to
+    rest in it, inf if it does not.
+
+    The flight ends at the driver angle `end`, or where the driver comes to rest before. A driver
+    that turns back may also leave the slot at the entry, or turn forwards again within the flight.
     """
     if speed < 0.0:
         room = max(theta - scene.edges[0], 0.0)
         left = speed * speed - 2.0 * rate * room
         if left > 0.0:
             return 2.0 * room / (np.sqrt(left) - speed), np.inf
+        # with friction in the bearing or a lossy train the acceleration is another one once the
+        # driver turns forwards, so the flight ends where it comes to rest
         if scene.bearing > 0.0 or scene.barrel_efficiency != 1.0:
             return -speed / rate, -speed / rate
         return (np.sqrt(speed * speed + 2.0 * rate * (end - theta)) - speed) / rate, np.inf
@@ -133,7 +143,9 @@ def _in_series(work, scene, theta, speed, phi, turning, end):
             theta=theta, speed=0.0, rate=0.0, phi=phi, turning=0.0, turning_rate=0.0,
             length=np.inf, halt=np.inf, rest=np.inf, even=True,
         )  # fmt: skip
-    # whether power flows backwards through a lossy train
+    # Whether the torque through a lossy train is negative. `backs` is for the barrel's train, as
+    # where the inertia of the barrel drives a driver that turns back; `driven` is for the load's
+    # train, where the inertia of the last shaft drives the follower.
     backs = scene.barrel_efficiency != 1.0 and sense != 0.0
     backs = backs and free_driver(scene, theta, speed, sense).through < -_TIE
     driven = scene.load_train_efficiency != 1.0
@@ -146,7 +158,7 @@ def _in_series(work, scene, theta, speed, phi, turning, end):
     )  # fmt: skip
     length, halt = part.length, np.inf
     if sense != 0.0:
-        # as long as the driver goes on in the same sense, it passes an angle only once
+        # up to where the driver comes to rest it turns in one sense, and passes an angle only once
         length = halt = _passing(work, scene, part, length, 0.0, _Watched.DRIVER_SPEED)
         back = last_knot(theta, scene.edges[0], scene)
         end = next_knot(theta, end, scene) if sense > 0.0 else back
@@ -168,21 +180,26 @@ def _in_series(work, scene, theta, speed, phi, turning, end):
 
 @inner_jit
 def _fill_series(work, scene, theta, speed, phi, turning, backs, driven):
-    """Fill the coefficients of angles and speeds; `backs` and `driven` say in which trains the
-    power flows backwards.
+    """Fill the coefficients of angles and speeds.
+
+    `backs` and `driven` tell whether the torques through the trains of barrel and load are
+    negative, see `_in_series`.
     """
     sense, follower_sense = driver_sense(scene, theta, speed), np.sign(turning)
-    # the factors e of both trains
+    # the factors e of both trains, see `dynamics.bodies`; power flows to the driver where the
+    # torque through its train has the sign of its speed
     barrel = shared(scene.barrel_efficiency, -sense if backs else sense)
     train = shared(scene.load_train_efficiency, 1.0 if driven else -1.0)
     one, two = driver_of(scene), follower_of(scene)
-    # a driver that is held does not yield to the torque
+    # a driver that its bearing holds stays at rest, as if its inertia were infinite
     driver = one.near + barrel * one.far if sense != 0.0 else np.inf
     follower = two.near + train * two.far
-    # at a knot, the torque that the driver is about to meet counts
+    # at a knot the torque ahead of the driver counts, so it is taken a little farther on
     torque, slope = torque_at(theta + sense * KNOT_GAP, scene)
     torque, slope = barrel * torque, barrel * slope
-    # coefficients of the torques on both bodies, of which that of the drive is linear in theta
+    # `push` and `pull` are the coefficients k of the torques on driver and follower as series in
+    # time. For k = 0 the torque of the drive is that at theta; for k > 0 it is the slope times the
+    # coefficient of the angle.
     push = torque - slope * sense * KNOT_GAP - sense * scene.bearing
     pull = -follower_sense * train * scene.load
     angle, pace = work.driver_angle, work.driver_speed
@@ -206,7 +223,8 @@ def _fill_series(work, scene, theta, speed, phi, turning, backs, driven):
 
 @inner_jit
 def _series_length(work):
-    """Time for which the series give speeds and angles to rounding."""
+    """Time up to which the last two terms of the series of both speeds are below `_LAST_TERM`, or
+    `_SHORTEST` if that is longer."""
     pace, follower_pace = work.driver_speed, work.follower_speed
     speed, turning = abs(pace[0]), abs(follower_pace[0])
     quick = max(speed, turning) + np.sqrt(max(abs(pace[1]), abs(follower_pace[1])))
@@ -220,13 +238,17 @@ def _series_length(work):
 
 @inner_jit
 def _given(scene, turning, sense):
-    """The torque z through the load's train in a flight, times a positive number."""
+    """z, the torque that the follower supplies through the load's train in a flight, times a
+    positive number."""
     return -sense * free_follower(scene, turning, sense).through
 
 
 @inner_jit
 def _watched(scene, goal, what, sense, follower_sense, theta, speed, turning):
-    """A value whose zero `_passing` finds, and its slope in time; `goal` is a driver angle."""
+    """The value of the quantity `what` at a state, and its derivative by time.
+
+    `_passing` finds the zero of this value. `goal` is the driver angle of `ANGLE_LEFT`.
+    """
     driver = free_driver(scene, theta, speed, sense)
     follower = free_follower(scene, turning, follower_sense)
     if what == _Watched.ANGLE_LEFT:
@@ -249,11 +271,12 @@ def _watched(scene, goal, what, sense, follower_sense, theta, speed, turning):
 
 @inner_jit
 def _passing(work, scene, part, length, goal, what):
-    """Time within a part at which what is watched changes its sign; `length` where it does not.
+    """Time within a part at which the quantity `what` changes its sign; `length` if it does not.
 
     `goal` is the driver angle from which the angle left is counted.
     """
-    # the senses of a part, also beyond its end, where it is smooth
+    # the senses at the start count for all times that are tried, even if a body has reversed by
+    # then, so that the value is a smooth function of time
     sense, follower_sense = driver_sense(scene, part.theta, part.speed), np.sign(part.turning)
     inputs = scene, goal, what, sense, follower_sense
     at_start = _watched(*inputs, part.theta, part.speed, part.turning)[0]
@@ -297,7 +320,10 @@ def state_after(work, flight, t):
 
 @inner_jit
 def is_calm(scene, theta, speed, turning):
-    """Whether only viscous drag acts and both bodies count as at rest: `law.rest_speed`."""
+    """Whether nothing drives the bodies, drag is viscous, and both count as at rest.
+
+    `law.rest_speed` gives the reason.
+    """
     if not (is_viscous(scene) and is_undriven(theta, scene)):
         return False
     return scene.rho * speed * speed + turning * turning <= (1.0 + 1e-9) * scene.rho * REST
