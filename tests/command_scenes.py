@@ -205,7 +205,8 @@ def _index(kind):
         found.append({**wheel, **case, **rings, **lock, "tried": tried})
         inside = {"slots": 6, "pins": 1, "internal": True, "crank_radius": 0.02}
         found.append({**inside, **case, "tried": ["internal"]})
-    return [*found, *sized(kind, **case)]
+    pressed = FRICTION[kind] | {"pin_length": 0.01}
+    return [*found, *sized(kind, **case, **pressed)]
 
 
 def _measure(kind):

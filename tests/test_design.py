@@ -143,8 +143,8 @@ def test_foil_is_marked(capsys, tmp_path):
     )
     assert main(["design", str(path)]) == 0
     out, err = capsys.readouterr()
-    header, *lines = out[out.index("slots  internal") :].splitlines()
-    names = ["driver thickness (m)", "follower thickness (m)", "can be cut"]
+    header, _units, *lines = out[out.index("slots  internal") :].splitlines()
+    names = ["driver thickness", "follower thickness", "can be cut"]
     assert [" ".join(x.split()) for x in re.split(r"  +", header)[-3:]] == names
     for line in lines:
         *thick, mark = line.split()[-3:]

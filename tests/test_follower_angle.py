@@ -93,7 +93,7 @@ def test_g_and_its_derivatives_are_zero_in_a_dwell_and_the_same_in_each_cell(mec
             locked = exit_ + dwell * np.linspace(0.01, 0.99, 11) + cells * mechanism.cell_angle
             found = mechanism.transmission(locked)
             assert not np.any([found.g, found.u, found.dg])
-            assert not mechanism.jerk(locked).any()
+            assert mechanism.jerk is None or not mechanism.jerk(locked).any()
             assert np.ptp(mechanism.follower_angle(locked)) == 0.0
 
 

@@ -235,7 +235,7 @@ def test_what_cannot_be_given_is_nan():
         ({}, {"pin_material": "stel"}, "pin_material must be"),
         ({}, {"pin_material": (-1.0, 0.3)}, "pin_material must be a name, or a modulus"),
         ({}, {"friction": -0.1}, "friction must be at least 0"),
-        ({}, {"load_torque": lambda phi: phi}, "drive_torque takes it"),
+        ({}, {"load_torque": lambda phi: phi}, "load_torque must be a finite number"),
         ({"pins": 3}, {"load_frequency": 5.0}, "load_frequency must be 0 where the follower never"),
         ({"pins": 3, "clearance": 1e-4}, {}, "clearance must be 0 where the follower never rests"),
         ({"slot_offsets": (1e-5,) * 6}, {}, "slot_offsets"),

@@ -129,7 +129,7 @@ def test_the_first_scenes_of_each_kind_are_checked_and_then_one_of_many(cases):
 
 
 def test_wrong_kernels_are_found_again_in_each_study(monkeypatch):
-    planted(monkeypatch, batch, slice(None))
+    planted(monkeypatch, slice(None))
     for _ in range(3):
         found = study(TIMER, friction=np.linspace(0.1, 0.3, 10))
         assert (found["status"] == Status.NOT_CONVERGED).all()

@@ -100,7 +100,9 @@ def test_units_are_printed_as_they_are_written():
 def test_what_is_required_is_what_has_no_default():
     required = {name for name, entry in NUMBERS.items() if entry.required}
     model = {"torque", "driver_inertia", "follower_inertia"}
-    assert required == model | {"slots", "stations", "lobes", "sun_radius", "planet_radius"}
+    assert required == model | {
+        *("slots", "stations", "lobes", "sun_radius", "planet_radius", "index_angle")
+    }
     assert declared(Run)["initial_speed"].default == 0.0
     with pytest.raises(InvalidValue, match="torque must be a finite number, got None"):
         esc.Escapement(esc.Geneva(4), INERTIA, torque=None)

@@ -238,7 +238,7 @@ def test_a_study_that_no_case_could_have_is_refused(old, new, words, refusal, tm
 def test_torque_at_constant_speed_is_that_of_thin_pins():
     wheel = esc.Geneva(4, crank_radius=CRANK, pin_radius=1e-4)
     assert esc.drive_torque(wheel, 10.0, 0.1, 1e-6).torque_max > 0.0
-    with pytest.raises(InvalidValue, match="pin_radius must be 0 at constant speed"):
+    with pytest.raises(InvalidValue, match="pin_radius must be 0 with friction"):
         esc.drive_torque(wheel, 10.0, 0.1, 1e-6, friction=0.1)
 
 

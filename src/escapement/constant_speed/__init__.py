@@ -1,6 +1,14 @@
-"""Constant driver speed: torque, power and pin reversals (Filemon 1960).
+"""Constant driver speed: torque, power and pin reversals (Filemon 1960), and indexing drives.
 
-Modules are loaded when they are first used, because a case can be described without them.
+Modules are loaded when they are first used, because a case can be described without them. Read
+`index_case` and `indexing` first.
+
+- `index_case`, `index_torque`, `indexing`: what is given of an indexing drive, its torque, force
+  and stresses, and its blows and ringing
+- `cycle_figures`, `knock`, `ringing`: the kernels that compute these
+- `index_record`, `drive_record`: what is told of a drive, in the order in which it is read
+- `input_torque`, `contact`: torque and contact of a drive under any load, also a function
+- `extrema`, `geneva`: extremes of the transmission functions, and Filemon's formulas
 """
 
 import math

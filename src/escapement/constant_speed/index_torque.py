@@ -8,7 +8,6 @@ from typing import Any
 import numpy as np
 
 from escapement.base import validate
-from escapement.base.errors import InvalidValue
 from escapement.constant_speed.cycle_figures import CycleFigures, cycle_figures
 from escapement.constant_speed.index_case import IndexCase
 from escapement.constant_speed.input_torque import DriveTorque
@@ -41,10 +40,6 @@ class IndexTorque(IndexCase):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        if callable(self.load_torque):
-            raise InvalidValue(
-                "load_torque must be a number for index, got a function; drive_torque takes it"
-            )
         self._timer  # noqa: B018 - checks the numbers that it shares with an escapement
         clearance = {"clearance": self.mechanism.clearance}
         for name, value in (clearance | {"load_frequency": self.load_frequency}).items():

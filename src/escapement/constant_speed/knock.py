@@ -30,7 +30,7 @@ FRONT, REAR, NOWHERE = 1, -1, 0
 """Which wall the follower meets after its flight."""
 
 
-class Flight(NamedTuple):
+class FlightStart(NamedTuple):
     """The follower between two walls: driver angle, angle and speed at its start, and load.
 
     The angle is counted from that of the slot's middle there.
@@ -165,7 +165,7 @@ def _lift_off(path, c, load, start, exit_):
 def _landing(path, c, load, start, exit_):
     """The wall that the follower meets first after it has left the front wall, and where."""
     a, slope, _bend, g, _dg, _radius = _lead(path, c, start)
-    flight = Flight(start, -a, g - slope, load)
+    flight = FlightStart(start, -a, g - slope, load)
     turned = 0.0
     for i in range(_STEPS):
         # the flight is short if the clearance is small, so the steps grow from its beginning

@@ -7,6 +7,7 @@ Read `escapement` first, then `scene`.
 - `train`, `torque_curve`, `negator`, `stiffness`: trains, torque over the driver angle, the torque
   of
   a constant-force spring, stiffness of a contact
+- `materials`: elastic constants by name, and the stresses of a pin
 - `checks`: whether numbers fit together
 - `scene`, `natural`: the input of an engine, and its numbers in natural units
 """

@@ -47,6 +47,8 @@ LATEST_SEARCH = 40
 RETRY = 64
 # The transient of a pattern is followed for so many engagements, that of one pair for more.
 LONGEST_PATTERN = 10_000
+# The leaps over a pattern end at a w this far from the terminal one.
+NEAR_BAND = 0.06
 # A loss or an inequality of the ends of an engagement below this share is rounding.
 ROUNDING = 1e-12
 
@@ -203,15 +205,17 @@ def _leap_on(case, request, start, w, k, found, extent, rows, out):
     step = cycle.newton_step(w, found, True)
     if not is_gentle(w, step):
         return none
-    goals = rows[GOALS]
-    if np.isnan(goals[0]):
+    goals, size = rows[GOALS], case.data.size
+    if np.isnan(goals[0]) and size > 1:
+        # the extremes of a pattern's engagements differ, and what is left is marched
+        goals[:2] = final * (1.0 - NEAR_BAND if w < final else 1.0 + NEAR_BAND)
+    elif np.isnan(goals[0]):
         far = max(w, 0.8 * final) if w < final else min(w, 1.25 * final)
         goals[0] = _first_in_band(case, request, w, found.rising, RISE_BAND, False, out)
         goals[1] = _first_in_band(case, request, far, found.rising, SETTLING_BAND, True, out)
     goal = _goal(goals, start, w, extent, out)
     if not is_worth_it(w, 1.0 - step.contraction, final, goal):
         return none
-    size = case.data.size
     most = ((MAX_ENGAGEMENTS if size == 1 else LONGEST_PATTERN) - k) // size
     return leap(case, request, w, final, goal, most, rows)
 
