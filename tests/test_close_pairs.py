@@ -11,6 +11,8 @@ from scipy.optimize import brentq, minimize_scalar
 import escapement as esc
 from random_drives import drive
 
+pytestmark = pytest.mark.slow
+
 
 class Frictionless:
     """Contact force and acceleration, but for factors above zero: a + b E, E = J w at entry."""

@@ -19,7 +19,10 @@ from escapement.study.writer import partial_path
 from study_tools import TIMER, without_date
 
 distributed = pytest.importorskip("distributed")
-pytestmark = pytest.mark.filterwarnings("ignore")  # of Dask's own making
+pytestmark = [
+    pytest.mark.slow,
+    pytest.mark.filterwarnings("ignore"),  # of Dask's own making
+]
 
 
 QUIET = {"threads_per_worker": 1, "dashboard_address": None, "silence_logs": 50}

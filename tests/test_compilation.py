@@ -366,6 +366,8 @@ def test_building_a_model_compiles_nothing(tmp_path):
 def test_the_fast_engine_does_without_scipy():
     code = """
 import sys
+
+pytestmark = pytest.mark.slow
 motion = esc.simulate(timer)
 motion.at(0.1)
 esc.terminal(timer)

@@ -18,7 +18,10 @@ from escapement.base.errors import CannotCreate
 from escapement.cli import main
 from study_tools import IVP_STUDY, without_date
 
-pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="needs POSIX signals and locks")
+pytestmark = [
+    pytest.mark.slow,
+    pytest.mark.skipif(sys.platform == "win32", reason="needs POSIX signals and locks"),
+]
 
 
 # the partial results are the same for every format of the final file

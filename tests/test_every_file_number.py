@@ -23,6 +23,8 @@ from escapement.study.running import run_plan
 from escapement.tolerance.tolerance_budget import budget_of
 from test_every_number import alike
 
+pytestmark = pytest.mark.slow
+
 
 def toml(value):
     """A value as TOML writes it, tables in one line."""

@@ -18,6 +18,8 @@ from command_scenes import (
 from escapement.base.quantity import declared
 from escapement.engines.solver import Solver
 
+pytestmark = pytest.mark.slow
+
 WRITTEN = {"export": "out.svg", "explore": "out.html"}
 """Files that hold the results of commands."""
 ECHOES = ("inputs", "message", "bytes")

@@ -16,6 +16,8 @@ from escapement.outlines.geneva import GenevaOutline
 from escapement.study.parse import parse_plan
 from thick_pins import random_timer
 
+pytestmark = pytest.mark.slow
+
 DESIGN = {
     "slots": 4, "crank_radius": 0.02, "driver_inertia": 3.39e-7, "follower_inertia": 5.65e-6,
     "torque": 0.0113, "friction": 0.35,

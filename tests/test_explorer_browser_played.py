@@ -8,6 +8,8 @@ import escapement as esc
 from browser import chromium, opened, until
 from escapement.explorer import player
 
+pytestmark = pytest.mark.slow
+
 INERTIA = esc.Inertia(3.39e-7, 5.65e-6)
 WHEEL = esc.Geneva(4, crank_radius=0.02)
 TIMER = esc.Escapement(WHEEL, INERTIA, torque=0.0113, friction=0.2)

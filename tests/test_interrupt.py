@@ -19,6 +19,8 @@ from escapement.engines import simulate as simulation
 from escapement.dynamics.figures_of_merit import Figures
 sys.path.insert(0, {folder!r})
 from test_sweep import TIMER, sweep
+
+pytestmark = pytest.mark.slow
 def slow(*_, **__):
     time.sleep(0.02)
     return Figures()

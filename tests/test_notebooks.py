@@ -10,6 +10,8 @@ import pytest
 
 from notebook_tools import execute
 
+pytestmark = pytest.mark.slow
+
 NOTEBOOKS = sorted((Path(__file__).resolve().parents[1] / "notebooks").glob("*.ipynb"))
 assert NOTEBOOKS
 NUMBER = re.compile(r"-?\d+\.?\d*(?:e[-+]?\d+)?")

@@ -14,6 +14,8 @@ from command_scenes import (
 from escapement.cli import _output
 from escapement.cli._arguments import parser_of
 
+pytestmark = pytest.mark.slow
+
 OUTPUTS = {"output": "made", "plot": "made.png", "report": "made.html"}
 PLAIN = {
     **{"sweep": [{"config": "study.toml"}], "reproduce": [{"source": "filemon"}]},

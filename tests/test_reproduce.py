@@ -16,6 +16,8 @@ from escapement.cli import main
 from escapement.sources.filemon.nomograms import NOMOGRAMS
 from escapement.sources.meyer import COLUMNS
 
+pytestmark = pytest.mark.slow
+
 SVG = "{http://www.w3.org/2000/svg}"
 
 

@@ -17,6 +17,8 @@ from escapement.study.stored import SCHEMA_VERSION
 from escapement.study.writer import write_study
 from study_tools import a_file, assert_same, read_whole, study, write_in_blocks
 
+pytestmark = pytest.mark.slow
+
 
 def write_to_failing_disk(path, failing_call, code, monkeypatch):
     """Message of the storage error, None where nothing failed."""
