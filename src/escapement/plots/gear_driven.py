@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.transforms import Bbox
 
 from escapement.base import validate
 from escapement.mechanisms import GearDriven
@@ -109,8 +110,10 @@ def plot_row(mechanisms: Mapping[str, GearDriven], theta: float, *, wheel: bool 
     for ax, (title, mechanism) in zip(panels, mechanisms.items(), strict=True):
         _draw(ax, GearDrivenOutline(mechanism), theta, wheel=wheel)
         # no room for other positions
-        ax.relim()
-        box = ax.dataLim.padded(_GAP * ax.dataLim.height)
+        scale = ax.transData.inverted()
+        boxes = [patch.get_window_extent().transformed(scale) for patch in ax.patches]
+        whole = Bbox.union([ax.dataLim, *boxes])
+        box = whole.padded(_GAP * whole.height)
         ax.set(xlim=box.intervalx, ylim=box.intervaly)
         ax.set_title(title, fontsize=style.SMALL_SIZE)
         shapes.append(box.width / box.height)
