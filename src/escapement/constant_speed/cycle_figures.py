@@ -198,8 +198,10 @@ def cycle_figures(scene_tuple, edges, half, efficiency):
     # where driving and driven work cancel, what is left is rounding
     whole = 0.0 if abs(whole) <= _CANCELS * sizes else whole
     found = CycleFigures(
-        tops[0], angles[0], -tops[1], angles[1], tops[2], angles[2], tops[3], angles[3],
-        tops[4], tops[5], whole, squares, first,
+        torque_max=tops[0], torque_max_angle=angles[0], torque_min=-tops[1],
+        torque_min_angle=angles[1], moment_max=tops[2], moment_max_angle=angles[2],
+        force_max=tops[3], force_max_angle=angles[3], ratio_max=tops[4], bend_max=tops[5],
+        torque_integral=whole, square_integral=squares, first_half=first,
     )  # fmt: skip
     return found, reversals
 

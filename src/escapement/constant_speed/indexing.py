@@ -180,7 +180,10 @@ class IndexingDrive(IndexTorque):
         table[locked.reshape(-1)] = self.torque_dwell, 0.0, 0.0 * self._length, 0.0, 0.0
         torque, moment, force, rate, bend = table.T.reshape(5, *angles.shape)
         phi = np.asarray(self.mechanism.follower_angle(engaged), dtype=float)
-        return IndexState(angles, phi, rate, bend, torque, moment, force, self._deflection(angles))
+        return IndexState(
+            theta=angles, phi=phi, phi_dot=rate, phi_ddot=bend, torque=torque,
+            contact_moment=moment, contact_force=force, deflection=self._deflection(angles),
+        )  # fmt: skip
 
     def _deflection(self, theta: FloatArray) -> FloatArray:
         """Angle of the load less that of the wheel at driver angles [rad]; 0 on a rigid shaft."""

@@ -105,19 +105,29 @@ def knock(numbers, c, load, entry, exit_):
     path, nan = Path(False, numbers), np.nan
     first = _entry(path, c, entry, exit_)
     if np.isnan(first):
-        return Knock(nan, nan, nan, nan, NOWHERE, nan, nan, nan)
+        return _landed(nan, nan, nan, nan, NOWHERE)
     _a, slope, _bend, g, _dg, radius = _lead(path, c, first)
     speed, start = g - slope, _lift_off(path, c, load, first, exit_)
     wall, at = NOWHERE, nan
     if not np.isnan(start):
         wall, at = _landing(path, c, load, start, exit_)
     if wall == NOWHERE:
-        return Knock(first, speed, radius, start, NOWHERE, nan, nan, nan)
+        return _landed(first, speed, radius, start, NOWHERE)
     _a, slope, _bend, g, _dg, _radius = _lead(path, c, start)
     flying = max(g - slope - load * (at - start), 0.0)
     _a, slope, _bend, g, _dg, radius_at = _lead(path, c, at)
     met = abs(flying - (g - wall * slope))
-    return Knock(first, speed, radius, start, wall, at, met, radius_at)
+    return _landed(first, speed, radius, start, wall, reversal=(at, met, radius_at))
+
+
+@inner_jit
+def _landed(first, speed, radius, start, wall, reversal=(np.nan, np.nan, np.nan)):
+    """The impacts, of which the last ones may not happen."""
+    at, met, radius_at = reversal
+    return Knock(
+        entry_angle=first, entry_speed=speed, entry_distance=radius, lift_off=start, wall=wall,
+        reversal_angle=at, reversal_speed=met, reversal_distance=radius_at,
+    )  # fmt: skip
 
 
 @inner_jit

@@ -5,7 +5,7 @@ Read `law` first: it is the equation of motion.
 - `codes`: kinds of events, and how an engagement ends
 - `law`, `torque`, `train_losses`, `state_table`: the equation, the torque of the drive, trains that
   lose power, and what kernels tabulate
-- `bodies`: driver and follower that move on their own
+- `free_bodies`: driver and follower that move on their own
 - `needs`: what a scene needs, for which alone kernels are compiled
 - `painleve`: the friction at which the equation loses its solution
 - `trajectory`, `motion`, `variables`: the output of an engine, the reader of it, and names of

@@ -20,7 +20,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from escapement.dynamics.bodies import driver_of, follower_of, move
+from escapement.dynamics.free_bodies import driver_of, follower_of, move
 from escapement.dynamics.torque import torque_after
 from escapement.dynamics.train_losses import is_lossy
 from escapement.engines.contact.slot import (

@@ -19,7 +19,7 @@ the friction is Coulomb's: the contact slides, sticks or slides back. The impuls
 
 Trains that lose power are treated as in `dynamics.train_losses`. Along a wall, each direction of
 the powers has its own scene, and a panel ends where a direction changes. Without contact, driver
-and follower are separate bodies, see `dynamics.bodies`.
+and follower are separate bodies, see `dynamics.free_bodies`.
 
 A cell ends at its nominal angle: there the pin leaves the slot, and the next pin begins between
 the walls of the next slot without a change of speeds. In a wheel with a dwell, the follower is

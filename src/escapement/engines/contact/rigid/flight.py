@@ -19,7 +19,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from escapement.dynamics.bodies import (
+from escapement.dynamics.free_bodies import (
     drag_slope,
     driver_of,
     driver_sense,
@@ -186,7 +186,7 @@ def _fill_series(work, scene, theta, speed, phi, turning, backs, driven):
     negative, see `_in_series`.
     """
     sense, follower_sense = driver_sense(scene, theta, speed), np.sign(turning)
-    # the factors e of both trains, see `dynamics.bodies`; power flows to the driver where the
+    # the factors e of both trains, see `dynamics.free_bodies`; power flows to the driver where the
     # torque through its train has the sign of its speed
     barrel = shared(scene.barrel_efficiency, -sense if backs else sense)
     train = shared(scene.load_train_efficiency, 1.0 if driven else -1.0)

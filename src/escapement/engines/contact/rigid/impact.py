@@ -1,7 +1,8 @@
 """An impact: the impulse between pin and wall, with Coulomb friction.
 
 A unit of normal impulse changes the speeds of driver and follower as a force would, which acts
-alone for a short time: `slot.pushes` are the torques, and `dynamics.bodies.move` what they effect.
+alone for a short time: `slot.pushes` are the torques, and `dynamics.free_bodies.move` gives what
+they effect.
 The friction f along the wall is mu times the sense of sliding, or the smaller value that keeps a
 contact sticking. The changes are constant until the sliding speed U, or the speed of a body,
 reaches zero; friction then holds it at zero if it is large enough.
@@ -17,7 +18,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from escapement.dynamics.bodies import driver_of, follower_of, move
+from escapement.dynamics.free_bodies import driver_of, follower_of, move
 from escapement.engines.contact.slot import (
     Pose,
     frame_of,

@@ -4,8 +4,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from escapement.dynamics.bodies import driver_sense, free_driver, free_follower
 from escapement.dynamics.codes import Event
+from escapement.dynamics.free_bodies import driver_sense, free_driver, free_follower
 from escapement.dynamics.law import LOSSES, scene_of, wall_state
 from escapement.dynamics.state_table import losses_at
 from escapement.dynamics.torque import cell_of

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import escapement as esc
-from escapement.dynamics import bodies
+from escapement.dynamics import free_bodies as bodies
 from escapement.engines.contact import slot
 from escapement.engines.contact.rigid.impact import _thrust
 from random_drives import from_python
