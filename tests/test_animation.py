@@ -99,6 +99,7 @@ def test_the_file_plays_for_ever_at_the_rate_asked_for(tmp_path):
     assert (tmp_path / "a.gif").read_bytes() == (tmp_path / "b.gif").read_bytes()
 
 
+@pytest.mark.slow
 def test_a_page_plays_by_itself_and_stops_where_it_is_wanted(tmp_path):
     film = plots.animate(motion(DRIVES[0], 1), frames=4)
     for name in "ab":

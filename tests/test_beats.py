@@ -50,6 +50,7 @@ def test_without_noise_every_error_is_found():
     assert_allclose(1.01 * np.array(esc.terminal(fit.escapement).beats), fit.computed, rtol=1e-6)
 
 
+@pytest.mark.slow
 def test_intervals_hold_and_are_narrow():
     # the share of a hundred seeds is in benchmarks/results/beats.csv
     held = []
@@ -89,6 +90,7 @@ def test_steps_that_no_pin_strikes_are_confined():
         assert abs(one.value - steps[k]) <= 2.0 * one.half_width < 0.1 * steps[k]
 
 
+@pytest.mark.slow
 def test_axes_too_close_tell_every_step_that_is_small():
     ahead = 1e-3 * np.array([-0.6, 0.9, 0.2, -1.1, 0.6])
     drive = design(centre_distance_error=-1e-4)
@@ -103,6 +105,7 @@ def test_axes_too_close_tell_every_step_that_is_small():
     assert (np.abs(fit.pin_angle_errors - PINS) <= 2.0 * fit.pin_half_widths).all()
 
 
+@pytest.mark.slow
 def test_a_common_factor_is_told():
     late, ahead = 1e-3 * np.array([0.5, -0.3, -0.2, 0.0]), 1e-3 * np.array([-1.0, 0.2, 0.3, 0.5])
     drive = design(4, 4)
@@ -125,6 +128,7 @@ def test_a_common_factor_is_told():
         assert (np.abs(found - np.array(errors[part == "slots"])) <= 2.0 * half).all()
 
 
+@pytest.mark.slow
 def test_other_faults_of_the_parts_are_noticed():
     heavy = replace(design(), inertia=esc.Inertia(3.39e-7, 6.2e-6), friction=0.2)
     fit = esc.fit_beats(beats_of(heavy, PINS, SLOTS, rounds=4, noise=1e-6), design())
@@ -230,6 +234,7 @@ def test_means_are_those_of_least_squares_averaged_over_shares_of_jitter():
     assert_allclose(variance * np.linalg.inv(rounds.root.T @ rounds.root), spread, atol=1e-12)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("alone", [0.1, 0.3, 1.0])
 @pytest.mark.parametrize("count", [2, 3])
 def test_the_mean_beat_of_few_rounds_has_an_honest_interval(alone, count):

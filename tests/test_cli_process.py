@@ -106,6 +106,7 @@ def test_interrupted_sweep_leaves_nothing(tmp_path):
     assert [path.name for path in tmp_path.iterdir()] == ["long.toml"]
 
 
+@pytest.mark.slow
 def test_letters_that_the_terminal_lacks():
     """They are shown by their numbers."""
     done = ended("reproduce", "filemon", environment=ENVIRONMENT | {"PYTHONIOENCODING": "ascii"})

@@ -14,6 +14,8 @@ import escapement
 from escapement.engines.energy import panels
 from escapement.numerics import jit
 
+pytestmark = pytest.mark.slow
+
 PACKAGE = Path(escapement.__file__).parent
 SOURCES = sorted(PACKAGE.rglob("*.py"))
 DRIVE = """
@@ -366,8 +368,6 @@ def test_building_a_model_compiles_nothing(tmp_path):
 def test_the_fast_engine_does_without_scipy():
     code = """
 import sys
-
-pytestmark = pytest.mark.slow
 motion = esc.simulate(timer)
 motion.at(0.1)
 esc.terminal(timer)

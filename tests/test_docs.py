@@ -352,6 +352,7 @@ def test_blocks_have_a_language_and_are_closed(page):
     assert page.read_text(encoding="utf-8").count("```") == 2 * len(list(blocks(page)))
 
 
+@pytest.mark.slow
 def test_figures_can_be_drawn_again_and_are_all_shown(tmp_path, monkeypatch):
     main = runpy.run_path(str(DOCS / "make_figures.py"))["main"]
     monkeypatch.setitem(main.__globals__, "DPI", 40)

@@ -11,6 +11,8 @@ import yaml
 import escapement as esc
 from notebook_tools import execute
 
+pytestmark = pytest.mark.slow
+
 ROOT = Path(__file__).resolve().parents[1]
 
 
@@ -31,8 +33,6 @@ def test_the_project_says_who_made_it_and_under_which_licence():
 TIMER = """
 import escapement as esc
 from escapement import plots
-
-pytestmark = pytest.mark.slow
 inertia = esc.Inertia(driver=3.39e-7, follower=5.65e-6)
 timer = esc.Escapement(esc.Geneva(slots=4), inertia, torque=0.0113, friction=0.35)
 motion = esc.simulate(timer, engagements=3)

@@ -13,14 +13,14 @@ import pytest
 
 from escapement.study.pool import in_threads
 
+pytestmark = pytest.mark.slow
+
 INTERRUPTED = """
 import sys, time
 from escapement.engines import simulate as simulation
 from escapement.dynamics.figures_of_merit import Figures
 sys.path.insert(0, {folder!r})
 from test_sweep import TIMER, sweep
-
-pytestmark = pytest.mark.slow
 def slow(*_, **__):
     time.sleep(0.02)
     return Figures()

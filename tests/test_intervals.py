@@ -101,6 +101,7 @@ def test_engagements_that_do_not_repeat_have_the_interval_of_students_table():
     assert abs(compliant._STUDENT - quantile) < 1e-3
 
 
+@pytest.mark.slow
 def test_intervals_of_parts_are_as_wide_as_their_confidence_says():
     """The half widths of one fit at several confidences are in the ratio of a table's quantiles."""
     wheel = esc.Geneva(5, pins=3, crank_radius=0.02, pin_angle_errors=(1e-3, -1e-3, 0.0))

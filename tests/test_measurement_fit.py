@@ -57,6 +57,7 @@ def test_zeros_come_back_exactly_without_errors_but_one_count(drive, sense):
     assert result.mean == pytest.approx(0.0, abs=1e-12)
 
 
+@pytest.mark.slow
 def test_standard_errors_of_the_zeros_are_what_repetition_shows():
     truth = np.array([9.0, 40.0]) * DEG
     planted = {"samples": 120, "noise": 0.5 * DEG, "phase": truth[0], "offset": truth[1]}

@@ -25,6 +25,7 @@ def test_planted_eccentricity_is_found_on_its_shaft(drive, shaft):
     assert other.amplitude < 4 * other.standard_error
 
 
+@pytest.mark.slow
 def test_without_eccentricity_nothing_is_found_more_often_than_by_chance():
     sets = 200
     least, peaks = [], []

@@ -208,6 +208,7 @@ def test_files_with_names_like_those_of_partial_results_are_not_touched(tmp_path
     assert {path: path.read_text() for path in tmp_path.iterdir()} == before
 
 
+@pytest.mark.slow
 def test_the_second_of_two_is_told_so(tmp_path):
     path = tmp_path / "a.h5"
     with tools.start_writer(path, pause=60.0) as first:

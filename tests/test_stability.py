@@ -255,6 +255,7 @@ def test_a_drive_that_cannot_start(engine):
 # long runs
 
 
+@pytest.mark.slow
 def test_a_million_engagements_do_not_drift_in_time():
     """They never settle, for the contraction is 1 - 4e-6; times of parts are added exactly."""
     million = run(drive(rho=1.0, mu=1e-6), engagements=1_000_000)

@@ -374,6 +374,7 @@ def test_trains_that_lose_power_have_derivatives_by_differences():
     assert -0.6 < found.relative["period"]["barrel_efficiency"] < -0.4
 
 
+@pytest.mark.slow
 def test_every_figure_of_a_budget_has_its_scatter_to_first_order():
     """The limits of friction, forces and one-sided numbers among them."""
     figures = ["period", "jam_margin", "contact_force_max", "velocity_max", "beat_error"]

@@ -198,6 +198,7 @@ def test_the_worked_example_with_losses(engine):
     assert found.velocity_min == pytest.approx(17.9581900, rel=1e-8)
 
 
+@pytest.mark.slow
 def test_engines_agree_where_power_turns_back():
     """With a heavy barrel the driver pushes it back; with a load train the follower does."""
     rng = np.random.default_rng(1973)

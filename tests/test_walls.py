@@ -108,6 +108,7 @@ def random_part(random):
             return part
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", range(12))
 def test_walls_of_random_wheels_are_those_of_dense_samples(seed):
     part = random_part(np.random.default_rng([40, seed]))
