@@ -18,7 +18,7 @@ from escapement.dynamics.law import is_lossless
 from escapement.dynamics.torque import torque_at
 from escapement.engines.energy import cycle
 from escapement.engines.energy.leap import (
-    GENTLE,
+    GENTLE_TRAINS,
     GOALS,
     ROWS,
     Leap,
@@ -140,7 +140,7 @@ def figures(case, handoffs, rows, w, rtol, extent, out):
         settled = cycle_known and in_band >= 2 * size
         if settled and (extent < Extent.FALLEN or out[cycle.RISE_98] >= 0.0):
             return OK
-        if ready and k >= attempt and out[cycle.CONTRACTION] > 1.0 - GENTLE:
+        if ready and k >= attempt and out[cycle.CONTRACTION] > 1.0 - GENTLE_TRAINS:
             passed = _leap_on(case, request, start, w, k, found, extent, rows, out)
             attempt = k if passed.number > 0 else k + RETRY * size
             k, w, time = k + passed.number * size, passed.w, time + passed.time
@@ -203,7 +203,7 @@ def _leap_on(case, request, start, w, k, found, extent, rows, out):
     """
     none, final = Leap(0, w, 0.0), out[cycle.HANDOFF] ** 2
     step = cycle.newton_step(w, found, True)
-    if not is_gentle(w, step):
+    if not is_gentle(case.scene, w, step):
         return none
     goals, size = rows[GOALS], case.data.size
     if np.isnan(goals[0]) and size > 1:
