@@ -56,6 +56,29 @@ def test_a_first_answer_needs_no_compiling(tmp_path):
     assert not list(tmp_path.rglob("*.nb?"))
 
 
+@pytest.mark.parametrize(
+    "call",
+    [
+        *("terminal(timer)", "simulate(timer).reversals", "simulate(timer, 2, engine='ivp')"),
+        *("terminal(uneven)", "simulate(loose, 2)", "critical_friction(wheel, timer.inertia)"),
+        *("index(wheel, 6.0, follower_inertia=0.4).torque_max", "rundown(wound, turns=1)"),
+    ],
+)
+def test_any_call_may_be_the_first(tmp_path, call):
+    """What is imported first must not matter."""
+    code = (
+        "import escapement as esc\nfrom dataclasses import replace\n"
+        "wheel = esc.Geneva(4, pins=1, crank_radius=0.01)\n"
+        "timer = esc.Escapement(wheel, esc.Inertia(3.39e-7, 5.65e-6), 0.0113, friction=0.2)\n"
+        "uneven = replace(timer, mechanism=replace(wheel, slot_offsets=(1e-5, 0.0, 0.0, 0.0)))\n"
+        "loose = replace(timer, mechanism=replace(wheel, clearance=1e-5))\n"
+        f"wound = replace(timer, spring_rate=1e-4)\n_ = esc.{call}"
+    )
+    said = ask(["-c", code], tmp_path)[1]
+    assert "not compiled" in said
+    assert not list(tmp_path.rglob("*.nb?"))
+
+
 def test_nothing_is_said_where_silence_is_asked_for(tmp_path):
     assert ask(RUN, tmp_path, ESCAPEMENT_QUIET="1")[1] == ""
 

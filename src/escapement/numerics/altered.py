@@ -6,7 +6,7 @@ from numba.core import types
 from numba.core.imputils import impl_ret_borrowed
 from numba.extending import intrinsic
 
-from escapement.numerics.interpreted import in_both_forms
+from escapement.numerics.jit import in_both_forms
 from escapement.numerics.known import Known, KnownType
 
 

@@ -13,7 +13,7 @@ import numba
 from numba.core import types
 from numba.extending import intrinsic
 
-from escapement.numerics.interpreted import in_both_forms
+from escapement.numerics.jit import in_both_forms
 
 
 def by_address(

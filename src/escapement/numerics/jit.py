@@ -26,6 +26,9 @@ from escapement.numerics.interpreted import (
     interprets,
 )
 
+# other modules import it from here, since `jit` decides whether this process interprets
+from escapement.numerics.interpreted import in_both_forms as in_both_forms
+
 _IMPORT = re.compile(rb"^(?:from|import) +([\w.]+)(?: +import +(\([^)]*\)|[^\n]*))?", re.MULTILINE)
 
 
