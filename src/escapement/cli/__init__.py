@@ -38,7 +38,7 @@ COMMANDS = {
     "plot": "draw the figures that suit a file",
     "mechanism": "geometry, transmission, motion ratio and dwell",
     "export": "write parts as DXF or SVG, after a check of the motion",
-    "index": "an indexing drive: torque, power, forces, blows, ringing of its load",
+    "index": "an indexing drive: torque, power, forces, impacts, ringing of its load",
     "drive-torque": "torque and pin reversals at constant driver speed, a part of index",
     "measure": "measured positions against theory, with statistics",
     "reproduce": "a source's printed numbers compared with computed ones",

@@ -4,14 +4,13 @@ from typing import TYPE_CHECKING
 
 import escapement as esc
 from escapement.base.quantity import declared
-from escapement.base.spoken import as_spoken
 from escapement.cli import _arguments, _output
 from escapement.cli._arguments import Arguments, Parser, UsageError, option
 from escapement.constant_speed import Case
 from escapement.model.inputs import inputs_of_mechanism, inputs_of_settings
 
 if TYPE_CHECKING:
-    from escapement.constant_speed import DriveTorque
+    pass
 
 _THICK = ("pin_radius", "roller_radius")
 
@@ -25,7 +24,7 @@ def configure(parser: Parser) -> None:
 
 def execute(args: Arguments) -> int:
     """Print the figures; draw the torque where asked for."""
-    from escapement.constant_speed.drive_record import record_of
+    from escapement.constant_speed.drive_record import doubt_of, record_of
 
     _arguments.require(args, declared(Case))
     for name in _THICK:
@@ -38,17 +37,5 @@ def execute(args: Arguments) -> int:
     result = esc.drive_torque(mechanism, **_arguments.typed(args, declared(Case)))
     _output.save(args, plot=lambda plots: plots.plot_drive_torque(result, units=args.units))
     known = [*inputs_of_mechanism(mechanism), *inputs_of_settings(result, mechanism.meshed)]
-    _output.tell(args, _output.with_reasons(record_of(result), _doubt(result)), known)
+    _output.tell(args, _output.with_reasons(record_of(result), doubt_of(result)), known)
     return 0
-
-
-def _doubt(result: "DriveTorque") -> str:
-    """The uncertainty due to the scatter of a measured table; "" for other mechanisms."""
-    if result.moment_deviation == 0.0:
-        return ""
-    return (
-        "the scatter of the table makes the contact moment uncertain by "
-        f"{as_spoken(result.moment_deviation, 'torque', 2)} (standard deviation), and the torque "
-        "by this times the ratio; two reversals may be false if the moment between them is smaller "
-        "than this"
-    )

@@ -4,7 +4,7 @@ Modules are loaded when they are first used, because a case can be described wit
 `index_case` and `indexing` first.
 
 - `index_case`, `index_torque`, `indexing`: what is given of an indexing drive, its torque, force
-  and stresses, and its blows and ringing
+  and stresses, and its impacts and ringing
 - `cycle_figures`, `knock`, `ringing`: the kernels that compute these
 - `index_record`, `drive_record`: what is told of a drive, in the order in which it is read
 - `input_torque`, `contact`: torque and contact of a drive under any load, also a function

@@ -6,9 +6,11 @@ from typing import TYPE_CHECKING, Any
 from escapement.base.errors import InvalidValue
 from escapement.base.records import Record
 from escapement.base.results import Result
+from escapement.base.spoken import as_spoken
 from escapement.constant_speed.extrema import limits_without_reversal
 
 if TYPE_CHECKING:
+    from escapement.constant_speed import Case
     from escapement.constant_speed.indexing import IndexingDrive
     from escapement.constant_speed.input_torque import DriveTorque
 
@@ -51,6 +53,18 @@ DRIVE = {
     ),
 }  # fmt: skip
 """Figures of a drive by name. Those with "_deg" are angles in degrees."""
+
+
+def doubt_of(drive: "Case") -> str:
+    """What the scatter of a measured table makes uncertain; "" for other mechanisms."""
+    if drive.moment_deviation == 0.0:
+        return ""
+    return (
+        "the scatter of the table makes the contact moment uncertain by "
+        f"{as_spoken(drive.moment_deviation, 'torque', 2)} (standard deviation), and the torque "
+        "by this times the ratio; two reversals may be false if the moment between them is smaller "
+        "than this"
+    )
 
 
 def filemon_figures(drive: "IndexingDrive") -> dict[str, Any]:

@@ -5,7 +5,6 @@ from typing import Any
 
 from escapement.base.records import Record
 from escapement.base.results import Result
-from escapement.base.spoken import as_spoken
 from escapement.constant_speed.drive_record import DRIVE, filemon_figures
 from escapement.constant_speed.indexing import IndexingDrive
 
@@ -106,18 +105,6 @@ INDEX = {
     ),
 }  # fmt: skip
 """Figures of an indexing drive by name. Those with "_deg" are angles in degrees."""
-
-
-def doubt_of(drive: IndexingDrive) -> str:
-    """What the scatter of a measured table makes uncertain; "" for other mechanisms."""
-    if drive.moment_deviation == 0.0:
-        return ""
-    return (
-        "the scatter of the table makes the contact moment uncertain by "
-        f"{as_spoken(drive.moment_deviation, 'torque', 2)} (standard deviation), and the torque "
-        "by this times the ratio; two reversals may be false if the moment between them is smaller "
-        "than this"
-    )
 
 
 def record_of(drive: IndexingDrive) -> Record:

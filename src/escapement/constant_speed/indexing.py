@@ -1,6 +1,6 @@
 """An indexing drive as the engineer of a machine meets it: all figures at constant driver speed.
 
-Times, speeds, torque, power, forces, stresses of the pin, blows in a slot with clearance, the
+Times, speeds, torque, power, forces, stresses of the pin, impacts in a slot with clearance, the
 ringing of the load after the index, and the torque of the locking disc. Each is computed when it is
 first asked for.
 """
@@ -56,11 +56,11 @@ class IndexState(NamedTuple):
 class IndexingDrive(IndexTorque):
     """A mechanism whose driver turns at a constant speed; see `index` for its numbers."""
 
-    # --- blows ------------------------------------------------------------------------------
+    # --- impacts ----------------------------------------------------------------------------
 
     @cached_property
     def knock(self) -> Knock | None:
-        """Blows in the units of `knock.Knock`; None where the pins have no clearance."""
+        """Impacts in the units of `knock.Knock`; None where the pins have no clearance."""
         clearance, scene = self.mechanism.clearance, self._scene
         if not clearance:
             return None
@@ -68,33 +68,35 @@ class IndexingDrive(IndexTorque):
         found: Knock = knock(scene.path.numbers, half, scene.load, scene.edges[0], scene.edges[-1])
         return found
 
-    def _blow(self, name: str, factor: float = 1.0) -> float:
+    def _impact(self, name: str, factor: float = 1.0) -> float:
         return _NAN if self.knock is None else factor * getattr(self.knock, name)
 
     @property
     def entry_impact_angle(self) -> float:
         """Where the pin meets the front wall, from dead centre [rad]; NaN without clearance."""
-        return self._blow("entry_angle")
+        return self._impact("entry_angle")
 
     @property
     def entry_impact_speed(self) -> float:
         """Speed at which it does [m/s]."""
-        return self._blow("entry_distance", self._length * self.speed) * self._blow("entry_speed")
+        return self._impact("entry_distance", self._length * self.speed) * self._impact(
+            "entry_speed"
+        )
 
     @property
     def entry_impact_energy(self) -> float:
-        """Energy of the follower that the blow brings to speed, and as much is lost [J]."""
-        return 0.5 * self.inertial * self._blow("entry_speed") ** 2
+        """Energy of the follower that the impact brings to speed, and as much is lost [J]."""
+        return 0.5 * self.inertial * self._impact("entry_speed") ** 2
 
     @property
     def lift_off_angle(self) -> float:
         """Where the pin leaves the front wall, from dead centre [rad]."""
-        return self._blow("lift_off")
+        return self._impact("lift_off")
 
     @property
     def reversal_impact_angle(self) -> float:
         """Where it meets a wall again; NaN if not before the exit [rad]."""
-        return self._blow("reversal_angle")
+        return self._impact("reversal_angle")
 
     @property
     def reversal_flight_time(self) -> float:
@@ -104,13 +106,13 @@ class IndexingDrive(IndexTorque):
     @property
     def reversal_impact_speed(self) -> float:
         """Speed at which it meets the wall [m/s]."""
-        away = self._blow("reversal_distance", self._length * self.speed)
-        return away * self._blow("reversal_speed")
+        away = self._impact("reversal_distance", self._length * self.speed)
+        return away * self._impact("reversal_speed")
 
     @property
     def reversal_impact_energy(self) -> float:
-        """Energy lost in that blow if it is plastic [J]."""
-        return 0.5 * self.inertial * self._blow("reversal_speed") ** 2
+        """Energy lost in that impact if it is plastic [J]."""
+        return 0.5 * self.inertial * self._impact("reversal_speed") ** 2
 
     @property
     def ends_in_flight(self) -> bool:
@@ -208,7 +210,7 @@ def index(
     friction: float = 0.0,
     **settings: Any,
 ) -> IndexingDrive:
-    """An indexing drive at constant driver speed: times, torque, power, forces, blows, ringing.
+    """An indexing drive at constant driver speed: times, torque, power, forces, impacts, ringing.
 
     Parameters
     ----------
@@ -239,8 +241,9 @@ def index(
     InvalidValue
         When an argument breaks its rule.
 
-    The driver's speed is constant, bodies are rigid but for the load's shaft, and blows are plastic
-    and without friction. Sources: Filemon (1960) for torque and reversals; Hertz' line contact.
+    The driver's speed is constant, bodies are rigid but for the load's shaft, and impacts are
+    plastic and without friction. Sources: Filemon (1960) for torque and reversals; Hertz's line
+    contact for the pressure.
     """
     return IndexingDrive(
         mechanism, speed, load_torque, follower_inertia, efficiency, friction, **settings

@@ -1,6 +1,6 @@
-"""The blows of a pin in a slot that is wider, in a drive at constant speed, compiled.
+"""Impacts of a pin in a slot with clearance, in a drive at constant speed, compiled.
 
-The driver is not slowed by a blow, so all of it is explicit. In units of the crank radius, and of
+The driver is not slowed by one, so all of it is explicit. In units of the crank radius, and of
 time in which the driver's speed is one, the wall s stands at
 
     phi_s(theta) = Phi(theta) - s asin(q),    q = c/R

@@ -32,7 +32,7 @@ def plot_index(result: IndexingDrive, *, units: str = SYSTEMS[0]) -> Figure:
         Over the driver angle from dead centre [degrees]: position, speed and acceleration of the
         follower, each as a share of its greatest value; the torque of the drive with its mean and
         root mean square over the cycle; the force on the pin, or the moment on the follower
-        without a crank radius, with reversals and blows. Over the time [s]: the deflection of a
+        without a crank radius, with reversals and impacts. Over the time [s]: the deflection of a
         load on an elastic shaft, with the dwell shaded.
     """
     if not isinstance(result, IndexingDrive):
@@ -88,7 +88,7 @@ def _draw_torque(ax: Axes, result: IndexingDrive, state: IndexState, units: str)
 
 
 def _draw_force(ax: Axes, result: IndexingDrive, state: IndexState, units: str) -> None:
-    """Force on the pin or moment on the follower; walls, reversals and blows."""
+    """Force on the pin or moment on the follower; walls, reversals and impacts."""
     forces = bool(np.isfinite(state.contact_force).all())
     kind = "force" if forces else "torque"
     values = state.contact_force if forces else np.abs(state.contact_moment)
@@ -104,11 +104,11 @@ def _draw_force(ax: Axes, result: IndexingDrive, state: IndexState, units: str) 
     reversals = np.degrees(result.reversals)
     if reversals.size:
         ax.plot(reversals, np.zeros_like(reversals), "o", ms=5, zorder=5, **style.REVERSAL)
-    blows = np.degrees([result.entry_impact_angle, result.reversal_impact_angle])
-    blows = blows[np.isfinite(blows)]
-    if blows.size:
-        heights = np.interp(blows, angle, values)
-        ax.plot(blows, heights, "x", color=style.VERMILLION, ms=7, mew=1.6, label="blow")
+    impacts = np.degrees([result.entry_impact_angle, result.reversal_impact_angle])
+    impacts = impacts[np.isfinite(impacts)]
+    if impacts.size:
+        heights = np.interp(impacts, angle, values)
+        ax.plot(impacts, heights, "x", color=style.VERMILLION, ms=7, mew=1.6, label="impact")
     name = "force on the pin" if forces else "moment on the follower"
     finished(ax, _ANGLE, (name, unit), 1)
 
