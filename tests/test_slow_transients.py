@@ -115,6 +115,33 @@ def test_trains_without_inertia_pass_on_a_constant_torque():
         assert esc.terminal(escapement, initial_speed=1e3).status is status
 
 
+@pytest.mark.parametrize(
+    ("escapement", "start"),
+    [
+        (wheel(friction=1e-7, load_torque=0.0115), 3e3),
+        (wheel(friction=1e-7, load_torque=0.0114, driver_viscous=1e-10), 3e3),
+        (
+            wheel(
+                friction=1e-6, load_torque=2e-3,
+                barrel=esc.Train(10.0, 0.9), load_train=esc.Train(1.1, 0.9),
+            ),
+            1e4,
+        ),
+    ],
+)  # fmt: skip
+def test_a_fast_start_that_ends_in_a_stall_is_leapt_over(escapement, start):
+    """The stall is that of the motion, of which every engagement is marched."""
+    motion = esc.simulate(escapement, 20_000, initial_speed=start)
+    seconds = []
+    for _ in range(3):
+        before = process_time()
+        figures = esc.terminal(escapement, initial_speed=start)
+        seconds.append(process_time() - before)
+    assert figures.outcome is motion.outcome is Status.STALL
+    assert figures.message == motion.message
+    assert min(seconds) < 0.02
+
+
 def test_without_any_loss_there_is_no_terminal_cycle():
     for load in (0.0, 1e-3):
         figures = esc.terminal(wheel(friction=0.0, load_torque=load))

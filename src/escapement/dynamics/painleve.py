@@ -108,14 +108,6 @@ def margin(theta, scene):
 
 
 @inner_jit
-def least_lever(scene, exit_):
-    """Least lever of the contact force on the side s = +1 over an engagement up to its `exit_`."""
-    radius = min(pose_at(scene.path, 0.0)[3], pose_at(scene.path, exit_)[3])
-    arm = scene.pin + abs(scene.path.numbers[OFFSET])
-    return radius - scene.mu_plus * arm - scene.follower_journal
-
-
-@inner_jit
 def nearness(moment, slope, journal):
     """One over the least mu at which moment - slope mu - journal sqrt(1 + mu^2) vanishes.
 

@@ -22,6 +22,7 @@ from escapement.engines.energy.leap import (
     GOALS,
     ROWS,
     Leap,
+    fall,
     is_gentle,
     is_worth_it,
     leap,
@@ -119,7 +120,7 @@ def figures(case, handoffs, rows, w, rtol, extent, out):
             step = cycle.newton_step(w, found, has_reversal(case.events, first, used))
             first = used
             if _worth_seeking(case, w, step, k, used):
-                status = _seek(case, w, step, before, found, rtol, out)
+                status = _seek(case, w, step, before, found, rtol, rows, out)
                 sought, cycle_known, first = True, status == OK, NO_EVENTS
                 if status in (NOT_CONVERGED, NO_TERMINAL) or (
                     cycle_known and extent == Extent.CYCLE
@@ -140,7 +141,8 @@ def figures(case, handoffs, rows, w, rtol, extent, out):
         settled = cycle_known and in_band >= 2 * size
         if settled and (extent < Extent.FALLEN or out[cycle.RISE_98] >= 0.0):
             return OK
-        if ready and k >= attempt and out[cycle.CONTRACTION] > 1.0 - GENTLE_TRAINS:
+        slow = ready and out[cycle.CONTRACTION] > 1.0 - GENTLE_TRAINS
+        if k >= attempt and (slow or (sought and not cycle_known)):
             passed = _leap_on(case, request, start, w, k, found, extent, rows, out)
             attempt = k if passed.number > 0 else k + RETRY * size
             k, w, time = k + passed.number * size, passed.w, time + passed.time
@@ -179,13 +181,13 @@ def _note_falls(case, start, handoffs, k, rtol, out):
 
 
 @inner_jit
-def _seek(case, w, step, before, found, rtol, out):
+def _seek(case, w, step, before, found, rtol, rows, out):
     """Search for the terminal cycle behind the round from w that was `found`; returns the status.
 
     `step` is Newton's step from w, and `before` the `Attempt` of the round before.
     """
     start = Start(_first_guess(w, step, before, found.w), found.rising, found.used)
-    return cycle.terminal_cycle(case, start, found.w, cycle.Attempt(w, step.w), rtol, out)
+    return cycle.terminal_cycle(case, start, found.w, cycle.Attempt(w, step.w), rtol, rows, out)
 
 
 @inner_jit
@@ -202,10 +204,13 @@ def _leap_on(case, request, start, w, k, found, extent, rows, out):
     `found` is the round before, which ends with w.
     """
     none, final = Leap(0, w, 0.0), out[cycle.HANDOFF] ** 2
-    step = cycle.newton_step(w, found, True)
+    step, size = cycle.newton_step(w, found, True), case.data.size
+    most = ((MAX_ENGAGEMENTS if size == 1 else LONGEST_PATTERN) - k) // size
+    if not final > 0.0:  # there is no terminal cycle
+        return fall(case, request, w, step, most, rows)
     if not is_gentle(case.scene, w, step):
         return none
-    goals, size = rows[GOALS], case.data.size
+    goals = rows[GOALS]
     if np.isnan(goals[0]) and size > 1:
         # the extremes of a pattern's engagements differ, and what is left is marched
         goals[:2] = final * (1.0 - NEAR_BAND if w < final else 1.0 + NEAR_BAND)
@@ -216,7 +221,6 @@ def _leap_on(case, request, start, w, k, found, extent, rows, out):
     goal = _goal(goals, start, w, extent, out)
     if not is_worth_it(w, 1.0 - step.contraction, final, goal):
         return none
-    most = ((MAX_ENGAGEMENTS if size == 1 else LONGEST_PATTERN) - k) // size
     return leap(case, request, w, final, goal, most, rows)
 
 

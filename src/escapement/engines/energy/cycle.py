@@ -15,6 +15,7 @@ from escapement.dynamics.codes import Event, is_extremum
 from escapement.dynamics.figures_of_merit import BOUNDLESS, MAX_ENGAGEMENTS
 from escapement.dynamics.law import is_drag_free
 from escapement.dynamics.train_losses import is_lossy
+from escapement.engines.energy.leap import fall
 from escapement.engines.energy.located_events import ROUGH_ERROR, has_reversal
 from escapement.engines.energy.march import NO_TERMINAL, NOT_CONVERGED, OK, STALL
 from escapement.engines.energy.pairs import (
@@ -95,7 +96,7 @@ def extrapolate(w, better, before):
 
 
 @inner_jit
-def terminal_cycle(case, start, last_good, before, rtol, out):
+def terminal_cycle(case, start, last_good, before, rtol, rows, out):
     """Terminal cycle by Newton's method; fills `out` except for the times of the transient.
 
     Parameters
@@ -105,6 +106,7 @@ def terminal_cycle(case, start, last_good, before, rtol, out):
         theta_ddot before a round of the cycle.
     last_good : w from which to go on when Newton's method overshoots into a stop.
     before : the `Attempt` that led to w.
+    rows : memory of a leap.
 
     Returns
     -------
@@ -150,7 +152,10 @@ def terminal_cycle(case, start, last_good, before, rtol, out):
         # the error is squared by every step, so the next change will be below the tolerance
         near = step.sound and change <= np.sqrt(0.02 * rtol) * w
         if to_follow > 0 or not better > 0.0:
-            better = last_good
+            passed = fall(case, request, last_good, step, MAX_ENGAGEMENTS, rows)
+            if passed.number > 0:
+                lay_out_again(case)
+            better = last_good = passed.w
             near = False
             to_follow = max(to_follow - 1, 0)
         elif step.sound and before.better != before.w:

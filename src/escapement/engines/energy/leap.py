@@ -9,7 +9,8 @@ the gap gamma = -h',
 so that k = int dw/v rounds pass. By Euler and Maclaurin their times T add up to
 int T dk - [T]/2 + [dT/dk]/12; in the last term T goes with 1/sqrt(w). Both integrals run over
 16 Gauss points, a round each. The coordinate is log q, where q is the distance from the
-terminal w over the smaller of both.
+terminal w over the smaller of both. A motion that has no terminal cycle and stalls tends to
+w = 0, with q = w.
 """
 
 from typing import NamedTuple
@@ -53,7 +54,7 @@ class Leap(NamedTuple):
 @inner_jit
 def distance(w, final):
     """log q of w."""
-    return np.log(abs(final - w) / min(w, final))
+    return np.log(abs(final - w) / min(w, final)) if final > 0.0 else np.log(w)
 
 
 @inner_jit
@@ -82,6 +83,8 @@ def point_of(i, w, final, half):
     z = distance(w, final) + half + half * POINTS[i]
     below = w < final
     here = _at(z, below, final)
+    if final == 0.0:
+        return here, half * here
     return here, half * np.exp(z) * (-here * here / final if below else final)
 
 
@@ -101,6 +104,17 @@ def leap(case, request, w, final, goal, most, rows):
             return none
         rows[GAIN, i], rows[GAP, i], rows[TIME, i] = found.source - gap * here, gap, found.time
     return pass_over(case.store.workspace[0], w, final, half, most, rows)
+
+
+@inner_jit
+def fall(case, request, w, step, most, rows):
+    """Leap of a motion without a terminal cycle, which loses speed until it stalls.
+
+    `step` is that of Newton's method from w, and `most` and `rows` are those of `leap`.
+    """
+    if step.w > 0.0 or not is_gentle(case.scene, w, step):
+        return Leap(0, w, 0.0)
+    return leap(case, request, w, 0.0, w * np.exp(-WIDEST / SHARE), most, rows)
 
 
 @inner_jit
@@ -136,6 +150,8 @@ def pass_over(work, w, final, half, most, rows):
 @inner_jit
 def _at(z, below, final):
     """w at log q = z."""
+    if final == 0.0:
+        return np.exp(z)
     return final / (1.0 + np.exp(z)) if below else final * (1.0 + np.exp(z))
 
 
