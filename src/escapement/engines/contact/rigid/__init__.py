@@ -6,9 +6,10 @@ radius r and sqrt(I_f/torque)), and beside the symbols of `dynamics`:
     theta, omega    driver angle from dead centre, and its speed        (theta, speed)
     phi, psi        follower angle from its nominal dead centre, speed  (phi, turning)
     c               half of the clearance                        (half_clearance)
-    D               distance by which the pin's centre is ahead of the slot's centre line
-    (pin_offset) s               the wall: +1 is ahead of the pin, and is struck where D = c; -1
-    behind it
+    D               distance by which the pin's centre is ahead of the slot's
+                    centre line                                  (pin_offset)
+    s               the wall: +1 is ahead of the pin, and is struck where D = c;
+                    -1 is behind it
 
 While the pin touches the wall s, the mechanism has one degree of freedom and follows a slotted
 path with the offset delta = s c. It is solved over the driver angle, where twice the kinetic
