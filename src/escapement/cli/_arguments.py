@@ -191,17 +191,14 @@ def one_of(label: str, allowed: Sequence[str]) -> Callable[[str], Any]:
     return Reader(label, Choice(long_name=label, allowed=tuple(allowed)))
 
 
-def add_setting(
-    group: ArgumentGroup, entry: Setting, short: str | None = None, **keywords: Any
-) -> None:
-    """Add the option of a declaration; by default an option that is not typed is None."""
+def add_setting(group: ArgumentGroup, entry: Setting, *also: str, **keywords: Any) -> None:
+    """Add the option of a declaration, with other spellings of it; None where it is not typed."""
     keywords = {"default": None, "help": entry.help} | keywords
     if isinstance(entry, Truth):
         keywords["action"] = "store_true"
     else:
         keywords |= {"type": Reader(option(entry.name), entry), "metavar": entry.metavar}
-    names = filter(None, (short, option(entry.name)))
-    action = group.add_argument(*names, **keywords)
+    action = group.add_argument(*also, option(entry.name), **keywords)
     action.entry = entry  # type: ignore[attr-defined]
 
 
@@ -314,11 +311,12 @@ def owners() -> dict[str, list[str]]:
     return found
 
 
-def add_output(group: ArgumentGroup, file: str, text: str, formats: tuple[str, ...] = ()) -> None:
-    """Add a file to write, and whether it may replace another."""
-    add_setting(
-        group, OutputFile(name="output", long_name=text, metavar=file, formats=formats), short="-o"
-    )
+def add_output(
+    group: ArgumentGroup, file: str, text: str, formats: tuple[str, ...] = (), also: str = ""
+) -> None:
+    """Add a file to write, and whether it may replace another; `also` is another spelling."""
+    entry = OutputFile(name="output", long_name=text, metavar=file, formats=formats)
+    add_setting(group, entry, "-o", *filter(None, (also,)), dest="output")
     add_force(group, file, "output")
 
 

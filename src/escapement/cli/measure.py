@@ -1,4 +1,4 @@
-"""Command `measure`: compare encoder readings with theory, and a measured motion with a model."""
+"""Command `measure`: compare readings of encoders, motions and beats with theory."""
 
 import math
 from functools import partial
@@ -12,7 +12,7 @@ from escapement.base.quantity import Quantity
 from escapement.base.records import Record
 from escapement.base.results import Result
 from escapement.base.units import SYSTEMS
-from escapement.cli import _arguments, _output
+from escapement.cli import _arguments, _output, measure_beats
 from escapement.cli._arguments import Arguments, Parser, UsageError, add_choice, add_number, option
 from escapement.mechanisms import DEFAULT_KIND, kind_of
 from escapement.mechanisms.wheel_checks import LENGTHS
@@ -41,10 +41,13 @@ _MOTION = {"release_time": Result("time")} | dict.fromkeys(
 
 def configure(parser: Parser) -> None:
     """Add the command's arguments."""
-    text = "a file with a column of the input's angles and one of the output's"
-    parser.add_argument("data", type=Path, metavar="DATA.csv", help=text)
+    text = (
+        "a file with a column of the input's angles and one of the output's, or a recording of "
+        "beats, .wav"
+    )
+    parser.add_argument("data", type=Path, metavar="DATA", help=text)
     _arguments.add_mechanism(parser)
-    columns = parser.add_argument_group("columns of DATA.csv")
+    columns = parser.add_argument_group("columns of DATA")
     for name, text in _COLUMNS.items():
         columns.add_argument(name, metavar="NAME", help=text)
     text = "unit of the times (default: as in the column's name, else s)"
@@ -81,13 +84,16 @@ def configure(parser: Parser) -> None:
     motion = parser.add_argument_group("motion from rest at pin entry; it needs a column of times")
     text = (
         "compare speeds with the motion of the model below, and fit these numbers of the model, "
-        "as friction,torque; 'none' compares only"
+        "as friction,torque; 'none' compares only; of beats also pins, slots or both, whose "
+        "errors are found"
     )
     motion.add_argument("--fit", metavar="NAME,...", help=text)
     _arguments.add_group(parser, "model", model_settings())
+    measure_beats.add_options(parser)
     output = parser.add_argument_group("output")
-    _arguments.add_output(output, "FILE.csv", "write the error of every sample")
-    _arguments.add_plot(output, "draw errors, histogram and periodogram")
+    text = "write the error of every sample, or the instant of every beat"
+    _arguments.add_output(output, "FILE.csv", text, also="--save-beats")
+    _arguments.add_plot(output, "draw errors, histogram and periodogram, or beats")
 
 
 def _resolution(text: str) -> tuple[int, int]:
@@ -111,6 +117,8 @@ def _class_rule(text: str) -> int | str:
 
 def execute(args: Arguments) -> int:
     """Print the statistics; write the files and draw the figures that were asked for."""
+    if measure_beats.concern(args):
+        return measure_beats.execute(args)
     # both zeros are fitted together, so one of them alone cannot be held
     zeros = args.phase, args.offset
     options = {

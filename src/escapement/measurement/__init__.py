@@ -20,11 +20,22 @@ Motions and beats, which end in the same `Estimate` and `Verdict`:
 - `ticks`, `rounds`: beats without missed or doubled ticks, sorted by pin and slot
 - `beats`, `beat_unknowns`, `part_estimates`: the fit of parts to beats, and what it says
 - `beat_spectrum`: which lines of the spectrum pins and slots cause
+
+From sound to beats: read `beat_times` first.
+
+- `recording`, `onsets`, `rhythm`: a WAV file, the beginnings of its ticks, and their beats
+- `beat_files`, `beat_times`: text files of beats, and what all of these end in
+- `timekeeping`: rate, beat error, drift and stability
+- `synthetic_sound`: recordings that are computed
+- `beat_record`: what is reported of beats
 """
 
 from escapement.measurement.beat_spectrum import BeatLine as BeatLine
 from escapement.measurement.beat_spectrum import BeatSpectrum as BeatSpectrum
 from escapement.measurement.beat_spectrum import beat_spectrum as beat_spectrum
+from escapement.measurement.beat_times import BeatTimes as BeatTimes
+from escapement.measurement.beat_times import read_beats as read_beats
+from escapement.measurement.beat_times import write_beats as write_beats
 from escapement.measurement.beats import BeatFit as BeatFit
 from escapement.measurement.beats import fit_beats as fit_beats
 from escapement.measurement.comparison import Measurement as Measurement
@@ -58,7 +69,15 @@ from escapement.measurement.periodic import Periodogram as Periodogram
 from escapement.measurement.readings import Readings as Readings
 from escapement.measurement.readings import read_readings as read_readings
 from escapement.measurement.readings import write_readings as write_readings
+from escapement.measurement.recording import Recording as Recording
+from escapement.measurement.recording import read_recording as read_recording
 from escapement.measurement.rounds import Rounds as Rounds
+from escapement.measurement.synthetic_sound import Frame as Frame
+from escapement.measurement.synthetic_sound import synthetic_recording as synthetic_recording
+from escapement.measurement.synthetic_sound import write_recording as write_recording
+from escapement.measurement.timekeeping import Stability as Stability
+from escapement.measurement.timekeeping import Timekeeping as Timekeeping
+from escapement.measurement.timekeeping import timekeeping as timekeeping
 from escapement.measurement.verdict import Verdict as Verdict
 
 Combination = Estimate

@@ -8,7 +8,7 @@ Functions for one panel draw into given axes, or into a new figure; nothing is s
 - `drawing`, `geneva`, `gear_driven`, `planetary`: mechanisms to scale
 - `study`, `study_panels`, `study_table`, `sample`, `budget_bars`, `designs`: studies, budgets and
   designs
-- `measurement`, `beat_plots`: readings and beats
+- `measurement`, `beat_plots`, `timing`: readings and beats
 - `drive_torque_curve`, `index_figure`: drives at constant speed
 """
 
@@ -44,3 +44,4 @@ from escapement.plots.study import plot_rise_and_terminal as plot_rise_and_termi
 from escapement.plots.study import plot_spread as plot_spread
 from escapement.plots.study import plot_study as plot_study
 from escapement.plots.style import new_axes as new_axes
+from escapement.plots.timing import plot_timing as plot_timing

@@ -1,0 +1,93 @@
+"""The part of the command `measure` for beats, from a recording or from a text file."""
+
+from functools import partial
+from typing import Any
+
+import escapement as esc
+from escapement.base.errors import InvalidValue
+from escapement.base.quantity import Truth
+from escapement.base.records import Record
+from escapement.cli import _arguments, _output
+from escapement.cli._arguments import Arguments, Parser, UsageError, add_number, option
+from escapement.model.inputs import inputs_of, inputs_of_mechanism
+
+_PARTS = "both", "pins", "slots"
+_READINGS = (
+    *("input_column", "output_column", "time_column", "angle_unit", "skip_rows"),
+    *("phase", "offset", "resolution", "linearity"),
+)
+"""Options of readings, which beats have no use for."""
+_BEATS = "nominal_rate", "pattern"
+
+
+def add_options(parser: Parser) -> None:
+    """Add the options of beats."""
+    group = parser.add_argument_group("beats: a recording, or with --beats a text file")
+    text = "DATA holds instants or intervals of beats"
+    _arguments.add_setting(group, Truth(name="beats", long_name=text), default=False)
+    text, remedy = "right number of beats an hour", "give the beats an hour, as 18000"
+    add_number(group, "nominal_rate", text, "N", exclusive=True, remedy=remedy)
+    text = "beats after which errors repeat (default: 2, or the pins of KIND)"
+    remedy = "give a whole number of beats"
+    add_number(group, "pattern", text, "N", minimum=1, whole=True, remedy=remedy)
+
+
+def concern(args: Arguments) -> bool:
+    """Whether the data are beats; UsageError for an option that they have no use for."""
+    from escapement.measurement.recording import is_recording
+
+    beats = args.beats or is_recording(args.data)
+    for name in _READINGS if beats else _BEATS:
+        if getattr(args, name) is not None:
+            kind = "readings of encoders" if beats else "beats, which a recording or --beats names"
+            raise UsageError(f"{option(name)} must come with {kind}, got {args.data}; leave it out")
+    if beats and args.bins != "sturges":
+        raise UsageError(
+            f"--bins must come with readings of encoders, got {args.data}; leave it out"
+        )
+    if beats:
+        args.bins = None
+    return bool(beats)
+
+
+def execute(args: Arguments) -> int:
+    """Print rate, beat error and stability, and what a model says of the beats."""
+    from escapement.measurement.beat_record import record_of_beats
+    from escapement.measurement.recording import is_recording
+
+    names = [] if args.fit in (None, "none") else [name.strip() for name in args.fit.split(",")]
+    parts = names[:1] if {*names[:1]} <= {*_PARTS} else []
+    run_up = args.fit is not None and not parts
+    escapement = _arguments.read_escapement(args) if args.fit is not None else None
+    mechanism = escapement.mechanism if escapement else _arguments.read_mechanism(args)
+    nominal, share = args.nominal_rate, {}
+    if args.confidence is not None:
+        share["confidence"] = args.confidence
+    beats = esc.read_beats(args.data, nominal=nominal, time_unit=args.time_unit, run_up=run_up)
+    fit: Any = None
+    keeping = None
+    if not run_up:
+        pins = getattr(mechanism, "pins", 0) if args.kind else 0
+        pattern = args.pattern or pins or 2
+        keeping = esc.timekeeping(beats, nominal=nominal, pattern=pattern, **share)
+    try:
+        if parts and escapement:
+            fit = esc.fit_beats(beats.times, escapement, parts=parts[0], times=True, **share)
+        elif escapement:
+            fit = esc.fit_motion(beats.readings(mechanism), escapement, names, **share)
+    except InvalidValue as error:
+        raise UsageError(f"--fit: {error}") from None
+    sound = esc.read_recording(args.data) if args.plot and is_recording(args.data) else None
+
+    def plot(plots: Any) -> Any:
+        return plots.plot_speeds(fit) if run_up else plots.plot_timing(beats, keeping, sound)
+
+    _output.save(args, lambda: partial(esc.write_beats, beats, args.output, force=args.force), plot)
+    record: Any = record_of_beats(beats, keeping, fit)
+    if run_up:
+        from escapement.measurement.measurement_record import record_of
+
+        record = record | Record(record_of(None, fit, args.units))
+    known = inputs_of(escapement) if escapement else inputs_of_mechanism(mechanism)
+    _output.tell(args, record, known if args.kind or escapement else ())
+    return 0

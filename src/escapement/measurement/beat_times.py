@@ -1,0 +1,204 @@
+"""Times of beats, from a recording of their sound or from a text file."""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from escapement.base import validate
+from escapement.base.errors import InputFileError, InvalidValue
+from escapement.base.files import AnyPath, write_file
+from escapement.base.text import Shown, csv_lines
+from escapement.measurement.beat_files import read_times
+from escapement.measurement.onsets import Onsets, find_onsets
+from escapement.measurement.readings import Readings
+from escapement.measurement.recording import is_recording, read_recording
+from escapement.measurement.rhythm import FEWEST, find_rhythm
+from escapement.mechanisms.protocol import FloatArray, Mechanism
+
+HOUR = 3600.0
+_SAVED = "time [s],deviation [s],loudness"
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class BeatTimes(Shown):
+    """Instants of beats in turn.
+
+    Attributes
+    ----------
+    times : ndarray, shape (n,)
+        The instant at which the sound of each beat begins [s]; NaN where it was not heard. As
+        they are, they can be given to `fit_beats` with `times=True`.
+    deviations : ndarray, shape (n,)
+        Standard deviation of each, NaN where it is not known [s].
+    loudness : ndarray, shape (n,)
+        Root mean square of each sound over that of the noise before it [-]; NaN of a text file.
+    doubles : ndarray, shape (m,)
+        Instants of sounds that begin no beat [s]: further sounds of a beat, echoes and noises.
+    period : float
+        Mean time of a beat [s].
+    sounds : int
+        Sounds of a beat.
+    duration : float
+        Length of the recording [s]; of a text file the time of the last beat.
+    rate : float
+        Samples a second [Hz]; NaN of a text file.
+    """
+
+    times: FloatArray
+    deviations: FloatArray
+    loudness: FloatArray
+    doubles: FloatArray
+    period: float
+    sounds: int
+    duration: float
+    rate: float
+
+    @property
+    def heard(self) -> NDArray[np.int64]:
+        """Indices of the beats that were heard."""
+        return np.flatnonzero(np.isfinite(self.times))
+
+    @property
+    def missed(self) -> int:
+        """Number of beats that were not heard."""
+        return int(self.times.size - self.heard.size)
+
+    @property
+    def message(self) -> str:
+        """What a reader must know of these beats, "" if there is nothing."""
+        found = []
+        if self.missed:
+            found.append(f"{self.missed} of {self.times.size} beats were not heard")
+        extra = self.doubles.size - (self.sounds - 1) * self.heard.size
+        if self.sounds > 1:
+            found.append(
+                f"each beat has {self.sounds} sounds, of which the one after the longest silence "
+                "counts; if each of them is a beat, give the nominal rate"
+            )
+        if extra > 0:
+            found.append(f"{extra} other sounds are left out")
+        known = self.times[self.heard]
+        silent = max(float(known[0]), self.duration - float(known[-1]))
+        if silent > 10.0 * self.period:
+            found.append(
+                f"beats are heard from {known[0]:.3g} s to {known[-1]:.3g} s of "
+                f"{self.duration:.3g} s"
+            )
+        return "; ".join(found)
+
+    def readings(self, mechanism: Mechanism) -> Readings:
+        """The driver angle at each beat that was heard, as of an encoder, for `fit_motion`.
+
+        The driver turns by a cell from beat to beat. The angle at the first beat, which depends
+        on where in a cell the sound begins, counts as zero.
+        """
+        heard = self.heard
+        angle = mechanism.cell_angle * (heard - heard[0])
+        return Readings(angle, np.full(heard.size, np.nan), time=self.times[heard])
+
+    def _shown(self) -> list[tuple[str, Any, str]]:
+        return [
+            ("beats", self.heard.size, ""),
+            ("missed", self.missed, ""),
+            ("period", self.period, "s"),
+            ("duration", self.duration, "s"),
+        ]
+
+
+def read_beats(
+    path: AnyPath,
+    *,
+    nominal: float | None = None,
+    time_unit: str | None = None,
+    run_up: bool = False,
+) -> BeatTimes:
+    """Read the times of beats from a recording, or from a text file.
+
+    Parameters
+    ----------
+    path : path
+        A WAV file of 8, 16, 24 or 32 bits or floating point, of one channel or more, with 8 to
+        192 kHz. Or a text file with a column of instants, or of intervals, of beats.
+    nominal : float, optional
+        Beats an hour, > 0. It decides whether two sounds are one beat or two; without it they are
+        one where they follow each other within .6 of the silence that comes then.
+    time_unit : str, optional
+        "s", "ms" or "us" of a text file. Default: as in its heading, else seconds.
+    run_up : bool
+        Whether the mechanism runs up, so that there is no rhythm yet: then each sound is a beat.
+
+    Returns
+    -------
+    BeatTimes
+
+    Raises
+    ------
+    InvalidValue
+        When an argument breaks its rule.
+    MissingInput, InputFileError
+        When the file cannot be read, or holds no beats: it is silent, clipped or cut short, or its
+        sounds have no rhythm.
+
+    Notes
+    -----
+    The clock of the recorder decides on the rate: that of a telephone may be wrong by some parts
+    in 10^5, which are a few seconds a day.
+    """
+    expected = None
+    if nominal is not None:
+        expected = HOUR / validate.positive("nominal", nominal, "give the beats an hour")
+    if is_recording(path):
+        if time_unit is not None:
+            raise validate.fail("time_unit", "left out for a recording", time_unit, "leave it out")
+        recording = read_recording(path)
+        found = find_onsets(recording.samples, recording.rate)
+        duration, rate = recording.duration, recording.rate
+    else:
+        times = read_times(path, time_unit)
+        nan = np.full(times.size, np.nan)
+        found = Onsets(times, nan, nan, np.isfinite(times))
+        duration, rate = float(np.nanmax(times)) if times.size else 0.0, np.nan
+    if run_up:
+        return _every(found, duration, rate, path)
+    try:
+        rhythm = find_rhythm(found.times, found.sure, expected)
+    except InvalidValue as error:
+        what = "recording" if is_recording(path) else "file"
+        raise InputFileError(f"{what} {path} must hold beats: {error}") from None
+    index = rhythm.beats
+
+    def heard(values: FloatArray) -> FloatArray:
+        return np.where(index >= 0, values[index], np.nan)
+
+    return BeatTimes(
+        times=heard(found.times), deviations=heard(found.deviations),
+        loudness=heard(found.loudness), doubles=found.times[rhythm.doubles],
+        period=rhythm.period, sounds=rhythm.sounds, duration=duration, rate=rate,
+    )  # fmt: skip
+
+
+def _every(found: Onsets, duration: float, rate: float, path: AnyPath) -> BeatTimes:
+    """Each sure sound as a beat."""
+    sure = np.flatnonzero(found.sure)
+    if sure.size < FEWEST:
+        raise InputFileError(
+            f"{path} must hold {FEWEST} beats or more, got {sure.size}; record from the release on"
+        )
+    columns = found.times[sure], found.deviations[sure], found.loudness[sure]
+    period = float(np.mean(np.diff(columns[0])))
+    return BeatTimes(*columns, np.empty(0), period, 1, duration, rate)
+
+
+def write_beats(beats: BeatTimes, path: AnyPath, *, force: bool = False) -> None:
+    """Write the beats that were heard as a CSV file, which `read_beats` reads.
+
+    Raises
+    ------
+    CannotCreate, StorageError
+        As `escapement.base.files.write_file`.
+    """
+    heard = beats.heard
+    columns = [values[heard] for values in (beats.times, beats.deviations, beats.loudness)]
+    write_file(path, [(_SAVED + "\n").encode(), csv_lines(columns)], force)

@@ -1,0 +1,235 @@
+"""What times of beats say of a clock: rate, beat error, drift, scatter and stability.
+
+An interval between two beats that were heard is m T + o_j - o_i plus noise: m beats of the mean
+time T, and the offsets o of the positions in a pattern at which the beats stand, such as tick and
+tock. T may change linearly. Some of the noise is of each beat alone and adds up over m beats, and
+some is the jitter of both instants, which neighbouring intervals share with opposite signs. The
+share s of the jitter is not known: all results are means over s, weighted by the restricted
+likelihood, as for `fit_beats`. The covariance matrix of the intervals has three diagonals, so that
+the effort grows with their number only.
+"""
+
+import math
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from escapement.base import validate
+from escapement.base.errors import InvalidValue
+from escapement.base.lazy import Lazy
+from escapement.base.text import Shown
+from escapement.measurement.beat_times import HOUR, BeatTimes
+from escapement.measurement.estimate import Estimate, checked_confidence, reach_of
+from escapement.mechanisms.protocol import FloatArray
+
+linalg = Lazy("scipy.linalg")
+special = Lazy("scipy.special")
+DAY = 86400.0
+_LEAST = 6  # intervals for each unknown
+_SHARES = 1.0 - np.logspace(-6.0, 0.0, 25)
+"""Shares of the jitter, alike in the logarithm of what is left for the beats themselves."""
+
+
+class Stability(NamedTuple):
+    """Allan deviation of the rate over some time.
+
+    time : over which the rate is averaged [s].
+    deviation : Allan deviation [-].
+    low, high : ends of its confidence interval [-].
+    """
+
+    time: float
+    deviation: float
+    low: float
+    high: float
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Timekeeping(Shown):
+    """How a mechanism keeps time.
+
+    Attributes
+    ----------
+    beats_per_hour : Estimate
+        Beats an hour [-].
+    rate : Estimate
+        What it gains a day against the nominal rate [s/d]; not known without a nominal rate.
+    beat_error : Estimate
+        With a pattern of two, the first beat minus the second one [s].
+    offsets : tuple of Estimate
+        How late each position of the pattern comes, relative to their mean [s].
+    drift : Estimate
+        Change of the rate [s/d in an hour].
+    scatter : float
+        Standard deviation of the noise of one interval [s].
+    jitter : float
+        Share of its variance that comes from the instants, as of the microphone [-].
+    stability : tuple of Stability
+        Allan deviation over times that double.
+    residuals : ndarray, shape (n,)
+        How late each beat that was heard is, against a mean rate and the offsets [s].
+    confidence : float
+        Confidence level of the intervals [-].
+    """
+
+    beats_per_hour: Estimate
+    rate: Estimate
+    beat_error: Estimate
+    offsets: tuple[Estimate, ...]
+    drift: Estimate
+    scatter: float
+    jitter: float
+    stability: tuple[Stability, ...]
+    residuals: FloatArray
+    confidence: float
+
+    def _shown(self) -> list[tuple[str, Any, str]]:
+        return [
+            ("beats_per_hour", self.beats_per_hour.value, ""),
+            ("rate", self.rate.value, "s/d"),
+            ("beat_error", self.beat_error.value, "s"),
+            ("scatter", self.scatter, "s"),
+        ]
+
+
+def timekeeping(
+    beats: BeatTimes, *, nominal: float | None = None, pattern: int = 2, confidence: float = 0.95
+) -> Timekeeping:
+    """Rate, beat error, drift and stability of times of beats, with their intervals.
+
+    Parameters
+    ----------
+    beats : BeatTimes
+        As `read_beats` gives them.
+    nominal : float, optional
+        Beats an hour that are right, > 0.
+    pattern : int
+        Beats after which errors repeat: 2 for tick and tock, or the pins of a wheel.
+    confidence : float
+        Confidence level of the intervals, in (0, 1).
+
+    Raises
+    ------
+    InvalidValue
+        When an argument breaks its rule, or there are fewer than six beats for each unknown.
+    """
+    share = checked_confidence(confidence)
+    size = validate.integer("pattern", pattern, 1, "give the beats after which errors repeat")
+    right = None
+    if nominal is not None:
+        right = validate.positive("nominal", nominal, "give the beats an hour")
+    heard = beats.heard
+    if heard.size < _LEAST * (size + 1):
+        raise InvalidValue(
+            f"beats must be {_LEAST * (size + 1)} or more for a pattern of {size}, got "
+            f"{heard.size}; record longer"
+        )
+    times = beats.times[heard]
+    fit = _fit(times, heard, size)
+    reach = reach_of(share, fit.freedom)
+    period, drift, *offsets = fit.values.tolist()
+    half = reach * np.sqrt(np.diag(fit.covariance))
+    hourly = Estimate("beats_per_hour", HOUR / period, HOUR / period**2 * float(half[0]))
+    rate = Estimate("rate", math.nan, math.nan, "no nominal rate is given")
+    if right is not None:
+        gain = DAY * (hourly.value / right - 1.0)
+        rate = Estimate("rate", gain, DAY * hourly.half_width / right)
+    # a beat of T that changes by d a beat: the rate changes by -d/T of itself in a beat
+    slow = -DAY / period**2 * HOUR
+    changes = Estimate("drift", slow * drift, abs(slow) * float(half[1]))
+    late, positions = _positions(np.array(offsets), fit.covariance[2:, 2:], reach)
+    error = Estimate("beat_error", math.nan, math.nan, "the pattern is not of two beats")
+    if size == 2:
+        error = Estimate("beat_error", 2.0 * offsets[0], 2.0 * float(half[2]))
+    rest = times - times.mean() - period * (heard - heard.mean()) - late[heard % size]
+    return Timekeeping(
+        hourly, rate, error, positions, changes, fit.noise, fit.jitter,
+        _stability(rest, heard, period, share), rest - rest.mean(), share,
+    )  # fmt: skip
+
+
+class _Fit(NamedTuple):
+    """Values of T, its change in a beat, and the offsets of all positions but the first."""
+
+    values: FloatArray
+    covariance: FloatArray
+    noise: float
+    jitter: float
+    freedom: int
+
+
+def _fit(times: FloatArray, index: np.ndarray, size: int) -> _Fit:
+    """Least squares for all shares of jitter, weighted by their likelihood."""
+    numbers, steps = np.diff(index), np.diff(times)
+    middle = 0.5 * (index[0] + index[-1])
+    position = index % size
+    columns = [numbers, 0.5 * np.diff((index - middle) ** 2)]
+    columns += [np.diff((position == k).astype(float)) for k in range(1, size)]
+    design = np.column_stack(columns).astype(float)
+    each = [_solved(design, steps, numbers, share) for share in _SHARES.tolist()]
+    likelihoods = np.array([one[3] for one in each])
+    weights = np.exp(likelihoods - likelihoods.max())
+    weights /= weights.sum()
+    freedom = steps.size - design.shape[1]
+    values = weights @ np.array([one[0] for one in each])
+    covariance = np.zeros((values.size, values.size))
+    noise = 0.0
+    for weight, (found, spread, variance, _) in zip(weights.tolist(), each, strict=True):
+        apart = found - values
+        covariance += weight * (variance * spread + np.outer(apart, apart))
+        noise += weight * variance
+    return _Fit(values, covariance, math.sqrt(noise), float(weights @ _SHARES), freedom)
+
+
+def _solved(
+    design: FloatArray, steps: FloatArray, numbers: np.ndarray, share: float
+) -> tuple[FloatArray, FloatArray, float, float]:
+    """Values, covariance for noise of 1, variance, and restricted log-likelihood of one share."""
+    band = np.empty((2, steps.size))
+    band[0] = (1.0 - share) * numbers + share
+    band[1] = -0.5 * share
+    band[1, -1] = 0.0
+    factor = linalg.cholesky_banded(band, lower=True)
+    white = linalg.solve_banded((1, 0), factor, np.column_stack([design, steps]))
+    basis, upper = np.linalg.qr(white[:, :-1])
+    along = basis.T @ white[:, -1]
+    rest = white[:, -1] - basis @ along
+    freedom, inverse = steps.size - design.shape[1], np.linalg.inv(upper)
+    square = float(rest @ rest) or 1e-300
+    size = np.log(factor[0]).sum() + np.log(np.abs(np.diag(upper))).sum()
+    likelihood = -float(size) - 0.5 * freedom * math.log(square)
+    return inverse @ along, inverse @ inverse.T, square / freedom, likelihood
+
+
+def _positions(
+    offsets: FloatArray, covariance: FloatArray, reach: float
+) -> tuple[FloatArray, tuple[Estimate, ...]]:
+    """Offsets of all positions relative to their mean, and their estimates."""
+    size = offsets.size + 1
+    centred = np.eye(size)[:, 1:] - 1.0 / size
+    late = centred @ offsets
+    half = reach * np.sqrt(np.maximum(np.diag(centred @ covariance @ centred.T), 0.0))
+    pairs = zip(late.tolist(), half.tolist(), strict=True)
+    return late, tuple(Estimate(f"position {k}", *pair) for k, pair in enumerate(pairs))
+
+
+def _stability(
+    rest: FloatArray, index: np.ndarray, period: float, share: float
+) -> tuple[Stability, ...]:
+    """Overlapping Allan deviation; its interval counts only differences that do not overlap."""
+    phase = np.full(int(index[-1] - index[0]) + 1, np.nan)
+    phase[index - index[0]] = rest
+    found, length = [], 1
+    while 4 * length < phase.size:
+        second = phase[2 * length :] - 2.0 * phase[length:-length] + phase[: -2 * length]
+        known = second[np.isfinite(second)]
+        freedom = known.size / (2.0 * length)
+        if freedom >= 1.0:
+            time = length * period
+            size = math.sqrt(float(np.mean(known**2)) / 2.0) / time
+            tails = special.chdtri(freedom, [0.5 - 0.5 * share, 0.5 + 0.5 * share]).tolist()
+            ends = (size * math.sqrt(freedom / tail) for tail in tails)
+            found.append(Stability(time, size, *ends))
+        length *= 2
+    return tuple(found)
