@@ -36,6 +36,7 @@ from escapement.measurement.encoder import sensor_share as sensor_share
 from escapement.measurement.encoder import sensor_uncertainty as sensor_uncertainty
 from escapement.measurement.encoder import synthetic_readings as synthetic_readings
 from escapement.measurement.estimate import Estimate as Estimate
+from escapement.measurement.estimate import Verdict as Verdict
 from escapement.measurement.findings import Backlash as Backlash
 from escapement.measurement.findings import Change as Change
 from escapement.measurement.findings import Glitch as Glitch
@@ -59,7 +60,6 @@ from escapement.measurement.readings import Readings as Readings
 from escapement.measurement.readings import read_readings as read_readings
 from escapement.measurement.readings import write_readings as write_readings
 from escapement.measurement.rounds import Rounds as Rounds
-from escapement.measurement.verdict import Verdict as Verdict
 
 Combination = Estimate
 """An angle that the beats determine although they do not determine the single errors."""

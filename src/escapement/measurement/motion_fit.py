@@ -16,14 +16,13 @@ from escapement.base.text import Shown, words
 from escapement.base.units import factor
 from escapement.measurement.estimate import (
     SURE,
+    Verdict,
     checked_confidence,
     correlation,
-    interval_root,
-    reach_of,
+    tangent_of,
 )
 from escapement.measurement.motion_task import MotionTask, is_share, task_of
 from escapement.measurement.readings import Readings
-from escapement.measurement.verdict import Verdict
 from escapement.mechanisms.protocol import FloatArray
 from escapement.model.escapement import Escapement
 from escapement.study.plan import unit_kind
@@ -180,9 +179,7 @@ def fit_motion(
     )
     task.check_determined(found.jac)
     angle, start = np.asarray(task.state(found.x).theta), float(found.x[-1]) * task.span
-    freedom = task.time.size - found.x.size - 1
-    noise = math.sqrt(2.0 * float(found.cost) / freedom)
-    root = interval_root(found.jac, noise, reach_of(share, freedom))
+    known = tangent_of(found.jac, 2.0 * found.cost, task.time.size - found.x.size - 1, share)
     apart = np.diff(task.time) > 0.0
     speeds, computed = (
         np.diff(one)[apart] / np.diff(task.time)[apart] for one in (task.angle, angle)
@@ -191,8 +188,9 @@ def fit_motion(
     fit = MotionFit(
         escapement=task.changed(found.x), parameters=task.parameters,
         values=found.x[:-1] * task.given,
-        half_widths=np.linalg.norm(root[:-1], axis=1) * task.given, confidence=share,
-        start=task.clock + start, time=task.clock + task.time, residuals=found.fun, noise=noise,
+        half_widths=np.linalg.norm(known.root[:-1], axis=1) * task.given, confidence=share,
+        start=task.clock + start, time=task.clock + task.time, residuals=found.fun,
+        noise=known.noise,
         mid_time=task.clock + 0.5 * (task.time[1:] + task.time[:-1])[apart],
         speeds=speeds, computed_speeds=computed,
         autocorrelation=alike, p_value=p_value, doubt=doubt, message="",

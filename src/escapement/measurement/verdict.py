@@ -8,13 +8,13 @@ its limit, and "good" where all tests were possible and passed.
 
 import math
 from collections.abc import Iterator
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
 from escapement.base.lazy import Lazy
 from escapement.measurement.causes import ROUNDING, Cause, causes_of
-from escapement.measurement.estimate import SURE
+from escapement.measurement.estimate import SURE, Verdict
 from escapement.measurement.other_reading import other_reading
 from escapement.measurement.readings import TURN, wraps
 
@@ -25,18 +25,6 @@ _MUCH = 0.25  # errors above this share of a step mean that the mechanism is ano
 _SMALL = 0.05  # errors of this share of a step leave a pin no way into its slot
 _CELLS = 2  # an error that repeats must be seen twice before it can be told from others
 _DETECTED = 5.0  # standard errors of an error that is seen nineteen times in twenty
-
-
-class Verdict(NamedTuple):
-    """Whether a mechanism is good, as far as its readings show.
-
-    good : True if the tests that would contradict it were possible and passed, False if the
-        readings contradict it, None if they cannot say.
-    text : one or two sentences that say what is wrong, and where, or why they cannot say.
-    """
-
-    good: bool | None
-    text: str
 
 
 def verdict_on(result: Any) -> Verdict:
