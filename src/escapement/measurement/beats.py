@@ -20,6 +20,7 @@ from escapement.measurement.estimate import (
     Verdict,
     checked_confidence,
 )
+from escapement.measurement.loggers import check_unit
 from escapement.measurement.part_estimates import (
     BeatSolution,
     joined_estimates,
@@ -27,7 +28,6 @@ from escapement.measurement.part_estimates import (
     undetermined,
 )
 from escapement.measurement.rounds import Rounds, checked_wheel, rounds_of
-from escapement.measurement.stamps import check_unit
 from escapement.mechanisms.protocol import FloatArray
 from escapement.model.escapement import Escapement
 

@@ -19,6 +19,7 @@ from escapement.measurement.estimate import (
     Verdict,
     checked_confidence,
     correlation,
+    f_test,
     tangent_of,
 )
 from escapement.measurement.motion_task import MotionTask, is_share, task_of
@@ -27,7 +28,7 @@ from escapement.mechanisms.protocol import FloatArray
 from escapement.model.escapement import Escapement
 from escapement.study.plan import unit_kind
 
-optimize, special = Lazy("scipy.optimize"), Lazy("scipy.special")
+optimize = Lazy("scipy.optimize")
 _TOLERANCES = {"xtol": 1e-9, "ftol": 1e-12, "gtol": 1e-12, "max_nfev": 60}
 _ALIKE = 0.05  # a smaller correlation of neighbouring residuals hardly changes an interval
 _SLOW = 6  # slow changes that are looked for have up to so many half waves
@@ -257,9 +258,7 @@ def _chance(rest: FloatArray, slopes: FloatArray, cells: FloatArray) -> float:
     basis = basis[:, sizes > 1e-6 * math.sqrt(size)]
     rest = rest - fitted @ (fitted.T @ rest)
     explained, count = float(np.sum((basis.T @ rest) ** 2)), basis.shape[1]
-    left = size - unknowns - count
-    noise = (float(rest @ rest) - explained) / left
-    return float(special.fdtrc(count, left, explained / count / noise)) if noise > 0.0 else math.nan
+    return f_test(explained, count, float(rest @ rest) - explained, size - unknowns - count)
 
 
 def _smooth_as_well(time: FloatArray, angle: FloatArray, rest: FloatArray) -> bool:
