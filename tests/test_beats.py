@@ -77,17 +77,28 @@ def test_given_noise_and_missing_beats():
 
 
 def test_steps_that_no_pin_strikes_are_confined():
+    """Whether one set of errors explains the beats, or several, depends on the noise."""
     ahead = 1e-3 * np.array([-0.6, 0.9, 0.2, -1.1, 0.6])  # behind the one before: slots 0, 2, 3
-    fit = esc.fit_beats(beats_of(design(), PINS, ahead, rounds=2, noise=1e-5, seed=1), design())
-    assert "no pin strikes slots 0, 2, 3" in fit.message
-    assert (np.abs(fit.slot_angle_errors - ahead) <= fit.slot_half_widths).all()
-    assert (fit.pin_half_widths < 1e-4).all()
     steps = np.diff(ahead, prepend=ahead[-1])
-    told = {one.name: one for one in fit.combinations}
-    assert set(told) == {"slot 1 less slot 0", "slot 4 less slot 3"}
-    for k in (1, 4):
-        one = told[f"slot {k} less slot {k - 1}"]
-        assert abs(one.value - steps[k]) <= 2.0 * one.half_width < 0.1 * steps[k]
+    slots, struck, single = [], [], 0
+    for seed in range(6):
+        fit = esc.fit_beats(beats_of(design(), PINS, ahead, 2, 1e-5, seed), design())
+        slots += [*(np.abs(fit.slot_angle_errors - ahead) <= fit.slot_half_widths)]
+        # nothing tells how far a slot is behind that no pin strikes
+        assert (fit.slot_half_widths > 1e-4).all()
+        assert (fit.pin_half_widths < 1e-4).all()
+        told = {one.name: one for one in fit.combinations}
+        assert bool(told) is ("sets of errors explain the beats equally well" not in fit.message)
+        if told and "no pin strikes slots 0, 2, 3" in fit.message:
+            single += 1
+            assert set(told) == {"slot 1 less slot 0", "slot 4 less slot 3"}
+        for one in told.values():
+            k = int(one.name.split()[1])
+            struck.append(abs(one.value - steps[k]) <= one.half_width < 0.05 * abs(steps[k]))
+    # of intervals of 95 %, so many fail in less than one of a thousand sets
+    assert np.sum(slots) >= 24
+    assert single >= 1
+    assert np.sum(struck) >= len(struck) - 3
 
 
 @pytest.mark.slow

@@ -5,7 +5,7 @@ import pytest
 
 import escapement as esc
 from escapement.base.errors import InputFileError, InvalidValue
-from escapement.measurement.stamps import spread
+from escapement.measurement.loggers import spread
 from measurement_tools import DEG
 
 ANGLES = np.linspace(0.0, 900.0, 61)

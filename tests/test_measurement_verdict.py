@@ -15,8 +15,7 @@ from scipy import stats
 
 import escapement as esc
 from escapement.measurement import error_columns, finding
-from escapement.measurement.changes import _chance_of_greatest
-from escapement.measurement.glitches import far_out
+from escapement.measurement.changes import _chance_of_greatest, far_out
 from escapement.measurement.noise import noise_of, rounding_bias
 from measurement_tools import DEG
 

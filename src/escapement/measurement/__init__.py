@@ -47,6 +47,7 @@ from escapement.measurement.encoder import sensor_share as sensor_share
 from escapement.measurement.encoder import sensor_uncertainty as sensor_uncertainty
 from escapement.measurement.encoder import synthetic_readings as synthetic_readings
 from escapement.measurement.estimate import Estimate as Estimate
+from escapement.measurement.estimate import Verdict as Verdict
 from escapement.measurement.findings import Backlash as Backlash
 from escapement.measurement.findings import Change as Change
 from escapement.measurement.findings import Glitch as Glitch
@@ -78,7 +79,6 @@ from escapement.measurement.synthetic_sound import write_recording as write_reco
 from escapement.measurement.timekeeping import Stability as Stability
 from escapement.measurement.timekeeping import Timekeeping as Timekeeping
 from escapement.measurement.timekeeping import timekeeping as timekeeping
-from escapement.measurement.verdict import Verdict as Verdict
 
 Combination = Estimate
 """An angle that the beats determine although they do not determine the single errors."""

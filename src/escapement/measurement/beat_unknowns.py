@@ -32,9 +32,8 @@ from escapement.numerics.jit import as_python
 
 _RTOL = 1e-12
 _LARGEST = 0.2  # steps beyond this share of a follower step are not tried: a pin may miss its slot
-_LAST = 3  # slots that are tried as the last one, where there are more beats than unknowns
 _SAME = 1e-6  # errors that differ by less are the same [rad]
-_PIN, _IMPACT = 1e-4, 0.02  # sizes that show the response to a late pin, and to an impact
+_IMPACT = 0.02  # how late each slot is struck where a fit starts [rad]
 
 
 class Errors(NamedTuple):
@@ -120,19 +119,16 @@ class Parts:
             steps[self.last] = -steps[self.others].sum()
         return Errors(self.pin_delays @ unknowns[1 : self.impacts.start], steps)
 
-    def built(self, unknowns: FloatArray, delay: FloatArray | float = 0.0) -> Escapement:
-        """The escapement with these errors, and with pins that are later by a further angle."""
+    def built(self, unknowns: FloatArray) -> Escapement:
+        """The escapement with these errors."""
         found = self.errors(unknowns)
-        wheel = replace(
-            self.wheel,
-            pin_angle_errors=tuple((found.pins + delay).tolist()),
-            slot_angle_errors=tuple(found.slots.tolist()),
-        )
+        late, ahead = tuple(found.pins.tolist()), tuple(found.slots.tolist())
+        wheel = replace(self.wheel, pin_angle_errors=late, slot_angle_errors=ahead)
         return replace(self.escapement, mechanism=wheel)
 
-    def beats(self, unknowns: FloatArray, delay: FloatArray | float = 0.0) -> FloatArray | None:
+    def beats(self, unknowns: FloatArray) -> FloatArray | None:
         """Beats of one pattern [s], None where the wheel cannot run."""
-        computed = pattern_beats(self.built(unknowns, delay), _RTOL)
+        computed = pattern_beats(self.built(unknowns), _RTOL)
         return None if computed is None else unknowns[0] * computed
 
     def perfect(self) -> tuple[FloatArray, FloatArray]:
@@ -147,57 +143,29 @@ class Parts:
         return unknowns, computed
 
 
-def _orders(parts: Parts, unknowns: FloatArray) -> Iterator[tuple[Parts, FloatArray]]:
-    """Starts for pins only, without a dwell; beats have a kink at equal distances of pins."""
-    size, count = np.abs(unknowns[1:]).max(initial=_PIN), parts.wheel.pins or 1
-    for nearer in product((True, False), repeat=count):
-        if 0 < sum(nearer) < count:
-            apart = np.where(nearer, -1.0 / sum(nearer), 1.0 / (count - sum(nearer)))
-            delay = size * np.cumsum(apart)
-            yield parts, np.concatenate([unknowns[:1], delay[:-1] - delay[-1]])
-
-
 def starts(
     escapement: Escapement, pins: bool, slots: bool, means: FloatArray
 ) -> Iterator[tuple[Parts, FloatArray]]:
-    """Sets of unknowns from which a fit of mean beats may start, to first order.
+    """Sets of unknowns from which a fit of mean beats may start, each slot being the last once.
 
-    The slot that is struck least late is the last one; others that are hardly later are tried
-    too.
+    Beats are nearly straight functions of the unknowns where slots are struck. For pins alone they
+    have a kink, without a dwell, at equal distances of pins: there each order of near and far pins
+    is a start.
     """
     first = Parts(escapement, pins, slots)
-    count, many = first.wheel.pins or 1, first.wheel.slots
     unknowns, computed = first.perfect()
-    rate = means.mean() / computed.mean()
-    unknowns[0] = rate
-    if slots and first.free.min() < -_PIN:
-        # every handoff strikes already, and beats are smooth in errors that are small enough
-        yield from ((Parts(escapement, pins, slots, last), unknowns) for last in range(many))
-        return
-    # the effects of one late pin, and of an impact at one slot; so far all pins and slots are equal
-    delay, impact = np.zeros(count), np.zeros(unknowns.size)
-    delay[0], impact[first.impacts.start : first.impacts.start + 1] = _PIN, _IMPACT
-    of_pin = first.beats(unknowns, delay)
-    of_slot = first.beats(unknowns + impact) if slots else computed
-    if of_pin is None or of_slot is None:
-        yield first, unknowns
-        return
-    changes = (of_pin - rate * computed) / _PIN, (of_slot - rate * computed) / _IMPACT
-    columns = [np.roll(changes[0], j) for j in range(count if pins else 0)]
-    columns += [np.roll(changes[1], i - 1) for i in range(many if slots else 0)]
-    design = np.column_stack([computed, *columns])
-    found = np.linalg.lstsq(design, means - rate * computed, rcond=1e-6)[0][1:]
-    if pins:
-        unknowns[1 : first.impacts.start] = found[1:count] - found[0]
+    unknowns[0] = means.mean() / computed.mean()
     if not slots:
         yield first, unknowns
-        if first.wheel.continuous:
-            yield from _orders(first, unknowns)
-        return
-    struck = found[-many:] - found[-many:].min()
-    for last in np.argsort(struck)[: _LAST if first.size < means.size else many]:
-        parts, at = Parts(escapement, pins, slots, int(last)), unknowns.copy()
-        at[parts.impacts] = np.clip(struck[parts.others], 1e-3, 0.9 * parts.bounds(1.0)[1][-1])
-        mean = parts.beats(at)
-        at[0] *= 1.0 if mean is None else means.mean() / mean.mean()
+    for last in range(first.wheel.slots if slots else 0):
+        parts, at = Parts(escapement, pins, slots, last), unknowns.copy()
+        at[parts.impacts] = np.maximum(at[parts.impacts], _IMPACT)
+        if (struck := parts.beats(at)) is not None:
+            at[0] *= means.mean() / struck.mean()
         yield parts, at
+    count, size = first.wheel.pins or 1, first.wheel.cell_angle * means.std() / means.mean()
+    for nearer in product((True, False), repeat=count if first.wheel.continuous else 0):
+        if not slots and 0 < sum(nearer) < count:
+            apart = np.where(nearer, -1.0 / sum(nearer), 1.0 / (count - sum(nearer)))
+            delay = size * np.cumsum(apart)
+            yield first, np.concatenate([unknowns[:1], delay[:-1] - delay[-1]])

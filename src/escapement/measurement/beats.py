@@ -1,7 +1,7 @@
 """From measured beats to parts: angle errors of pins and slots, by least squares."""
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -13,20 +13,21 @@ from escapement.base.errors import InvalidValue
 from escapement.base.lazy import Lazy
 from escapement.base.text import Shown
 from escapement.measurement.beat_unknowns import Parts, starts
-from escapement.measurement.estimate import SURE, Estimate, checked_confidence
+from escapement.measurement.estimate import (
+    SURE,
+    Estimate,
+    Tangent,
+    Verdict,
+    checked_confidence,
+)
+from escapement.measurement.loggers import check_unit
 from escapement.measurement.part_estimates import (
     BeatSolution,
-    Uncertainty,
     joined_estimates,
     pairs_of,
-    steps_of,
-    uncertainty_of,
     undetermined,
-    within_range,
 )
 from escapement.measurement.rounds import Rounds, checked_wheel, rounds_of
-from escapement.measurement.stamps import check_unit
-from escapement.measurement.verdict import Verdict
 from escapement.mechanisms.protocol import FloatArray
 from escapement.model.escapement import Escapement
 
@@ -34,7 +35,7 @@ optimize = Lazy("scipy.optimize")
 PARTS = ("both", "pins", "slots")
 _ROUGH = {"xtol": 1e-3, "ftol": 1e-2, "gtol": 1e-12, "max_nfev": 8}
 _EXACT = {"xtol": 1e-9, "ftol": 1e-10, "gtol": 1e-12, "max_nfev": 30}
-_NEAR = 1e3  # a rough fit that is worse by this factor is not made exact
+_NEAR = 1e3  # a rough fit that is worse than the best, and than noise, so many times is left
 _ALIKE = 0.1  # a smaller correlation of neighbouring residuals hardly changes an interval
 _FAILED = 1e3  # residual of a wheel that cannot run, which explains no beats
 
@@ -164,10 +165,9 @@ class BeatFit(Shown):
             "as long as those of the design."
         )
 
-    def _remarks(self, found: list[Estimate], reason: str) -> Iterator[str]:
+    def _remarks(self, found: list[Estimate], reasons: list[str]) -> Iterator[str]:
         """What a user of the fit must know, one sentence at a time."""
-        yield from self.rounds.faults
-        yield from filter(None, (reason,))
+        yield from (*self.rounds.faults, *filter(None, reasons))
         yield from undetermined(found)
         if self.unknowns >= self.rounds.pattern and np.isfinite(self.slot_angle_errors).all():
             yield (
@@ -261,12 +261,12 @@ def fit_beats(
             "measure longer, or give their noise"
         )
     _check_times(escapement, rounds)
-    best, *others = _solutions(escapement, rounds, pins, slots)
-    known = uncertainty_of(best, rounds, noise, share)
-    combinations, reason = steps_of(best, known)
+    variance = noise**2 if noise else rounds.scatter / max(rounds.samples - rounds.pattern, 1)
+    best, *others = _solutions(rounds, starts(escapement, pins, slots, rounds.means), variance)
+    known = best.tangent(noise, share)
     if parts == "both" and math.gcd(wheel.pins, wheel.slots) > 1:
         found, combinations = pairs_of(best.parts, rounds, known)
-        reason = ""
+        reasons = [""]
     else:
         # a fit that is worse by no more than the edge of an interval may be true as well
         edge, errors = best.cost + known.unit**2, best.parts.errors(best.unknowns)
@@ -274,35 +274,34 @@ def fit_beats(
             it for it in others
             if it.cost <= edge and not it.parts.errors(it.unknowns).same_as(errors)
         ]  # fmt: skip
-        each = [known] + [uncertainty_of(it, rounds, noise, share) for it in sets[1:]]
-        spanned, several = joined_estimates(sets, each, rounds, edge)
-        found = [*within_range(spanned, best.parts)]
-        if len(sets) > 1:
-            combinations, reason = (), "; ".join(filter(None, (several, reason)))
-    fit = _fit_of(best, known, found, combinations, rounds, share)
-    vars(fit)["message"] = "; ".join(fit._remarks(found, reason))
+        each = [known, *(it.tangent(noise, share) for it in sets[1:])]
+        found, several = joined_estimates(sets, each, edge)
+        combinations, told = best.told_steps(known)
+        combinations, reasons = combinations if len(sets) == 1 else (), [several, told]
+    fit = _fit_of(best, known, found, combinations, share, best.p_value(noise))
+    vars(fit)["message"] = "; ".join(fit._remarks(found, reasons))
     return fit
 
 
 def _fit_of(
-    best: BeatSolution, known: Uncertainty, found: list[Estimate],
-    combinations: tuple[Estimate, ...], rounds: Rounds, share: float,
+    best: BeatSolution, known: Tangent, found: list[Estimate],
+    combinations: tuple[Estimate, ...], share: float, p_value: float,
 ) -> BeatFit:  # fmt: skip
-    rest, near = rounds.independent(known.computed), np.diff(rounds.known) == 1
+    rounds, computed = best.rounds, best.computed
+    rest, near = rounds.independent(computed), np.diff(rounds.known) == 1
     alike = 0.0
     if near.any() and rest.any():
         alike = float(np.mean((rest[1:] * rest[:-1])[near]) / np.mean(rest**2))
-    table = {
-        kind: np.array([one[1:3] for one in found if one.name.startswith(kind)]).T
+    (pins, pin_widths), (slots, slot_widths) = (
+        np.array([one[1:3] for one in found if one.name.startswith(kind)]).T
         for kind in ("pin", "slot")
-    }
+    )
     return BeatFit(
-        escapement=best.parts.built(best.unknowns),
-        pin_angle_errors=table["pin"][0], slot_angle_errors=table["slot"][0],
-        pin_half_widths=table["pin"][1], slot_half_widths=table["slot"][1],
-        combinations=combinations, rate=found[0].value, rate_half_width=found[0].half_width,
-        computed=known.computed, rounds=rounds, noise=known.noise, p_value=known.p_value,
-        autocorrelation=alike, unknowns=best.unknowns.size, confidence=share, message="",
+        escapement=best.parts.built(best.unknowns), pin_angle_errors=pins, slot_angle_errors=slots,
+        pin_half_widths=pin_widths, slot_half_widths=slot_widths, combinations=combinations,
+        rate=found[0].value, rate_half_width=found[0].half_width, computed=computed, rounds=rounds,
+        noise=known.noise, p_value=p_value, autocorrelation=alike, unknowns=best.unknowns.size,
+        confidence=share, message="",
     )  # fmt: skip
 
 
@@ -316,29 +315,22 @@ def _check_times(escapement: Escapement, rounds: Rounds) -> None:
 
 
 def _solutions(
-    escapement: Escapement, rounds: Rounds, pins: bool, slots: bool
+    rounds: Rounds, begin: Iterable[tuple[Parts, FloatArray]], variance: float
 ) -> list[BeatSolution]:
     """The fits from all starts that are nearly as good as the best, which is the first."""
+    mean = rounds.means.mean()
 
     def improved(parts: Parts, start: FloatArray, tolerances: dict[str, float]) -> BeatSolution:
-        mean = rounds.means.mean()
-
         def rest(at: FloatArray) -> FloatArray:
             computed = parts.beats(at)
             if computed is None:
                 return np.full(rounds.pattern, _FAILED)
             return np.asarray(rounds.root @ (computed - rounds.means) / mean)
 
-        bounds = parts.bounds(start[0])
-        found = optimize.least_squares(rest, start, bounds=bounds, **tolerances)
-        return BeatSolution(parts, found.x, 2.0 * float(found.cost) * mean**2)
+        found = optimize.least_squares(rest, start, bounds=parts.bounds(start[0]), **tolerances)
+        return BeatSolution(parts, rounds, found.x, 2.0 * float(found.cost) * mean**2)
 
-    def cost(solution: BeatSolution) -> float:
-        return solution.cost
-
-    some = starts(escapement, pins, slots, rounds.means)
-    rough = sorted((improved(*one, _ROUGH) for one in some), key=cost)
-    # where there are as many unknowns as beats, any start may lead to errors that explain them
-    more = rough[0].unknowns.size < rounds.pattern
-    near = [one for one in rough if not more or one.cost <= _NEAR * rough[0].cost]
-    return sorted((improved(*one[:2], _EXACT) for one in near), key=cost)
+    rough = sorted((improved(*one, _ROUGH) for one in begin), key=lambda it: it.cost)
+    near = [it for it in rough if it.cost <= _NEAR * (rough[0].cost + variance)]
+    exact = (improved(it.parts, it.unknowns, _EXACT) for it in near)
+    return sorted(exact, key=lambda it: it.cost)

@@ -1,4 +1,4 @@
-"""A change for good, as a lost step or a slipped coupling leaves it behind.
+"""What happens once: a change for good, as a lost step leaves it behind, and a reading far out.
 
 A change may have happened behind any sample, and the one that explains most is tested. Let Z_k be
 the standardised size of a change behind sample k. Where the greatest |Z_k| is above u, either the
@@ -8,6 +8,9 @@ first one is, or the row crosses u upwards somewhere, so
 
 with the upper tail Q of the normal distribution, Owen's function T and the correlation r of
 neighbours, which follows from the fit.
+
+A single reading is judged by its error over the standard deviation of the others (Rosner 1983): the
+greatest is tested, then the greatest of the rest, and so on, so that some do not hide others.
 """
 
 import math
@@ -31,6 +34,8 @@ special = Lazy("scipy.special")
 _ACTS = {"input": PHASE, "output": OFFSET}  # a change of a shaft acts as this column does
 _LEAST = 5  # samples on either side; fewer of them are single readings far out
 _OPPOSITE = -0.999  # beyond it T hardly depends on the correlation
+_MOST = 0.01  # if more readings than this share are far out, the errors are just not normal
+_FEWEST = 3  # but so many are always tried
 _SEPARATE = 1e-6  # a change that others explain except for such a share is not tried
 
 
@@ -96,3 +101,31 @@ def _chance_of_greatest(height: float, freedom: int, alike: FloatArray) -> float
     near = np.clip(alike, _OPPOSITE, 1.0)  # rounding may lead a little beyond 1
     apart = np.sqrt((1.0 - near) / (1.0 + near))
     return 2.0 * (tail + 2.0 * float(special.owens_t(level, apart).sum()))
+
+
+def far_out(errors: FloatArray, level: float) -> tuple[np.ndarray, FloatArray]:
+    """Samples that are far out, and the p-value of each.
+
+    Parameters
+    ----------
+    errors : ndarray, shape (n,)
+        Independent errors of equal variance about zero.
+    level : float
+        Samples with a p-value below this are far out.
+
+    Source: B. Rosner, Percentage points for a generalized ESD many-outlier procedure, 1983.
+    """
+    n = errors.size
+    most = max(_FEWEST, int(_MOST * n))
+    order = np.argpartition(np.abs(errors), n - most)[n - most :]
+    order = order[np.argsort(-np.abs(errors[order]))]
+    squares = errors[order] ** 2
+    # the squares of the others, with ever more of the greatest left out
+    inner = float(errors @ errors) - np.cumsum(squares)
+    left = n - 1 - np.arange(most)
+    known = inner > 0.0
+    ratio = np.sqrt(squares[known] * left[known] / inner[known])
+    p_values = np.minimum(2.0 * (left[known] + 1) * special.stdtr(left[known], -ratio), 1.0)
+    last = np.flatnonzero(p_values < level)
+    count = int(last[-1]) + 1 if last.size else 0
+    return order[:count], p_values[:count]

@@ -13,7 +13,7 @@ from escapement.base.text import Shown
 from escapement.measurement import encoder as sensors
 from escapement.measurement import normality, periodic
 from escapement.measurement.encoder import Encoders, SensorShare
-from escapement.measurement.estimate import checked_confidence, correlation, reach_of
+from escapement.measurement.estimate import Verdict, checked_confidence, correlation, reach_of
 from escapement.measurement.finding import find_errors
 from escapement.measurement.findings import (
     Backlash,
@@ -32,7 +32,7 @@ from escapement.measurement.readings import (
     read_readings,
     write_table,
 )
-from escapement.measurement.verdict import Verdict, remarks_on, verdict_on
+from escapement.measurement.verdict import remarks_on, verdict_on
 from escapement.mechanisms.protocol import FloatArray, Mechanism
 
 _EXPECTED = 5  # the chi-squared distribution holds for so many errors in a class on average

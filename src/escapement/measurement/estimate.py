@@ -39,24 +39,30 @@ class Estimate(NamedTuple):
         """Upper end of the interval."""
         return self.value + self.half_width
 
-    def doubted(self, doubt: str) -> "Estimate":
-        """The same without a value, for one more reason."""
-        reasons = "; ".join(filter(None, (self.doubt, doubt)))
-        return Estimate(self.name, math.nan, math.nan, reasons)
-
-
-def between(name: str, low: float, high: float) -> Estimate:
-    """The middle of an interval and half its width."""
-    return Estimate(name, 0.5 * (low + high), 0.5 * (high - low))
+    def doubted(self, *doubts: str) -> "Estimate":
+        """The same without a value, for more reasons; unchanged if there are none."""
+        reasons = "; ".join(dict.fromkeys(filter(None, (self.doubt, *doubts))))
+        return Estimate(self.name, math.nan, math.nan, reasons) if reasons else self
 
 
 def spanned(same: Iterable[Estimate]) -> Estimate:
     """The smallest interval that contains those of several estimates of one number."""
     every = [*same]
-    doubts = dict.fromkeys(one.doubt for one in every if one.doubt)
     low, high = min(one.low for one in every), max(one.high for one in every)
-    found = between(every[0].name, low, high)
-    return found.doubted("; ".join(doubts)) if doubts else found
+    found = Estimate(every[0].name, 0.5 * (low + high), 0.5 * (high - low))
+    return found.doubted(*(one.doubt for one in every))
+
+
+class Verdict(NamedTuple):
+    """Whether a mechanism is good, or a model is right, as far as a measurement shows.
+
+    good : True if the tests that would contradict it were possible and passed, False if the
+        measurement contradicts it, None if it cannot say.
+    text : one or two sentences that say what is wrong, and where, or why it cannot be said.
+    """
+
+    good: bool | None
+    text: str
 
 
 def reach_of(confidence: float, freedom: float) -> float:
@@ -67,19 +73,45 @@ def reach_of(confidence: float, freedom: float) -> float:
     return float(special.stdtrit(freedom, 0.5 + 0.5 * confidence))
 
 
-def interval_root(slopes: FloatArray, noise: float, reach: float) -> FloatArray:
-    """Matrix A such that the interval of c . unknowns has the half width |c A|.
+class Tangent(NamedTuple):
+    """A fit linearised at its solution.
+
+    noise : standard deviation of a residual.
+    unit : half the width of an interval of a number of that noise.
+    root : matrix A such that the interval of c . unknowns has the half width |c A|.
+    """
+
+    noise: float
+    unit: float
+    root: FloatArray
+
+
+def tangent_of(
+    slopes: FloatArray, squares: float, freedom: float, confidence: float, noise: float = 0.0
+) -> Tangent:
+    """The tangent of a fit.
 
     Parameters
     ----------
     slopes : ndarray, shape (n, m)
         Derivatives of the residuals, whose noise is independent, by the unknowns at the solution.
+    squares, freedom : float
+        Sum of the squared residuals, and their degrees of freedom.
+    confidence : float
+        Confidence level of intervals.
     noise : float
-        Standard deviation of a residual.
-    reach : float
-        Half the width of an interval, in standard deviations.
+        Standard deviation of a residual if it is known, else 0.
     """
-    return np.asarray(reach * noise * np.linalg.pinv(slopes))
+    sigma = noise or math.sqrt(squares / freedom)
+    unit = reach_of(confidence, math.inf if noise else freedom) * sigma
+    return Tangent(sigma, unit, np.asarray(unit * np.linalg.pinv(slopes)))
+
+
+def f_test(explained: float, count: int, left: float, freedom: int) -> float:
+    """p-value of a sum of squares beside what is left, NaN where there is no noise [-]."""
+    if not (count > 0 and freedom > 0 and left > 0.0):
+        return math.nan
+    return float(special.fdtrc(count, freedom, explained / count * freedom / left))
 
 
 def correlation(residuals: FloatArray) -> float:

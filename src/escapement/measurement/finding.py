@@ -13,7 +13,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from escapement.measurement.backlash import first_widths, lag
-from escapement.measurement.changes import Candidate, best_change
+from escapement.measurement.changes import Candidate, best_change, far_out
 from escapement.measurement.error_columns import Columns, Step
 from escapement.measurement.estimate import SURE, correlation
 from escapement.measurement.findings import (
@@ -28,7 +28,6 @@ from escapement.measurement.findings import (
     SlotError,
 )
 from escapement.measurement.fit import position, slope
-from escapement.measurement.glitches import far_out
 from escapement.measurement.noise import noise_of, rounding_of
 from escapement.measurement.normal_equations import Fitted, Indices, NormalEquations
 from escapement.measurement.readings import TURN

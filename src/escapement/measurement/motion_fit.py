@@ -16,19 +16,19 @@ from escapement.base.text import Shown, words
 from escapement.base.units import factor
 from escapement.measurement.estimate import (
     SURE,
+    Verdict,
     checked_confidence,
     correlation,
-    interval_root,
-    reach_of,
+    f_test,
+    tangent_of,
 )
 from escapement.measurement.motion_task import MotionTask, is_share, task_of
 from escapement.measurement.readings import Readings
-from escapement.measurement.verdict import Verdict
 from escapement.mechanisms.protocol import FloatArray
 from escapement.model.escapement import Escapement
 from escapement.study.plan import unit_kind
 
-optimize, special = Lazy("scipy.optimize"), Lazy("scipy.special")
+optimize = Lazy("scipy.optimize")
 _TOLERANCES = {"xtol": 1e-9, "ftol": 1e-12, "gtol": 1e-12, "max_nfev": 60}
 _ALIKE = 0.05  # a smaller correlation of neighbouring residuals hardly changes an interval
 _SLOW = 6  # slow changes that are looked for have up to so many half waves
@@ -180,9 +180,7 @@ def fit_motion(
     )
     task.check_determined(found.jac)
     angle, start = np.asarray(task.state(found.x).theta), float(found.x[-1]) * task.span
-    freedom = task.time.size - found.x.size - 1
-    noise = math.sqrt(2.0 * float(found.cost) / freedom)
-    root = interval_root(found.jac, noise, reach_of(share, freedom))
+    known = tangent_of(found.jac, 2.0 * found.cost, task.time.size - found.x.size - 1, share)
     apart = np.diff(task.time) > 0.0
     speeds, computed = (
         np.diff(one)[apart] / np.diff(task.time)[apart] for one in (task.angle, angle)
@@ -191,8 +189,9 @@ def fit_motion(
     fit = MotionFit(
         escapement=task.changed(found.x), parameters=task.parameters,
         values=found.x[:-1] * task.given,
-        half_widths=np.linalg.norm(root[:-1], axis=1) * task.given, confidence=share,
-        start=task.clock + start, time=task.clock + task.time, residuals=found.fun, noise=noise,
+        half_widths=np.linalg.norm(known.root[:-1], axis=1) * task.given, confidence=share,
+        start=task.clock + start, time=task.clock + task.time, residuals=found.fun,
+        noise=known.noise,
         mid_time=task.clock + 0.5 * (task.time[1:] + task.time[:-1])[apart],
         speeds=speeds, computed_speeds=computed,
         autocorrelation=alike, p_value=p_value, doubt=doubt, message="",
@@ -259,9 +258,7 @@ def _chance(rest: FloatArray, slopes: FloatArray, cells: FloatArray) -> float:
     basis = basis[:, sizes > 1e-6 * math.sqrt(size)]
     rest = rest - fitted @ (fitted.T @ rest)
     explained, count = float(np.sum((basis.T @ rest) ** 2)), basis.shape[1]
-    left = size - unknowns - count
-    noise = (float(rest @ rest) - explained) / left
-    return float(special.fdtrc(count, left, explained / count / noise)) if noise > 0.0 else math.nan
+    return f_test(explained, count, float(rest @ rest) - explained, size - unknowns - count)
 
 
 def _smooth_as_well(time: FloatArray, angle: FloatArray, rest: FloatArray) -> bool:

@@ -15,8 +15,8 @@ from escapement.base.errors import InvalidValue
 from escapement.base.status import Status
 from escapement.dynamics.motion import State
 from escapement.engines import simulate as simulation
+from escapement.measurement.loggers import check_unit
 from escapement.measurement.readings import Readings
-from escapement.measurement.stamps import check_unit
 from escapement.mechanisms.protocol import FloatArray
 from escapement.model.escapement import Escapement
 from escapement.model.numbers import numbers_of, with_number

@@ -14,8 +14,7 @@ from escapement.base.errors import InputFileError, InvalidValue
 from escapement.base.files import write_file
 from escapement.base.headings import COUNTS
 from escapement.base.text import Shown
-from escapement.measurement.rollover import unrolled
-from escapement.measurement.stamps import checked_times, row_of
+from escapement.measurement.loggers import checked_times, row_of, unrolled
 from escapement.mechanisms.protocol import FloatArray
 
 TURN = 2.0 * np.pi

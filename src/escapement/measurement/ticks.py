@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 
 from escapement.base import validate
 from escapement.base.errors import InvalidValue
-from escapement.measurement.stamps import row_of
+from escapement.measurement.loggers import row_of
 from escapement.mechanisms.protocol import FloatArray
 
 _REMEDY = "give the times of the engagements in s, NaN for a missing one"

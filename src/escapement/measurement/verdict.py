@@ -7,14 +7,15 @@ its limit, and "good" where all tests were possible and passed.
 """
 
 import math
-from collections.abc import Iterator
-from typing import Any, NamedTuple
+from collections.abc import Callable, Iterator
+from itertools import islice
+from typing import Any
 
 import numpy as np
 
 from escapement.base.lazy import Lazy
 from escapement.measurement.causes import ROUNDING, Cause, causes_of
-from escapement.measurement.estimate import SURE
+from escapement.measurement.estimate import SURE, Verdict
 from escapement.measurement.other_reading import other_reading
 from escapement.measurement.readings import TURN, wraps
 
@@ -27,33 +28,14 @@ _CELLS = 2  # an error that repeats must be seen twice before it can be told fro
 _DETECTED = 5.0  # standard errors of an error that is seen nineteen times in twenty
 
 
-class Verdict(NamedTuple):
-    """Whether a mechanism is good, as far as its readings show.
-
-    good : True if the tests that would contradict it were possible and passed, False if the
-        readings contradict it, None if they cannot say.
-    text : one or two sentences that say what is wrong, and where, or why they cannot say.
-    """
-
-    good: bool | None
-    text: str
-
-
 def verdict_on(result: Any) -> Verdict:
-    """The verdict on a `Measurement`."""
-    if reason := _not_this_mechanism(result):
-        remedy = "Check the mechanism, which column is the input, and the unit of the angles."
-        hint = other_reading(result, _CELLS, _SMALL) or remedy
-        return Verdict(False, f"Not this mechanism: {reason}. {hint}")
-    if reason := _too_short(result):
-        hint = other_reading(result, _CELLS, _SMALL)
-        hint = hint or "Turn it further, or check the unit of the angles and the columns."
-        return Verdict(None, f"Cannot say: {reason}. {hint}")
+    """The verdict on a `Measurement`, from the first test with a reason."""
+    causes = [*_causes(result)]
     lacking = "" if result.backlash else " It turned one way only, so backlash cannot be seen."
-    if wrong := [cause.text for cause in _causes(result) if cause.certain]:
-        return Verdict(False, f"Not good: {'; '.join(wrong)}.{lacking}")
-    if doubts := [*_doubts(result)]:
-        return Verdict(None, f"Cannot say: {'; '.join(doubts)}.{lacking}")
+    for good, head, test, remedy in _TESTS:
+        if reasons := [*test(result, causes)]:
+            hint = " " + (other_reading(result, _CELLS, _SMALL) or remedy) if remedy else lacking
+            return Verdict(good, f"{head}: {'; '.join(reasons)}.{hint}")
     return Verdict(True, _good(result) + lacking)
 
 
@@ -62,41 +44,44 @@ def _causes(result: Any) -> Iterator[Cause]:
     return causes_of(result, _SMALL * abs(result.mechanism.follower_step))
 
 
-def _not_this_mechanism(result: Any) -> str:
-    """Why the readings are not those of this mechanism, "" if they may be."""
+def _other_mechanism(result: Any, causes: list[Cause]) -> Iterator[str]:
+    """Why the readings are not those of this mechanism."""
     step = abs(result.mechanism.follower_step)
     cells = _cells(result)
     if cells > 1.0 and np.ptp(result.output) < min(0.5 * step, result.spread):
-        return (
+        yield (
             f"the output moves by {_deg(np.ptp(result.output))} in all while the input turns "
             f"through {cells:.3g} cells"
         )
+        return
     alike = unexplained(result) < SURE
     # where something remains unexplained, so may be what was found
     size = result.spread if alike else result.scatter
+    great = f"large against the follower's step of {_deg(step)}"
     if cells > _MUCH and size > (_SMALL if alike else _MUCH) * step:
-        return f"errors of {_deg(size)} are large against the follower's step of {_deg(step)}" + (
-            f", and neighbours are alike (correlation {result.autocorrelation:.2f})" * alike
-        )
-    for cause in _causes(result):
-        if cause.certain and cause.effect > 1.0:
-            return f"{cause.text}, which is large against the follower's step of {_deg(step)}"
-    return ""
+        words = f", and neighbours are alike (correlation {result.autocorrelation:.2f})"
+        yield f"errors of {_deg(size)} are {great}{words * alike}"
+        return
+    some = (cause for cause in causes if cause.certain and cause.effect > 1.0)
+    yield from (f"{cause.text}, which is {great}" for cause in islice(some, 1))
 
 
-def _too_short(result: Any) -> str:
-    """Why the shafts did not move far enough to judge anything, "" if they did."""
+def _too_short(result: Any, causes: list[Cause]) -> Iterator[str]:
+    """Why the shafts did not move far enough to judge anything."""
     mechanism = result.mechanism
     # the cells count as whole if one mean step after the last sample completes them
-    least = _CELLS * (1.0 - 1e-9) * (result.errors.size - 1) / result.errors.size
-    if _cells(result) >= least:
-        return ""
-    return (
-        f"the input moved by {_deg(np.ptp(result.input))} and the output by "
-        f"{_deg(np.ptp(result.output))}, but errors can be told from noise only over {_CELLS} "
-        f"whole cells, {_deg(_CELLS * mechanism.cell_angle)} of the input and "
-        f"{_deg(_CELLS * abs(mechanism.follower_step))} of the output"
-    )
+    if _cells(result) < _CELLS * (1.0 - 1e-9) * (result.errors.size - 1) / result.errors.size:
+        yield (
+            f"the input moved by {_deg(np.ptp(result.input))} and the output by "
+            f"{_deg(np.ptp(result.output))}, but errors can be told from noise only over {_CELLS} "
+            f"whole cells, {_deg(_CELLS * mechanism.cell_angle)} of the input and "
+            f"{_deg(_CELLS * abs(mechanism.follower_step))} of the output"
+        )
+
+
+def _wrong(result: Any, causes: list[Cause]) -> Iterator[str]:
+    """What is certain."""
+    return (cause.text for cause in causes if cause.certain)
 
 
 def _cells(result: Any) -> float:
@@ -118,12 +103,10 @@ def unexplained(result: Any) -> float:
     return float(special.ndtr(-excess * math.sqrt(result.errors.size)))
 
 
-def _doubts(result: Any) -> Iterator[str]:
+def _doubts(result: Any, causes: list[Cause]) -> Iterator[str]:
     """What keeps a mechanism from being called good although nothing is certain."""
     step = abs(result.mechanism.follower_step)
-    causes = [*_causes(result)]
-    for cause in causes:
-        yield f"{cause.text}, or is {cause.doubt}"
+    yield from (f"{cause.text}, or is {cause.doubt}" for cause in causes)
     if any(cause.doubt == ROUNDING for cause in causes):
         yield (
             f"errors below half a step of the encoders ({_deg(0.5 * max(result.steps))}) cannot "
@@ -139,6 +122,21 @@ def _doubts(result: Any) -> Iterator[str]:
         yield (
             f"the errors scatter by {_deg(result.scatter)}, which is much for steps of {_deg(step)}"
         )
+
+
+_TESTS: tuple[tuple[bool | None, str, Callable[[Any, list[Cause]], Iterator[str]], str], ...] = (
+    (
+        False, "Not this mechanism", _other_mechanism,
+        "Check the mechanism, which column is the input, and the unit of the angles.",
+    ),
+    (
+        None, "Cannot say", _too_short,
+        "Turn it further, or check the unit of the angles and the columns.",
+    ),
+    (False, "Not good", _wrong, ""),
+    (None, "Cannot say", _doubts, ""),
+)  # fmt: skip
+"""In this order: the verdict where a test has reasons, its head, the test, and a remedy."""
 
 
 def _good(result: Any) -> str:

@@ -1,4 +1,7 @@
-"""Times of samples: a coarse clock is allowed for, and a wrong unit is doubted."""
+"""What loggers do to readings: coarse clocks, units that are not said, counters of few bits.
+
+A register that is full starts again, and the angle seems to jump.
+"""
 
 import math
 
@@ -10,6 +13,8 @@ from escapement.base.errors import InvalidValue
 from escapement.mechanisms.protocol import FloatArray
 
 _REMEDY = "give the time of each sample in s"
+_BITS = (8, 16, 24, 32)
+_NEAR = 0.25  # neighbours must be nearer than this share of the register once it is undone
 _DOUBTFUL = 10.0  # a ratio of times beyond this means a torque that is wrong a hundred times
 _CLOSE = 4.0  # a ratio within this factor of that of a unit may come from the unit
 _READ_AS_S = {"ns": 1e9, "us": 1e6, "ms": 1e3, "minutes": 1.0 / 60.0, "hours": 1.0 / 3600.0}
@@ -116,3 +121,41 @@ def check_unit(name: str, ratio: float, text: str, torque: float | None = None) 
         f"{name} must be of the order of the design's, got {text}; check the unit of the "
         f"times{guess}, or, if it is right, {right}"
     )
+
+
+def unrolled(angle: FloatArray, count: float, turn: float) -> tuple[FloatArray, int, int]:
+    """Angles that go on counting where their register started again.
+
+    Parameters
+    ----------
+    angle : ndarray, shape (n,)
+        Angles, NaN where they are missing [rad].
+    count : float
+        Angle of one count [rad].
+    turn : float
+        A register of just one turn starts again each turn, which is no roll-over [rad].
+
+    Returns
+    -------
+    angle : ndarray, shape (n,)
+        The same array if nothing rolled over [rad].
+    bits : int
+        Bits of the register, 0 if nothing rolled over.
+    first : int
+        First sample behind a roll-over.
+    """
+    present = np.flatnonzero(np.isfinite(angle))
+    counts = angle[present] / count
+    if counts.size < 2:
+        return angle, 0, 0
+    jumps = np.diff(counts)
+    for bits in _BITS:
+        size = 2.0**bits
+        over = np.round(jumps / size)
+        rest = np.abs(jumps - size * over)
+        alike = np.ptp(counts) < size and rest.max() < _NEAR * size
+        if alike and over.any() and abs(size * count - turn) > 1e-9 * turn:
+            found = angle.copy()
+            found[present[1:]] -= size * count * np.cumsum(over)
+            return found, bits, int(present[1 + np.argmax(over != 0.0)])
+    return angle, 0, 0
