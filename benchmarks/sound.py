@@ -44,7 +44,7 @@ def judged(rate: float, snr: float, seeds: int) -> dict[str, object]:
         times, sound = recorded(rate, snr, seed)
         onsets = find_onsets(sound, RATE)
         try:
-            rhythm = find_rhythm(onsets.times, onsets.sure)
+            rhythm = find_rhythm(onsets.times, onsets.sure, onsets.often)
         except EscapementError:
             refused += 1
             continue

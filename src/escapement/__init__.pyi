@@ -38,6 +38,7 @@ from escapement.measurement import Timekeeping as Timekeeping
 from escapement.measurement import beat_spectrum as beat_spectrum
 from escapement.measurement import fit_beats as fit_beats
 from escapement.measurement import fit_motion as fit_motion
+from escapement.measurement import fit_run_up as fit_run_up
 from escapement.measurement import measure as measure
 from escapement.measurement import read_beats as read_beats
 from escapement.measurement import read_readings as read_readings

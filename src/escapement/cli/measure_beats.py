@@ -6,7 +6,6 @@ from typing import Any
 import escapement as esc
 from escapement.base.errors import InvalidValue
 from escapement.base.quantity import Truth
-from escapement.base.records import Record
 from escapement.cli import _arguments, _output
 from escapement.cli._arguments import Arguments, Parser, UsageError, add_number, option
 from escapement.model.inputs import inputs_of, inputs_of_mechanism
@@ -74,20 +73,16 @@ def execute(args: Arguments) -> int:
         if parts and escapement:
             fit = esc.fit_beats(beats.times, escapement, parts=parts[0], times=True, **share)
         elif escapement:
-            fit = esc.fit_motion(beats.readings(mechanism), escapement, names, **share)
+            fit = esc.fit_run_up(beats, escapement, names, **share)
     except InvalidValue as error:
         raise UsageError(f"--fit: {error}") from None
     sound = esc.read_recording(args.data) if args.plot and is_recording(args.data) else None
 
     def plot(plots: Any) -> Any:
-        return plots.plot_speeds(fit) if run_up else plots.plot_timing(beats, keeping, sound)
+        return plots.plot_run_up(beats, fit) if run_up else plots.plot_timing(beats, keeping, sound)
 
     _output.save(args, lambda: partial(esc.write_beats, beats, args.output, force=args.force), plot)
-    record: Any = record_of_beats(beats, keeping, fit)
-    if run_up:
-        from escapement.measurement.measurement_record import record_of
-
-        record = record | Record(record_of(None, fit, args.units))
+    record = record_of_beats(beats, keeping, fit, args.units)
     known = inputs_of(escapement) if escapement else inputs_of_mechanism(mechanism)
     _output.tell(args, record, known if args.kind or escapement else ())
     return 0

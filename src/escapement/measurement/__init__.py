@@ -25,7 +25,7 @@ From sound to beats: read `beat_times` first.
 
 - `recording`, `onsets`, `rhythm`: a WAV file, the beginnings of its ticks, and their beats
 - `beat_files`, `beat_times`: text files of beats, and what all of these end in
-- `timekeeping`: rate, beat error, drift and stability
+- `timekeeping`, `run_up`: rate, beat error, drift and stability; the fit of a motion from rest
 - `synthetic_sound`: recordings that are computed
 - `beat_record`: what is reported of beats
 """
@@ -73,6 +73,8 @@ from escapement.measurement.readings import write_readings as write_readings
 from escapement.measurement.recording import Recording as Recording
 from escapement.measurement.recording import read_recording as read_recording
 from escapement.measurement.rounds import Rounds as Rounds
+from escapement.measurement.run_up import RunUp as RunUp
+from escapement.measurement.run_up import fit_run_up as fit_run_up
 from escapement.measurement.synthetic_sound import Frame as Frame
 from escapement.measurement.synthetic_sound import synthetic_recording as synthetic_recording
 from escapement.measurement.synthetic_sound import write_recording as write_recording

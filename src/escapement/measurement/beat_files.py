@@ -8,7 +8,7 @@ import numpy as np
 from escapement.base import validate
 from escapement.base.errors import InputFileError
 from escapement.base.files import AnyPath, check_input
-from escapement.base.headings import TIMES, is_row_of_units, name_and_unit
+from escapement.base.headings import TIMES, UNITS, is_row_of_units, name_and_unit
 from escapement.base.lines import BrokenLine, Lines
 from escapement.mechanisms.protocol import FloatArray
 
@@ -55,19 +55,11 @@ def read_times(path: AnyPath, time_unit: str | None = None) -> FloatArray:
         raise InputFileError(f"{path}, line {lines.number} must {rule}; {remedy}") from None
     if not fields:
         raise InputFileError(f"file of beats {path} must hold times, and is empty; check its name")
-    mark = next((m for m in _SEPARATORS if m in fields[0]), "")
+    mark = _separator(fields)
     rows = [[part.strip() for part in (row.split(mark) if mark else [row])] for row in fields]
     column, name, unit, rows = _column_of(rows, path)
-    unit = time_unit or unit or "s"
-    if unit not in TIMES:
-        raise InputFileError(
-            f"file of beats {path} must have times in {', '.join(TIMES)}, got {unit}; convert "
-            "them, or give --time-unit (time_unit)"
-        )
-    if mark == "," and column is None:
-        # a decimal comma in the only column
-        rows = [[",".join(row)] for row in rows]
-    values = TIMES[unit] * np.array([_number(row, column or 0, path) for row in rows])
+    unit = time_unit or (unit if unit in TIMES else "s")
+    values = TIMES[unit] * np.array([_number(row, column, path) for row in rows])
     known = values[np.isfinite(values)]
     instants = name in _TIMES or (name not in INTERVALS and bool((np.diff(known) > 0.0).all()))
     if instants:
@@ -80,18 +72,35 @@ def read_times(path: AnyPath, time_unit: str | None = None) -> FloatArray:
     return np.concatenate([[0.0], np.cumsum(known)])
 
 
+def _separator(lines: list[str]) -> str:
+    """The mark between columns, "" of one column, whose numbers may have a decimal comma."""
+    last = lines[-1]
+    found = next((mark for mark in _SEPARATORS if mark in last), "")
+    # "199,98" is one number, unless the line of names has two names
+    named = re.search("[a-z]", lines[0], re.IGNORECASE)
+    two_names = named and "," in lines[0]
+    decimal = last.count(",") == 1 and "." not in last and not two_names
+    return "" if found == "," and decimal else found
+
+
 def _column_of(
     rows: list[list[str]], path: AnyPath
-) -> tuple[int | None, str, str | None, list[list[str]]]:
+) -> tuple[int, str, str | None, list[list[str]]]:
     """Index, name and unit of the column of times, and the rows of numbers."""
     head = rows[0]
     if any(re.fullmatch(r"[-+]?[\d.,]+(e[-+]?\d+)?", field, re.IGNORECASE) for field in head):
-        return (None if len(head) <= 2 else 0), "", None, rows
+        return 0, "", None, rows
     below = rows[1:]
     if below and is_row_of_units(below[0]):
         head = [f"{name} {unit}" for name, unit in zip(head, below[0], strict=False)]
         below = below[1:]
     named = [name_and_unit(field) for field in head]
+    unknown = next((unit for _, unit in named if unit and unit not in (*TIMES, *UNITS)), None)
+    if unknown:
+        raise InputFileError(
+            f"file of beats {path} must have times in {', '.join(TIMES)}, got {unknown}; convert "
+            "them, or give --time-unit (time_unit)"
+        )
     known = [i for i, (name, _) in enumerate(named) if name in (*_TIMES, *INTERVALS, "")]
     column = known[0] if known else 0
     if not known and len(head) > 1:

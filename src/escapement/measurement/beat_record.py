@@ -2,12 +2,17 @@
 
 from typing import Any
 
-from escapement.base.records import Record
+import numpy as np
+
+from escapement.base.records import Record, in_units
 from escapement.base.results import Result
+from escapement.base.units import SYSTEMS, printed
 from escapement.measurement.beat_times import BeatTimes
 from escapement.measurement.beats import BeatFit
 from escapement.measurement.estimate import Estimate
+from escapement.measurement.run_up import RunUp
 from escapement.measurement.timekeeping import Timekeeping
+from escapement.study.plan import unit_kind
 
 RESULTS = {
     "duration": Result("time"),
@@ -21,17 +26,22 @@ RESULTS = {
     "drift": Result(label="drift [s/d in an hour]"),
     "drift_interval": Result(label="interval [s/d in an hour]"),
     "scatter": Result("time"),
+    "release_time": Result("time"),
+    "noise": Result("time"),
     "time": Result("time"),
     "late": Result("time"),
     "late_interval": Result("time"),
 }
 
 
-def record_of_beats(beats: BeatTimes, keeping: Timekeeping | None, fit: Any = None) -> Record:
+def record_of_beats(
+    beats: BeatTimes, keeping: Timekeeping | None, fit: Any = None, units: str = SYSTEMS[0]
+) -> Record:
     """All figures of beats, by JSON key.
 
     keeping : their `timekeeping`, None in a run-up.
-    fit : the `BeatFit` of parts, if one was made.
+    fit : the `BeatFit` of parts, or the `RunUp`, if one was made.
+    units : the system of units of fitted numbers.
     """
     values: dict[str, Any] = {
         "beats": int(beats.heard.size),
@@ -45,6 +55,8 @@ def record_of_beats(beats: BeatTimes, keeping: Timekeeping | None, fit: Any = No
         values |= _of_timekeeping(keeping)
     if isinstance(fit, BeatFit):
         values["parts"] = _of_parts(fit)
+    if isinstance(fit, RunUp):
+        values["run_up"] = _of_run_up(fit, units)
     messages = [beats.message, getattr(fit, "message", "")]
     values["message"] = "; ".join(filter(None, messages))
     return Record(values, RESULTS)
@@ -66,14 +78,34 @@ def _of_timekeeping(keeping: Timekeeping) -> dict[str, Any]:
     return found
 
 
+def _of_run_up(fit: RunUp, units: str) -> dict[str, Any]:
+    """The verdict, and the fitted numbers with the ends of their intervals."""
+    fitted = {}
+    for one in fit.numbers:
+        kind = unit_kind(one.name)
+        value, *ends = in_units([one.value, one.low, one.high], kind, units)
+        fitted[one.name] = {"value": value, "interval": ends, "unit": printed(kind, units)}
+    return {
+        "verdict": fit.verdict.text,
+        "good": fit.verdict.good,
+        "fitted": fitted,
+        "release_time": fit.release.value,
+        "noise": fit.noise,
+        "p_value": fit.p_value,
+        "autocorrelation": fit.autocorrelation,
+    }
+
+
 def _of_parts(fit: BeatFit) -> dict[str, Any]:
     """The verdict, and angle errors in degrees with the ends of their intervals."""
-    from numpy import degrees
 
     def table(errors: Any, halves: Any) -> list[dict[str, Any]]:
+        middle, low, high = (
+            np.degrees(x).tolist() for x in (errors, errors - halves, errors + halves)
+        )
         return [
-            {"error_deg": float(degrees(x)), "interval_deg": [*map(float, degrees([x - h, x + h]))]}
-            for x, h in zip(errors, halves, strict=True)
+            {"error_deg": error, "interval_deg": [*ends]}
+            for error, *ends in zip(middle, low, high, strict=True)
         ]
 
     return {

@@ -12,10 +12,9 @@ from escapement.base.files import AnyPath, write_file
 from escapement.base.text import Shown, csv_lines
 from escapement.measurement.beat_files import read_times
 from escapement.measurement.onsets import Onsets, find_onsets
-from escapement.measurement.readings import Readings
 from escapement.measurement.recording import is_recording, read_recording
 from escapement.measurement.rhythm import FEWEST, find_rhythm
-from escapement.mechanisms.protocol import FloatArray, Mechanism
+from escapement.mechanisms.protocol import FloatArray
 
 HOUR = 3600.0
 _SAVED = "time [s],deviation [s],loudness"
@@ -88,16 +87,6 @@ class BeatTimes(Shown):
             )
         return "; ".join(found)
 
-    def readings(self, mechanism: Mechanism) -> Readings:
-        """The driver angle at each beat that was heard, as of an encoder, for `fit_motion`.
-
-        The driver turns by a cell from beat to beat. The angle at the first beat, which depends
-        on where in a cell the sound begins, counts as zero.
-        """
-        heard = self.heard
-        angle = mechanism.cell_angle * (heard - heard[0])
-        return Readings(angle, np.full(heard.size, np.nan), time=self.times[heard])
-
     def _shown(self) -> list[tuple[str, Any, str]]:
         return [
             ("beats", self.heard.size, ""),
@@ -158,12 +147,12 @@ def read_beats(
     else:
         times = read_times(path, time_unit)
         nan = np.full(times.size, np.nan)
-        found = Onsets(times, nan, nan, np.isfinite(times))
+        found = Onsets(times, nan, nan, np.zeros(times.size), np.isfinite(times))
         duration, rate = float(np.nanmax(times)) if times.size else 0.0, np.nan
     if run_up:
         return _every(found, duration, rate, path)
     try:
-        rhythm = find_rhythm(found.times, found.sure, expected)
+        rhythm = find_rhythm(found.times, found.sure, found.often, expected)
     except InvalidValue as error:
         what = "recording" if is_recording(path) else "file"
         raise InputFileError(f"{what} {path} must hold beats: {error}") from None

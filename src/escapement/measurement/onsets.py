@@ -32,9 +32,10 @@ _LEAST = 0.1  # share of the frames that are taken to hold noise alone
 _GUARD = 2  # frames between them, which a tick may reach already
 _APART = 2  # frames between two ticks, at least
 _WINDOWS = (1, 2, 4)  # lengths in frames that are tried
-_WEAK = 1e-3  # probability that noise makes a candidate of a frame, which only a rhythm makes sure
+_WEAK = 0.02  # probability with which noise makes a candidate, which only a rhythm may confirm
 _SHARED = np.array([1.0, 16.0, 36.0, 16.0, 1.0]) / 36.0
 """Correlation of the powers of noise in frequencies beside each other, with a Hann window."""
+_SHARE = 5e-4  # or so many for each sure one
 _FALSE = 0.02  # candidates that noise alone is allowed to make in a recording
 _BLOCK = 1 << 15  # frames that are transformed at a time
 _SAMPLED = 1 << 14  # frames that tell the noise
@@ -51,12 +52,14 @@ class Onsets(NamedTuple):
     times : [s].
     deviations : standard deviations of the times [s].
     loudness : root mean square of the tick, in standard deviations of the noise before it [-].
-    sure : whether noise alone would hardly make such a tick in the whole recording.
+    often : how often noise alone makes such a tick [1/s].
+    sure : whether it hardly does so in the whole recording.
     """
 
     times: FloatArray
     deviations: FloatArray
     loudness: FloatArray
+    often: FloatArray
     sure: NDArray[np.bool_]
 
 
@@ -83,7 +86,8 @@ def find_onsets(samples: NDArray[Any], rate: float) -> Onsets:
     rate : float
         Samples a second [Hz].
     """
-    none = Onsets(np.empty(0), np.empty(0), np.empty(0), np.empty(0, bool))
+    empty = np.empty(0)
+    none = Onsets(empty, empty, empty, empty, np.empty(0, bool))
     size = 2 * int(fft.next_fast_len(max(round(0.5 * _FRAME * rate), 4), real=True))
     if samples.size < 4 * _BEFORE * size or not np.ptp(samples):
         return none
@@ -141,9 +145,14 @@ def _in_parts(count: int) -> Iterator[NDArray[np.int64]]:
 
 
 class _Candidates(NamedTuple):
-    """Frames in which ticks begin, or that follow such a frame, and which of them are sure."""
+    """Frames in which ticks begin, or that follow such a frame.
+
+    chances : probability that noise makes so much of a frame.
+    sure : whether it hardly does so in any frame.
+    """
 
     frames: NDArray[np.int64]
+    chances: FloatArray
     sure: NDArray[np.bool_]
 
 
@@ -167,13 +176,12 @@ def _peaks(power: FloatArray, spectrum: _Spectrum, window: int) -> _Candidates:
         _earlier(ndimage.uniform_filter1d(power, _NEAR, mode="nearest"), _GUARD + _NEAR // 2),
     )
     ratio = np.log(mean / np.maximum(before, noise))
-    sure, weak = (
-        math.log(float(special.gammainccinv(shape, chance)) / shape)
-        for chance in (_FALSE / power.size, _WEAK)
-    )
+    weak = math.log(float(special.gammainccinv(shape, _WEAK)) / shape)
     # the tail of a tick varies as noise does, so that a tick must rise above what was before it
     at, _ = signal.find_peaks(ratio, height=weak, prominence=weak, distance=_APART)
-    return _Candidates(at, ratio[at] > sure)
+    chances = special.gammaincc(shape, shape * np.exp(ratio[at]))
+    number = int(np.count_nonzero(chances < _FALSE / power.size))
+    return _Candidates(at, chances, chances < max(_FALSE, _SHARE * number) / power.size)
 
 
 def _noise_of(power: FloatArray, weights: FloatArray, window: int) -> tuple[float, float]:
@@ -235,7 +243,8 @@ def _refined(samples: NDArray[Any], spectrum: _Spectrum, rate: float, found: _Ca
     times = (first + shift - 0.5) / rate
     order = np.argsort(times, kind="stable")
     deviations = np.sqrt(spread**2 + 1.0 / 12.0) / rate
-    return Onsets(times[order], deviations[order], loud[order], found.sure[order])
+    often = found.chances * rate / (spectrum.size // 2)
+    return Onsets(times[order], deviations[order], loud[order], often[order], found.sure[order])
 
 
 class _Near(NamedTuple):

@@ -25,6 +25,7 @@ _FOLLOW = 0.2  # share of a deviation by which the rhythm follows a sound
 _FITTING, _FILLED = 0.8, 0.5  # shares of sounds that fit, and of beats that are heard, at least
 _SCATTER = 0.1  # scatter of sounds that have a rhythm, as a share of their interval, at most
 _SPREAD = 4.0  # standard deviations from the rhythm within which a weak sound is a beat
+_BY_CHANCE = 0.03  # probability with which noise may make such a sound there
 
 
 class Rhythm(NamedTuple):
@@ -50,7 +51,10 @@ class _Cycle(NamedTuple):
 
 
 def find_rhythm(
-    times: FloatArray, sure: NDArray[np.bool_] | None = None, nominal: float | None = None
+    times: FloatArray,
+    sure: NDArray[np.bool_] | None = None,
+    often: FloatArray | None = None,
+    nominal: float | None = None,
 ) -> Rhythm:
     """Number the beats.
 
@@ -60,6 +64,8 @@ def find_rhythm(
         Instants of the sounds, in turn [s].
     sure : ndarray of bool, shape (n,), optional
         Which of them are no noise. The others count only where the rhythm expects a beat.
+    often : ndarray, shape (n,), optional
+        How often noise makes such a sound [1/s].
     nominal : float, optional
         Expected time of a beat [s], which tells how many sounds it has.
 
@@ -81,7 +87,8 @@ def find_rhythm(
     _check(slots, apart, taken, cycle)
     found = dict(zip(slots[taken].tolist(), certain[taken].tolist(), strict=True))
     weak = np.setdiff1d(np.arange(times.size), certain)
-    _add_weak(found, times, weak, cycle, apart[taken])
+    if often is not None:
+        _add_weak(found, times, weak, often[weak], cycle, apart[taken])
     first, last = min(found), max(found)
     every = np.array([found.get(slot, -1) for slot in range(first, last + 1)])
     if per_beat > 1:
@@ -196,8 +203,8 @@ def _check(
 
 
 def _add_weak(
-    found: dict[int, int], times: FloatArray, weak: NDArray[np.int64], cycle: _Cycle,
-    apart: FloatArray,
+    found: dict[int, int], times: FloatArray, weak: NDArray[np.int64], often: FloatArray,
+    cycle: _Cycle, apart: FloatArray,
 ) -> None:  # fmt: skip
     """Fill slots in which nothing is sure with a weak sound that is close to its time."""
     count, known = cycle.shares.size, sorted(found)
@@ -206,7 +213,10 @@ def _add_weak(
         return
     # the rhythm runs straight from one sure sound to the next one of its kind
     reach = _SPREAD * 1.4826 * float(np.median(np.abs(apart - np.median(apart))))
-    at = times[weak]
+    possible = weak[often * 2.0 * reach < _BY_CHANCE]
+    at = times[possible]
+    if not possible.size:
+        return
     for k in range(count):
         same = np.array([slot for slot in known if slot % count == k])
         here = missing[missing % count == k]
@@ -216,4 +226,4 @@ def _add_weak(
         for slot, time in zip(here.tolist(), expected.tolist(), strict=True):
             near = int(np.abs(at - time).argmin())
             if abs(at[near] - time) <= reach:
-                found[slot] = int(weak[near])
+                found[slot] = int(possible[near])

@@ -8,7 +8,6 @@ angle at a given time does not: the driver is many times as fast at a handoff as
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
@@ -131,41 +130,37 @@ def fit_run_up(
     times, count = beats.times[heard], int(heard[-1]) + 1
     _check_times(escapement, times, heard)
 
-    def rest(unknowns: FloatArray) -> FloatArray:
+    def built(unknowns: FloatArray) -> Escapement:
         changed = escapement
-        for name, value in zip(names, (unknowns * given).tolist(), strict=True):
+        for name, value in zip(names, (unknowns[:-1] * given).tolist(), strict=True):
             changed = with_number(changed, name, value)
-        motion = simulation.simulate(changed, count)
-        if motion.handoff_times.size < count:
-            return np.full(heard.size, _FAR * beats.period) * (np.arange(heard.size) % 2 - 0.5)
-        apart = times - motion.handoff_times[heard]
-        return np.asarray(apart - apart.mean())
+        return changed
 
-    found: Any = None
-    for start in _STARTS if names else ():
-        begin = np.full(len(names), start)
-        one = optimize.least_squares(
-            rest, begin, bounds=_BOUNDS, diff_step=_STEP, xtol=1e-12, ftol=1e-12, gtol=1e-15,
-            x_scale=1.0,
-        )  # fmt: skip
-        found = one if found is None or one.cost < found.cost else found
-    best = found.x if names else np.ones(0)
-    residuals, slopes = rest(best), found.jac if names else np.empty((heard.size, 0))
-    _check_determined(slopes, names)
-    freedom = heard.size - len(names) - 1
-    known_fit = tangent_of(slopes, float(residuals @ residuals), freedom, share)
-    halves = np.linalg.norm(known_fit.root, axis=1) * given if names else np.empty(0)
-    fitted = escapement
-    for name, value in zip(names, (best * given).tolist(), strict=True):
-        fitted = with_number(fitted, name, value)
-    handoffs = simulation.simulate(fitted, count).handoff_times[heard]
-    # the mean time depends on the release and, through the numbers, on the slopes of the handoffs
-    release = float(np.mean(times - handoffs))
-    half = known_fit.unit / math.sqrt(heard.size)
-    each = zip(names, (best * given).tolist(), halves.tolist(), strict=True)
+    def rest(unknowns: FloatArray) -> FloatArray:
+        motion = simulation.simulate(built(unknowns), count)
+        if motion.handoff_times.size < count:
+            return np.full(heard.size, _FAR * beats.period)
+        since = times - times[0] - float(unknowns[-1]) * beats.period
+        return np.asarray(since - motion.handoff_times[heard])
+
+    bounds = np.array([*[_BOUNDS] * len(names), (-np.inf, np.inf)]).T
+    every = [
+        optimize.least_squares(
+            rest, [*np.full(len(names), start), -1.0], bounds=bounds, diff_step=_STEP,
+            xtol=1e-12, ftol=1e-12, gtol=1e-15,
+        )
+        for start in (_STARTS if names else (1.0,))
+    ]  # fmt: skip
+    found = min(every, key=lambda one: float(one.cost))
+    _check_determined(found.jac, names)
+    known_fit = tangent_of(found.jac, 2.0 * float(found.cost), heard.size - len(names) - 1, share)
+    scale = np.array([*given, beats.period])
+    values, halves = found.x * scale, np.linalg.norm(known_fit.root, axis=1) * scale
+    each = zip((*names, "release_time"), values.tolist(), halves.tolist(), strict=True)
+    *fitted, release = (Estimate(*one) for one in each)
     return RunUp(
-        fitted, tuple(Estimate(*one) for one in each), Estimate("release_time", release, half),
-        residuals, known_fit.noise, _chance(residuals, slopes), correlation(residuals),
+        built(found.x), tuple(fitted), release._replace(value=release.value + float(times[0])),
+        found.fun, known_fit.noise, _chance(found.fun, found.jac), correlation(found.fun),
     )  # fmt: skip
 
 
@@ -184,7 +179,7 @@ def _check_times(escapement: Escapement, times: FloatArray, heard: np.ndarray) -
 
 def _check_determined(slopes: FloatArray, names: tuple[str, ...]) -> None:
     """Raise InvalidValue where the beats determine only a combination of the numbers."""
-    sizes = np.linalg.svd(slopes, compute_uv=False) if names else np.ones(1)
+    sizes = np.linalg.svd(slopes, compute_uv=False)
     if not sizes[-1] > _SINGULAR * sizes[0]:
         raise InvalidValue(
             f"parameters must each be determined by the beats, got {', '.join(names)}, of which "
@@ -197,7 +192,7 @@ def _chance(residuals: FloatArray, slopes: FloatArray) -> float:
     size = residuals.size
     halves = np.pi * (np.arange(size) + 0.5) / size
     waves = np.column_stack([np.cos(k * halves) for k in range(1, _SLOW + 1)])
-    fitted, _ = np.linalg.qr(np.column_stack([np.ones(size), slopes]))
+    fitted, _ = np.linalg.qr(slopes)
     basis, _ = np.linalg.qr(waves - fitted @ (fitted.T @ waves))
     explained = float(np.sum((basis.T @ residuals) ** 2))
     freedom = size - fitted.shape[1] - _SLOW

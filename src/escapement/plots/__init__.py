@@ -44,4 +44,5 @@ from escapement.plots.study import plot_rise_and_terminal as plot_rise_and_termi
 from escapement.plots.study import plot_spread as plot_spread
 from escapement.plots.study import plot_study as plot_study
 from escapement.plots.style import new_axes as new_axes
+from escapement.plots.timing import plot_run_up as plot_run_up
 from escapement.plots.timing import plot_timing as plot_timing

@@ -7,7 +7,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from escapement.base import validate
-from escapement.measurement import BeatTimes, Recording, Timekeeping
+from escapement.measurement import BeatTimes, Recording, RunUp, Timekeeping
 from escapement.plots import style
 
 _SHOWN = 6  # beats of the sound that are drawn
@@ -48,6 +48,37 @@ def plot_timing(
     _strip(strip, beats, keeping)
     _spectrum(below, beats, keeping)
     return figure
+
+
+def plot_run_up(beats: BeatTimes, fit: RunUp, ax: Axes | None = None) -> Axes:
+    """Intervals of beats of a motion from rest, measured and computed with the fitted numbers.
+
+    Parameters
+    ----------
+    beats : BeatTimes
+        What `escapement.read_beats` returns.
+    fit : RunUp
+        What `escapement.fit_run_up` returns.
+    ax : Axes, optional
+        Where to draw. Default: a new figure.
+
+    Returns
+    -------
+    Axes
+        Number of the beat behind the release, and the interval that ends with it.
+    """
+    if not isinstance(fit, RunUp):
+        raise validate.fail("fit", "a RunUp", fit, "give what fit_run_up returns")
+    ax = ax or style.new_axes(style.TWO_COLUMN, 3.0)
+    heard = beats.heard
+    times, one = beats.times[heard], np.diff(heard) == 1
+    steps, computed = np.diff(times)[one], np.diff(times - fit.residuals)[one]
+    factor, unit = style.scaled("s", steps)
+    number = heard[1:][one] + 1
+    ax.plot(number, factor * computed, color=style.BLUE, lw=1.2, label="fitted model")
+    look: dict[str, Any] = {"color": style.VERMILLION, "ms": 4, "mfc": "white"}
+    ax.plot(number, factor * steps, "o", label="measured", **look)
+    return style.finished(ax, ("beat", ""), ("interval", unit), 2)
 
 
 def _sound(ax: Axes, beats: BeatTimes, recording: Recording) -> None:
