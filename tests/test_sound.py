@@ -227,8 +227,19 @@ def test_parts_and_friction_from_beats(tmp_path, capsys):
     times = 0.1 + np.cumsum([0.0, *beats])
     times += 5e-6 * np.random.default_rng(2).normal(size=times.size)
     design = [
-        *("geneva --slots 5 --pins 3 --torque .0113 --friction .25 --json").split(),
-        *("--driver-inertia 3.39e-7 --follower-inertia 5.65e-6").split(),
+        *[
+            "geneva",
+            "--slots",
+            "5",
+            "--pins",
+            "3",
+            "--torque",
+            ".0113",
+            "--friction",
+            ".25",
+            "--json",
+        ],
+        *["--driver-inertia", "3.39e-7", "--follower-inertia", "5.65e-6"],
     ]
     path = str(written(tmp_path / "a.wav", times))
     right = replace(TIMER, friction=0.3)

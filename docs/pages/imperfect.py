@@ -4,6 +4,8 @@
 """
 
 from dataclasses import replace
+from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any
 
 import numpy as np
@@ -147,6 +149,20 @@ def beats() -> Figure:
     plots.plot_beats(esc.fit_beats(taken, design), upper)
     plots.plot_beat_spectrum(esc.beat_spectrum(taken, design.mechanism), lower)
     return figure
+
+
+@drawn
+def timing() -> Figure:
+    """A computed recording of a clock that is out of beat, with its beats."""
+    rng = np.random.default_rng(8)
+    period = 0.2 * (1.0 + 2.0 / 86400.0)
+    ticks = 0.3 + period * np.arange(600) + np.cumsum(5e-6 * rng.normal(size=600))
+    ticks[1::2] += 5e-4
+    with TemporaryDirectory() as folder:
+        path = Path(folder) / "clock.wav"
+        esc.write_recording(path, esc.synthetic_recording(ticks, signal_to_noise=20.0, room=0.1))
+        beats, sound = esc.read_beats(path), esc.read_recording(path)
+    return plots.plot_timing(beats, esc.timekeeping(beats, nominal=18000), sound)
 
 
 def sensitivities() -> str:

@@ -38,7 +38,8 @@ _STARTS = (1.0, 0.6, 1.5)  # multiples of the given numbers from which the searc
 _BOUNDS = 0.02, 50.0  # least and greatest multiple of a given number
 _STEP = 1e-5  # share of a number by which it is changed for a derivative
 _SINGULAR = 1e-4  # a combination of numbers with a smaller effect is not determined
-_SLOW = 4  # half waves over the recording that noise does not have
+_FADING = 0.7, 2.5  # beats in which errors of a model fade as the motion settles
+_HALVES = 2  # half waves over the recording that noise does not have
 _FAR = 1e3  # residual where there is no motion, in mean beats
 _FEWEST = 12
 
@@ -60,7 +61,7 @@ class RunUp(Shown):
     noise : float
         Their standard deviation [s].
     p_value : float
-        Probability that independent noise alone leaves residuals with as much slow change [-].
+        Probability that independent noise alone looks as much like the error of a model [-].
     autocorrelation : float
         Correlation of each residual with the next one [-].
     """
@@ -188,12 +189,17 @@ def _check_determined(slopes: FloatArray, names: tuple[str, ...]) -> None:
 
 
 def _chance(residuals: FloatArray, slopes: FloatArray) -> float:
-    """Probability that independent noise has as much slow change; NaN of too few beats."""
-    size = residuals.size
-    halves = np.pi * (np.arange(size) + 0.5) / size
-    waves = np.column_stack([np.cos(k * halves) for k in range(1, _SLOW + 1)])
+    """Probability that independent noise looks as much like the error of a model.
+
+    Such an error fades as the motion settles, or changes slowly. NaN of too few beats.
+    """
+    size, index = residuals.size, np.arange(residuals.size)
+    fading = [np.exp(-index / beats) for beats in _FADING]
+    halves = [np.cos(np.pi * k * (index + 0.5) / size) for k in range(1, _HALVES + 1)]
+    waves = np.column_stack([*fading, *halves])
     fitted, _ = np.linalg.qr(slopes)
     basis, _ = np.linalg.qr(waves - fitted @ (fitted.T @ waves))
     explained = float(np.sum((basis.T @ residuals) ** 2))
-    freedom = size - fitted.shape[1] - _SLOW
-    return f_test(explained, _SLOW, float(residuals @ residuals) - explained, freedom)
+    count = basis.shape[1]
+    freedom = size - fitted.shape[1] - count
+    return f_test(explained, count, float(residuals @ residuals) - explained, freedom)
