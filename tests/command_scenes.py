@@ -223,7 +223,10 @@ def _measure(kind):
     del moving["initial_speed"]
     tried = ["fit", "follower_inertia", "time_column", "crank_radius"]
     tried = [name for name in tried if name in moving]
-    return [*still, {**moving, "tried": tried}]
+    rated = {"nominal_rate": 18000, "pattern": 3, "confidence": 0.9, "time_unit": "ms"}
+    beats = {"data": "beats.csv", "beats": True, **rated}
+    beats["tried"] = [*beats]
+    return [*still, {**moving, "tried": tried}, *[beats] * (kind == "geneva")]
 
 
 OF_KINDS = {
@@ -373,6 +376,8 @@ def write_inputs(command, kind):
             main(["sweep", "study.toml", "--quiet"])
     if command != "measure":
         return
+    ticks = np.cumsum(200.0 + np.random.default_rng(1).normal(size=60))
+    Path("beats.csv").write_text("time\n" + "\n".join(map(repr, ticks.tolist())))
     machine = MACHINES[kind]()
     readings = esc.synthetic_readings(machine, seed=3, samples=120, turns=4, noise=1e-3)
     _write("readings.csv", np.arange(readings.input.size), readings.input, readings.output)

@@ -17,6 +17,10 @@ RATE = 48000
 TIMER = esc.Escapement(
     esc.Geneva(5, pins=3), esc.Inertia(3.39e-7, 5.65e-6), torque=0.0113, friction=0.3
 )
+MODEL = [
+    *("geneva", "--slots", "5", "--pins", "3", "--torque", ".0113"),
+    *("--driver-inertia", "3.39e-7", "--follower-inertia", "5.65e-6"),
+]
 
 
 def ticks(count=60, period=0.2, jitter=1e-4, seed=0, late=()):
@@ -226,21 +230,7 @@ def test_parts_and_friction_from_beats(tmp_path, capsys):
     beats = np.tile(esc.terminal(replace(TIMER, mechanism=wheel)).beats, 8)
     times = 0.1 + np.cumsum([0.0, *beats])
     times += 5e-6 * np.random.default_rng(2).normal(size=times.size)
-    design = [
-        *[
-            "geneva",
-            "--slots",
-            "5",
-            "--pins",
-            "3",
-            "--torque",
-            ".0113",
-            "--friction",
-            ".25",
-            "--json",
-        ],
-        *["--driver-inertia", "3.39e-7", "--follower-inertia", "5.65e-6"],
-    ]
+    design = [*MODEL, "--friction", ".25", "--json"]
     path = str(written(tmp_path / "a.wav", times))
     right = replace(TIMER, friction=0.3)
     found = esc.fit_beats(esc.read_beats(path).times, right, parts="pins", times=True)

@@ -6,9 +6,8 @@ that are not SI. Only the module of the command is imported, and it imports noth
 its arguments are parsed, so that help appears at once.
 
 Each command is a file of its name: `run`, `rundown`, `sweep`, `budget`, `design`, `explore`,
-`plot`, `mechanism`, `export`, `index`, `drive_torque`, `measure`, `reproduce`, `compile` and
-`bench`. Read `run` as an
-example.
+`plot`, `mechanism`, `export`, `index`, `drive_torque`, `measure` with its part `measure_beats`,
+`reproduce`, `compile` and `bench`. Read `run` as an example.
 
 - `_arguments`: the parser, options that several commands share, and the objects they describe
 - `_inputs`, `_output`: what went in; JSON and tables, which are those of a `Record`, notes, files

@@ -8,7 +8,8 @@ from escapement.base.errors import InvalidValue
 from escapement.base.quantity import Truth
 from escapement.cli import _arguments, _output
 from escapement.cli._arguments import Arguments, Parser, UsageError, add_number, option
-from escapement.model.inputs import inputs_of, inputs_of_mechanism
+from escapement.model.escapement import model_settings
+from escapement.model.inputs import inputs_of
 
 _PARTS = "both", "pins", "slots"
 _READINGS = (
@@ -26,7 +27,7 @@ def add_options(parser: Parser) -> None:
     _arguments.add_setting(group, Truth(name="beats", long_name=text), default=False)
     text, remedy = "right number of beats an hour", "give the beats an hour, as 18000"
     add_number(group, "nominal_rate", text, "N", exclusive=True, remedy=remedy)
-    text = "beats after which errors repeat (default: 2, or the pins of KIND)"
+    text = "beats after which errors repeat (default: 2, or with --fit the pins)"
     remedy = "give a whole number of beats"
     add_number(group, "pattern", text, "N", minimum=1, whole=True, remedy=remedy)
 
@@ -57,8 +58,7 @@ def execute(args: Arguments) -> int:
     names = [] if args.fit in (None, "none") else [name.strip() for name in args.fit.split(",")]
     parts = names[:1] if {*names[:1]} <= {*_PARTS} else []
     run_up = args.fit is not None and not parts
-    escapement = _arguments.read_escapement(args) if args.fit is not None else None
-    mechanism = escapement.mechanism if escapement else _arguments.read_mechanism(args)
+    escapement = _read_model(args)
     nominal, share = args.nominal_rate, {}
     if args.confidence is not None:
         share["confidence"] = args.confidence
@@ -66,7 +66,7 @@ def execute(args: Arguments) -> int:
     fit: Any = None
     keeping = None
     if not run_up:
-        pins = getattr(mechanism, "pins", 0) if args.kind else 0
+        pins = getattr(escapement.mechanism, "pins", 0) if escapement else 0
         pattern = args.pattern or pins or 2
         keeping = esc.timekeeping(beats, nominal=nominal, pattern=pattern, **share)
     try:
@@ -83,6 +83,19 @@ def execute(args: Arguments) -> int:
 
     _output.save(args, lambda: partial(esc.write_beats, beats, args.output, force=args.force), plot)
     record = record_of_beats(beats, keeping, fit, args.units)
-    known = inputs_of(escapement) if escapement else inputs_of_mechanism(mechanism)
-    _output.tell(args, record, known if args.kind or escapement else ())
+    _output.tell(args, record, inputs_of(escapement) if escapement else ())
     return 0
+
+
+def _read_model(args: Arguments) -> "esc.Escapement | None":
+    """The escapement that --fit compares; UsageError for one of its numbers without --fit."""
+    if args.fit is not None:
+        escapement: esc.Escapement = _arguments.read_escapement(args)
+        return escapement
+    for name in (*_arguments.owners(), *model_settings()):
+        if getattr(args, name, None) is not None:
+            raise UsageError(
+                f"{option(name)} must come with --fit, got {option(name)} alone; add --fit both, "
+                "or leave it out and give --pattern"
+            )
+    return None
