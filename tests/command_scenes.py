@@ -225,7 +225,7 @@ def _measure(kind):
     tried = [name for name in tried if name in moving]
     rated = {"nominal_rate": 18000, "pattern": 3, "confidence": 0.9, "time_unit": "ms"}
     beats = {"data": "beats.csv", "beats": True, **rated}
-    beats["tried"] = [*beats]
+    beats["tried"] = ["nominal_rate", "pattern", "confidence"]
     return [*still, {**moving, "tried": tried}, *[beats] * (kind == "geneva")]
 
 
