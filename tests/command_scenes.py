@@ -223,7 +223,7 @@ def _measure(kind):
     del moving["initial_speed"]
     tried = ["fit", "follower_inertia", "time_column", "crank_radius"]
     tried = [name for name in tried if name in moving]
-    rated = {"nominal_rate": 18000, "pattern": 3, "confidence": 0.9, "time_unit": "ms"}
+    rated = {"nominal_rate": 18000, "pattern": 3, "confidence": 0.8, "time_unit": "ms"}
     beats = {"data": "beats.csv", "beats": True, **rated}
     beats["tried"] = ["nominal_rate", "pattern", "confidence"]
     return [*still, {**moving, "tried": tried}, *[beats] * (kind == "geneva")]
