@@ -28,7 +28,8 @@ _LOSSES = dict.fromkeys(
     ("bearing", "driver_drag", "follower_drag", "pin", "driver_journal", "follower_journal"), _NO
 )
 _REST = {
-    **dict.fromkeys(("driver_viscous", "follower_viscous", "barrel", "load_train"), _NO),
+    **dict.fromkeys(("driver_viscous", "follower_viscous", "motor"), _NO),
+    **dict.fromkeys(("barrel", "load_train"), _NO),
     **dict.fromkeys(("gain", "barrel_efficiency", "load_train_efficiency"), _ONE),
     "flow": _UNKNOWN,
 }
@@ -88,7 +89,7 @@ def _ideal(plain: Any) -> Any:
     path, edges, dwell, rho, plus, minus, load = plain
     return Scene(
         Path(path[0], path[1]), edges, dwell, CONSTANT, 0.0, rho, plus, minus, load,
-        _NO, _NO, _NO, _NO, _NO, _NO, _NO, _NO, _ONE, _UNKNOWN, _NO, _ONE, _NO, _ONE,
+        _NO, _NO, _NO, _NO, _NO, _NO, _NO, _NO, _ONE, _UNKNOWN, _NO, _ONE, _NO, _ONE, _NO,
     )  # fmt: skip
 
 
@@ -96,7 +97,7 @@ def _steady(plain: Any) -> Any:
     path, edges, dwell, rho, plus, minus, load, bearing, air, wind, pin, one, two = plain
     return Scene(
         Path(path[0], path[1]), edges, dwell, CONSTANT, 0.0, rho, plus, minus, load,
-        bearing, air, wind, _NO, _NO, pin, one, two, _ONE, _UNKNOWN, _NO, _ONE, _NO, _ONE,
+        bearing, air, wind, _NO, _NO, pin, one, two, _ONE, _UNKNOWN, _NO, _ONE, _NO, _ONE, _NO,
     )  # fmt: skip
 
 

@@ -96,7 +96,7 @@ def losses_at(g, u, radius, k, pull, w, side, here, slide_sign=0.0, ratio_sign=0
     unit, ratio = weight(here), sign_of(g, ratio_sign) * g
     root, speed = root_of(w, here), np.sqrt(max(w, 0.0))
     c = friction_ratio(g, u, radius, side, here, slide_sign, ratio_sign)
-    force = slot = barrel = train = 0.0
+    force = slot = barrel = train = slope = 0.0
     if radius > 0.0:
         slide, lever = grip(g, u, radius, side, here, slide_sign, ratio_sign)
         force = contact(g, k, pull, w, root, here) / reduced_inertia(g, c, here) / lever
@@ -107,13 +107,15 @@ def losses_at(g, u, radius, k, pull, w, side, here, slide_sign=0.0, ratio_sign=0
         dg = k - here.follower_drag * (g * ratio)
         torque = (pull + here.bearing) * unit / factors(here.flow, here)[0]
         barrel, train = train_losses(g, dg, rate, torque, w, here)
+        # of a motor's slope the scene of a flow has what reaches the driver
+        slope = (1.0 - factors(here.flow, here)[0]) * here.motor
     air = here.follower_drag * w * ratio + here.follower_viscous * speed
     return ForceAndLosses(
         force=unit * force,
         friction=unit * slot,
         driver_bearing=unit * (side * here.driver_journal * force + here.bearing),
         follower_bearing=unit * (side * here.follower_journal * ratio * force),
-        driver_drag=unit * (here.driver_drag * w + here.driver_viscous * speed),
+        driver_drag=unit * (here.driver_drag * w + here.driver_viscous * speed) + slope * speed,
         follower_drag=unit * (g * g * air),
         barrel=barrel,
         load_train=train,

@@ -22,6 +22,7 @@ from escapement.model.checks import (
     check_trains,
     idle_settings,
 )
+from escapement.model.motor import Motor
 from escapement.model.natural import natural, resistances
 from escapement.model.scene import Joint, Scene
 from escapement.model.torque_curve import MOST_KNOTS, Torque, TorqueCurve
@@ -101,7 +102,7 @@ def _viscous(body: str) -> dict[str, Any]:
 
 @dataclass(frozen=True, repr=False)
 class Escapement(Declared):
-    """A mechanism with inertia and losses under a constant driving torque.
+    """A mechanism with inertia and losses under a driving torque.
 
     Parameters
     ----------
@@ -109,9 +110,10 @@ class Escapement(Declared):
         Geometry, for example `Geneva(slots=4)`.
     inertia : Inertia
         Moments of inertia [kg m^2].
-    torque : float or TorqueCurve
+    torque : float, TorqueCurve or Motor
         Torque on the driver [N m], > 0, at the start of the motion; constant unless there is a
-        spring rate. Meyer's "spring rate" K. A `TorqueCurve` gives it by the angle turned.
+        spring rate. Meyer's "spring rate" K. A `TorqueCurve` gives it by the angle turned. A
+        `Motor` gives its stall torque and its no-load speed.
     friction : float
         Coefficient of friction between pin and slot [-], >= 0.
     load_torque : float
@@ -133,9 +135,13 @@ class Escapement(Declared):
     spring_rate : float
         Torque that a spring loses per driver angle turned since the start of the motion [N
         m/rad], >= 0, until its torque is zero.
+    no_load_speed : float, optional
+        Speed of a motor at which it gives no torque [rad/s], > 0; at rest it gives `torque`, and
+        in between a straight line. By default the torque does not depend on the speed.
     barrel : Train, optional
-        Train between a barrel and the driver. `torque` and `spring_rate` are then those of the
-        barrel, and the angles of a `TorqueCurve` its angles.
+        Train between a barrel and the driver, or the gearbox of a motor. `torque`, `spring_rate`
+        and `no_load_speed` are then those of the barrel, and the angles of a `TorqueCurve` its
+        angles.
     load_train : Train, optional
         Train after the follower. `load_torque` then acts on its last shaft.
 
@@ -160,7 +166,7 @@ class Escapement(Declared):
 
     mechanism: Mechanism
     inertia: Inertia
-    torque: float | TorqueCurve = field(metadata=setting(Torque(
+    torque: float | TorqueCurve | Motor = field(metadata=setting(Torque(
         long_name="driving torque", unit="torque", exclusive=True, metavar="M",
         note=", or FILE.csv with driver angles turned and torques",
         remedy="give the constant driving torque"
@@ -193,6 +199,11 @@ class Escapement(Declared):
     spring_rate: float = field(default=0.0, metadata=quantity(
         "torque that the spring loses per driver angle", "rate", metavar="K",
         remedy="give the loss of torque per angle, 0 for a constant torque"
+    ))  # fmt: skip
+    no_load_speed: float | None = field(default=None, metadata=quantity(
+        "speed at which a motor gives no torque", "speed", exclusive=True,
+        note=", which falls in a straight line from that at rest",
+        remedy="give the speed without a load, or leave it out for a constant torque"
     ))  # fmt: skip
 
     restitution: float = field(default=0.0, metadata=quantity(
@@ -228,6 +239,7 @@ class Escapement(Declared):
         if not isinstance(self.inertia, Inertia):
             remedy = "give Inertia(driver=..., follower=...)"
             raise validate.fail("inertia", "an Inertia", self.inertia, remedy)
+        self._take_motor()
         self.check_fields()
         for role in ROLES:
             if not isinstance(train := getattr(self, role), Train | None):
@@ -243,8 +255,25 @@ class Escapement(Declared):
         check_trains(self, self.curve is not None)
         check_contact(self.contact, self.mechanism, vars(self))
 
+    def _take_motor(self) -> None:
+        """Replace a motor by its numbers."""
+        if isinstance(motor := self.torque, Motor):
+            given = self.no_load_speed
+            if given is not None and given != motor.no_load_speed:
+                rule = f"left out with a Motor, whose own is {motor.no_load_speed!r}"
+                raise validate.fail("no_load_speed", rule, given, "give torque as a number")
+            vars(self).update(torque=motor.stall_torque, no_load_speed=motor.no_load_speed)
+
     def _check_curve(self) -> None:
-        """Refuse a curve together with a spring rate, or with too many points in a cell."""
+        """Refuse a curve together with a spring rate, or with too many points in a cell, and a
+        motor with either."""
+        if self.no_load_speed is not None and (
+            isinstance(self.torque, TorqueCurve) or self.spring_rate > 0.0
+        ):
+            what = "spring rate" if self.spring_rate > 0.0 else "torque curve"
+            remedy = "a motor has a constant torque at rest"
+            rule = f"left out with a {what}"
+            raise validate.fail("no_load_speed", rule, self.no_load_speed, remedy)
         if isinstance(self.torque, TorqueCurve):
             if self.spring_rate > 0.0:
                 remedy = "let its torque fall by itself"
@@ -300,7 +329,7 @@ class Escapement(Declared):
         inertia = Inertia(found["driver_inertia"], found["follower_inertia"])
         given = isinstance(self.torque, TorqueCurve)
         torque: Any = self.curve if given else found["torque"]
-        numbers = {name: found[name] for name in ("load_torque", "spring_rate")}
+        numbers = {name: found[name] for name in ("load_torque", "spring_rate", "no_load_speed")}
         return replace(self, inertia=inertia, torque=torque, **numbers, **none)
 
     @cached_property

@@ -40,6 +40,8 @@ class Scene(NamedTuple):
     barrel, load_train : inertias of barrel and last shaft referred to driver and follower,
         divided by I_f; rho and I_f contain them.
     barrel_efficiency, load_train_efficiency : of their trains.
+    motor : the part of `driver_viscous` that is the slope of a motor on a barrel whose train loses
+        power; 0 elsewhere.
     """
 
     path: Path
@@ -65,6 +67,7 @@ class Scene(NamedTuple):
     barrel_efficiency: float
     load_train: float
     load_train_efficiency: float
+    motor: float
 
 
 class Joint(NamedTuple):

@@ -37,6 +37,7 @@ TORQUES = tuple(entry.name for entry in resisting() if entry.unit in ("torque", 
 torque changes only the unit of time."""
 DECIDING = {*quantities(Escapement), *quantities(Inertia), *train_numbers(), SPEED, *LENGTHS}
 """Numbers of the model and of a run that decide a scene."""
+NO_LOAD = "no_load_speed"
 MOST_SHARED = 1 << 20
 """Scenes that are kept for all blocks of a study: 50 MiB."""
 
@@ -74,8 +75,8 @@ class SharedScenes(NamedTuple):
 def shared_scenes(plan: StudyPlan) -> SharedScenes | None:
     """The scenes to solve before the blocks of a plan; None if that is useless or impossible."""
     deciding = {*plan.parameters}
-    if not any(np.any(plan.every(name)) for name in (SPEED, *TORQUES) if name in deciding):
-        deciding -= {TORQUE, SPEED, *TORQUES}
+    if not any(np.any(plan.every(name)) for name in (SPEED, NO_LOAD, *TORQUES) if name in deciding):
+        deciding -= {TORQUE, SPEED, NO_LOAD, *TORQUES}
     sizes = zip(plan.shape, plan.varied.values(), strict=True)
     shape = tuple(1 if deciding.isdisjoint(names) else size for size, names in sizes)
     if not together(plan) or math.prod(shape) >= min(plan.cases, MOST_SHARED + 1):

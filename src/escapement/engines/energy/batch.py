@@ -50,7 +50,7 @@ def _scene_with(shared, edges, row):
         as_given(row[11], shared.follower_journal), as_given(row[12], shared.gain),
         as_given(row[13], shared.flow), as_given(row[14], shared.barrel),
         as_given(row[15], shared.barrel_efficiency), as_given(row[16], shared.load_train),
-        as_given(row[17], shared.load_train_efficiency),
+        as_given(row[17], shared.load_train_efficiency), as_given(row[18], shared.motor),
     )  # fmt: skip
 
 
