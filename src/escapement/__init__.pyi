@@ -47,9 +47,9 @@ from escapement.mechanisms import Geneva as Geneva
 from escapement.mechanisms import Tabulated as Tabulated
 from escapement.model.escapement import Escapement as Escapement
 from escapement.model.escapement import Inertia as Inertia
+from escapement.model.motor import Motor as Motor
 from escapement.model.negator import negator_torque as negator_torque
 from escapement.model.stiffness import contact_stiffness as contact_stiffness
-from escapement.model.motor import Motor as Motor
 from escapement.model.torque_curve import TorqueCurve as TorqueCurve
 from escapement.model.train import Train as Train
 from escapement.motion_file import read_motion as read_motion

@@ -31,8 +31,8 @@ class FlowChanges(Events):
 def flow_changes_of(motion: Any) -> FlowChanges:
     """Every change of sign, in the order of time, of the torque in either train.
 
-    The torque is T - I_b theta_ddot, less the slope of a motor, for a barrel and M + I_l phi_ddot for a load train, with
-    numbers referred to driver and follower. If a sign changes from one piece of the motion to the
+    The torque is T - I_b theta_ddot for a barrel, less the slope of a motor times the speed, and
+    M + I_l phi_ddot for a load train, with numbers referred to driver and follower. If a sign changes from one piece of the motion to the
     next, as at a pin reversal, the change is at the boundary. Two changes between neighbouring
     times of 129 in a piece are found where the torque has a minimum there.
     """

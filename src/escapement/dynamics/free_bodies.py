@@ -10,7 +10,8 @@ and the body receives e q, where e is eta if power flows to the body, and 1/eta 
     I dv/dt = e q + P - sign(v) H - (c |v| + nu) v
 
 P is the push of the contact, H the dry friction of bearing and journal, and c and nu are the
-coefficients of drag. A motor's torque is less by nu_m v at the speed v. The driver's shaft is that of the barrel, with the torque of the drive; the
+coefficients of drag. A motor's torque T falls by nu_m v with the speed. The driver's shaft is that
+of the barrel, with the torque of the drive; the
 follower's is that of the load, whose torque is -sign(v) M. Friction never drives: a driver at rest
 that the drive cannot move is held.
 
@@ -32,7 +33,7 @@ class FreeBody(NamedTuple):
     near, far : inertia I of the body, and I_s of the shaft behind its train.
     efficiency : eta of the train.
     drag, viscous : coefficients c and nu.
-    motor : coefficient nu_m of a motor on the shaft; without losses of the train it is in `viscous`.
+    motor : coefficient nu_m of a motor on the shaft; without losses of its train `viscous` has it.
     """
 
     near: float

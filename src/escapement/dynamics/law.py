@@ -91,7 +91,7 @@ def is_ideal(scene):
 @inner_jit
 def is_viscous(scene):
     """Whether there is drag proportional to the speed, which makes the law nonlinear in w."""
-    return scene.driver_viscous > 0.0 or scene.follower_viscous > 0.0
+    return scene.driver_viscous != 0.0 or scene.follower_viscous != 0.0
 
 
 @inner_jit

@@ -113,9 +113,18 @@ def simulate(
     run = _engine(engine, escapement.contact, "simulate")
     motion: Motion = run(escapement, engagements=engagements, duration=duration, **settings)
     note = uniqueness_note(escapement) if motion.outcome is not Status.PAINLEVE else ""
-    if note or escapement.notes:
-        motion.add_notes(note, escapement.notes)
+    stalled = _stalled(escapement, motion.outcome)
+    if note or stalled or escapement.notes:
+        motion.add_notes(stalled, note, escapement.notes)
     return motion
+
+
+def _stalled(escapement: Escapement, status: Status) -> str:
+    """What to know of a motor that stops, or ""."""
+    if status is not Status.STALL or escapement.no_load_speed is None:
+        return ""
+    passed = escapement.scene.barrel_efficiency * escapement.torque_unit
+    return f"at rest the motor gives the driver {as_spoken(passed, 'torque')}, which is its most"
 
 
 @cache
@@ -177,8 +186,9 @@ def terminal(
     solver = choose_solver(solver, engine, rtol, atol, method, max_step)
     engine, settings = _settings(escapement, solver, initial_speed)
     found = _terminal(escapement, engine, settings)
-    if escapement.notes:
-        found.add_notes(escapement.notes)
+    stalled = _stalled(escapement, found.outcome)
+    if stalled or escapement.notes:
+        found.add_notes(stalled, escapement.notes)
     return found
 
 
