@@ -138,6 +138,12 @@ class TwoBodies:
             impulse = normal + share * tangent
             slows = impulse * v < 0.0
             inertia = self.own + np.where(slows, self.passes, 1.0 / self.passes) * self.far
+            if held is not None:
+                # a body that has come to rest turns the other way, with another inertia
+                own = tangent / inertia
+                held = -(normal @ own) / (tangent @ own)
+                assert abs(held) <= self.friction
+                impulse = normal + held * tangent
             change = impulse / inertia
             to_end = goal - total if goal < np.inf else -(normal @ v) / (normal @ change)
             to_stick = np.inf if held is not None else sliding / (tangent @ change)
