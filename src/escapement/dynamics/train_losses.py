@@ -18,6 +18,7 @@ Inertias and torques are referred to the driver and the follower, in natural uni
 import numpy as np
 
 from escapement.dynamics.law import state_of_pose
+from escapement.dynamics.load import load_at
 from escapement.dynamics.torque import torque_at
 from escapement.mechanisms.slotted import pose_at
 from escapement.numerics.altered import altered
@@ -103,7 +104,8 @@ def flow_at(theta, side, w, scene):
     for i in range(FLOWS):
         flow = float(i)
         here = in_flow(scene, flow)
-        now = state_of_pose(pose, torque_at(theta, here)[0], w, side, here)
+        load = load_at(theta, side, here)
+        now = state_of_pose(pose, torque_at(theta, here)[0], w, side, here, 0.0, 0.0, load)
         if not now.inertia > 0.0:
             # beyond the Painleve limit of this flow it would need a force of the other sign
             continue

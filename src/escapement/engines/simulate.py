@@ -15,7 +15,13 @@ from escapement.dynamics.figures_of_merit import Figures
 from escapement.dynamics.law import ends_alike, is_lossless
 from escapement.dynamics.motion import Motion, no_motion
 from escapement.dynamics.painleve import friction_limits, painleve_message, uniqueness_note
-from escapement.engines.solver import DEFAULT_ENGINE, Solver, choose_solver, solver_for
+from escapement.engines.solver import (
+    DEFAULT_ENGINE,
+    Solver,
+    choose_solver,
+    solver_for,
+    solver_for_turns,
+)
 from escapement.mechanisms.slotted import transmission_at
 from escapement.model.checks import MOST_UNEQUAL
 from escapement.model.escapement import Escapement, Run
@@ -141,6 +147,8 @@ def _settings(
     if not isinstance(escapement, Escapement):
         raise validate.fail("escapement", "an Escapement", escapement, "see escapement.Escapement")
     solver = solver_for(escapement.contact, solver)
+    if escapement.mechanism.perfect and len(escapement.pairs) > 1:
+        solver = solver_for_turns(solver)
     speed = check_number(Run, "initial_speed", initial_speed)
     return solver.engine or DEFAULT_ENGINE, {**solver.arguments, "initial_speed": speed}
 
@@ -214,7 +222,8 @@ def _terminal(escapement: Escapement, engine: str, settings: dict[str, Any]) -> 
     if not (contact or struck) and is_lossless(escapement.scene) and _ends_alike(escapement):
         # every engagement gains the same energy, so that one tells whether all stop, or none
         # is steady
-        one = _engine(engine, "", "simulate")(escapement, engagements=1, duration=None, **settings)
+        round_ = {"engagements": len(escapement.pairs), "duration": None}
+        one = _engine(engine, "", "simulate")(escapement, **round_, **settings)
         status, message = one.outcome, one.message
         if status is Status.OK:
             mechanism = escapement.mechanism

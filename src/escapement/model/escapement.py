@@ -18,10 +18,12 @@ from escapement.mechanisms.wheel_checks import check_lengths
 from escapement.model.checks import (
     MOST_UNEQUAL,
     check_contact,
+    check_load,
     check_losses,
     check_trains,
     idle_settings,
 )
+from escapement.model.load_curve import Load, LoadSetting, steps_of
 from escapement.model.motor import Motor
 from escapement.model.natural import natural, resistances
 from escapement.model.scene import Joint, Scene
@@ -118,6 +120,9 @@ class Escapement(Declared):
         Coefficient of friction between pin and slot [-], >= 0.
     load_torque : float
         Constant torque opposing the follower while it moves [N m], >= 0.
+    load_curve : LoadCurve or Unbalance, optional
+        Torque on the follower over its angle, in addition to `load_torque`: a curve that repeats
+        in a step or a turn, or a weight out of balance.
     efficiency : float
         Share of the power that gears pass on, in either direction [-], in [0.001, 1]. It replaces
         friction in a mechanism without slots; a mechanism with slots has 1.
@@ -179,6 +184,11 @@ class Escapement(Declared):
         "load torque on the follower", "torque", remedy="give the opposing torque, 0 for none",
         scene="load"
     ))  # fmt: skip
+    load_curve: Load | None = field(default=None, metadata=setting(LoadSetting(
+        long_name="load over the follower angle", unit="torque", metavar="FILE.csv",
+        note=", a file with follower angles and torques",
+        remedy="give a LoadCurve or an Unbalance"
+    )))  # fmt: skip
     efficiency: float = field(default=1.0, metadata=quantity(
         "share of the power that the mesh passes on", metavar="E", slotted=False,
         instead="friction", minimum=1e-3, maximum=1.0, note=", instead of friction",
@@ -254,6 +264,7 @@ class Escapement(Declared):
         check_lengths(vars(self), self.mechanism.crank_radius, self.mechanism.plain_crank)
         check_trains(self, self.curve is not None)
         check_contact(self.contact, self.mechanism, vars(self))
+        check_load(self)
 
     def _take_motor(self) -> None:
         """Replace a motor by its numbers."""
@@ -403,8 +414,23 @@ class Escapement(Declared):
 
     @cached_property
     def pairs(self) -> tuple[Pair, ...]:
-        """Its engagements: one that repeats itself, or with imperfect parts a pattern of them."""
-        return self.mechanism.pairs
+        """Its engagements: one that repeats itself, or a pattern of them, with imperfect parts or a
+        load that repeats in a turn of the follower.
+        """
+        pairs = self.mechanism.pairs
+        cells = (pairs[0]._replace(edges=cell.edges) for cell in self._load_cells)
+        return tuple(cells) or pairs
+
+    @cached_property
+    def _load_cells(self) -> list[Any]:
+        """The load that changes with the follower angle in each of its engagements."""
+        if self.load_curve is None:
+            return []
+        from escapement.model.load_cells import load_cell
+
+        step = self.mechanism.follower_step
+        count, (pair, *_) = steps_of(self.load_curve, abs(step)), self.mechanism.pairs
+        return [load_cell(self.load_curve, pair, k * step) for k in range(count)]
 
     @cached_property
     def scenes(self) -> tuple[Scene, ...]:
@@ -413,7 +439,11 @@ class Escapement(Declared):
         numbers: dict[str, Any]
         numbers = {name: float(value) for name, value in natural(self.referred, meshed).items()}
         torque = np.array([0.0, 0.0, 1.0]) if self.curve is None else self.curve.knots()
-        return tuple(Scene(*m[:3], torque, 0.0, **numbers) for m in self.pairs)
+        pairs, loads = self.pairs, [np.zeros(1)] * len(self.pairs)
+        if self._load_cells:
+            loads = [cell.in_units(self.torque_unit) for cell in self._load_cells]
+        cells = zip(pairs, loads, strict=True)
+        return tuple(Scene(*m[:3], torque, 0.0, load, **numbers) for m, load in cells)
 
     @cached_property
     def scene(self) -> Scene:
@@ -435,7 +465,16 @@ class Escapement(Declared):
 
     def __getstate__(self) -> dict[str, Any]:
         """Another process computes the scene and everything that depends on it again."""
-        derived = ("pairs", "scenes", "scene", "joint", "kept", "_begins", "referred")
+        derived = (
+            "pairs",
+            "scenes",
+            "scene",
+            "joint",
+            "kept",
+            "_begins",
+            "_load_cells",
+            "referred",
+        )
         return {key: value for key, value in vars(self).items() if key not in derived}
 
     @cached_property
@@ -474,9 +513,18 @@ class Escapement(Declared):
             self.torque_unit * driver_angle if self.curve is None else self.curve.work(driver_angle)
         )
 
-    def load_work(self, driver_angle: Any) -> Any:
-        """Work done against the load while the follower turns by angles [rad] [J]."""
-        return self.referred["load_torque"] * driver_angle
+    def load_work(self, turn: Any, begin: Any = None) -> Any:
+        """Work done against the load while the follower turns by angles [rad] [J].
+
+        begin : follower angles from which it turns; None where it turns by whole rounds of a load
+            that changes with the angle.
+        """
+        work = self.referred["load_torque"] * turn
+        if (load := self.load_curve) is None:
+            return work
+        if begin is None:
+            return work + turn / load.period * load.work(0.0, load.period)
+        return work + load.work(begin, begin + turn)
 
 
 def model_settings() -> dict[str, Setting]:
