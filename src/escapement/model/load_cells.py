@@ -44,7 +44,7 @@ def load_cell(load: Load, pair: Pair, turned: float) -> LoadCell:
 
     edges = _with_knots(load, pair.edges, angle)
     series = fit(lambda theta: np.asarray(load(angle(theta))), edges, _ORDER, _DECAYED, kinks=0)
-    numbers = [series.rows.shape, series.edges, series.rows.reshape(-1)]
+    numbers = np.array(series.rows.shape, float), series.edges, series.rows.reshape(-1)
     return LoadCell(edges, np.concatenate(numbers))
 
 

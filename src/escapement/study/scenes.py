@@ -249,6 +249,8 @@ def si_unit(name: str, clock: Any, torque: Any, motor_torque: Any) -> Any:
 
 def together(plan: StudyPlan) -> bool:
     """Whether many cases are solved at once; otherwise one by one."""
+    if plan.fixed_si.get("load_curve") is not None:
+        return False
     if plan.solver.engine != "energy" or plan.perfect:
         return plan.solver.engine == "energy"
     varied = {name for along in plan.varied.values() for name in along}
