@@ -13,6 +13,6 @@ Read `law` first: it is the equation of motion.
 - `events`, `flow_changes`, `impacts`: handoffs, changes of the direction of power, and impacts of
   a motion
 - `energy_balance`: where the work went
-- `figures_of_merit`, `figure_table`, `figure_record`: figures of merit, their declarations, and
-  what is told of them
+- `figures_of_merit`, `motor_figures`, `figure_table`, `figure_record`: figures of merit, those of a
+  motor, their declarations, and what is told of them
 """
