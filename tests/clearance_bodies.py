@@ -34,6 +34,8 @@ class TwoBodies:
         # the torque over the driver angle turned; friction of the driver's bearing has its own sign
         self.rate, self.driver_angle = timer.spring_rate / barrel.ratio**2 / drive, 0.0
         self.bearing = timer.driver_bearing_torque / drive
+        # a motor gives no torque at this speed of the driver
+        self.no_load = (timer.no_load_speed or np.inf) * barrel.ratio * clock
         self.friction, self.bounce = timer.friction, timer.restitution
         self.step, self.clock, self.chatter = wheel.follower_step, clock, chatter
 
@@ -60,7 +62,7 @@ class TwoBodies:
         `sense` is the sign of the sliding speed, 0 where it is to be found.
         """
         pull = max(1.0 - self.rate * (self.driver_angle + q[0] + self.exit), 0.0)
-        beyond = np.array([pull, -self.load * np.sign(v[1])])
+        beyond = np.array([pull - v[0] / self.no_load, -self.load * np.sign(v[1])])
         held = self.bearing * np.sign(v[0])
         if side == 0.0 and v[0] == 0.0:
             held = min(self.bearing, pull * self.passes[0])
@@ -136,6 +138,12 @@ class TwoBodies:
             impulse = normal + share * tangent
             slows = impulse * v < 0.0
             inertia = self.own + np.where(slows, self.passes, 1.0 / self.passes) * self.far
+            if held is not None:
+                # a body that has come to rest turns the other way, with another inertia
+                own = tangent / inertia
+                held = -(normal @ own) / (tangent @ own)
+                assert abs(held) <= self.friction
+                impulse = normal + held * tangent
             change = impulse / inertia
             to_end = goal - total if goal < np.inf else -(normal @ v) / (normal @ change)
             to_stick = np.inf if held is not None else sliding / (tangent @ change)
@@ -150,6 +158,9 @@ class TwoBodies:
                 hold = -(normal @ own) / (tangent @ own)
                 if abs(hold) <= self.friction:
                     held = hold
+                else:
+                    # it slides on against its former sense; rounding must not decide on that
+                    v = v + 1e-15 * np.sign(tangent @ (normal / inertia)) * own
                 continue
             v, total = v + change * to_end, total + to_end
             if goal < np.inf:

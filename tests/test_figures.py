@@ -94,7 +94,7 @@ def test_both_engines_give_the_same_figures(scene, speed):
     fast, judge = (esc.terminal(scene, engine=e, initial_speed=speed).as_dict() for e in BOTH)
     for figure, value in judge.items():
         if figure not in ("contraction", "energy_residual", "message"):
-            assert fast[figure] == pytest.approx(value, rel=1e-8), figure
+            assert fast[figure] == pytest.approx(value, rel=1e-8, nan_ok=True), figure
 
 
 def test_terminal_figures_keep_the_tolerance_where_little_is_lost():

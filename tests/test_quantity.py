@@ -84,7 +84,7 @@ def test_every_number_of_a_kind_has_a_key_and_an_axis(kind):
     known = settings_of(build, build.meshed)
     assert {*declared(build)} <= {*known}
     for name, entry in known.items():
-        assert entry.axis or entry.section == "mechanism" or name == "contact_law"
+        assert entry.axis or entry.section == "mechanism" or name in ("contact_law", "load_curve")
         assert entry.name == name
     lost = {"friction", "efficiency"} - {*known}
     assert lost == {"friction" if build.meshed else "efficiency"}

@@ -38,6 +38,20 @@ def indexing_drive() -> Figure:
 
 
 @drawn
+def motor() -> Figure:
+    """The same table with a motor and its gearbox, from rest to the steady state."""
+    drive = esc.Escapement(
+        esc.Geneva(6, pins=1, crank_radius=0.05),
+        esc.Inertia(driver=0.02, follower=0.4),
+        torque=esc.Motor(stall_torque=2.0, no_load_speed=3000.0 * np.pi / 30.0),
+        friction=0.08,
+        load_torque=2.0,
+        barrel=esc.Train(ratio=1 / 40, efficiency=0.8, inertia=2e-5),
+    )
+    return plots.plot_motor(esc.simulate(drive, engagements=4), esc.terminal(drive))
+
+
+@drawn
 def reversal_curves() -> Figure:
     """Filemon's figure 10."""
     return plot_reversal_curves().figure

@@ -56,6 +56,9 @@ from escapement.mechanisms import Geneva as Geneva
 from escapement.mechanisms import Tabulated as Tabulated
 from escapement.model.escapement import Escapement as Escapement
 from escapement.model.escapement import Inertia as Inertia
+from escapement.model.load_curve import LoadCurve as LoadCurve
+from escapement.model.load_curve import Unbalance as Unbalance
+from escapement.model.motor import Motor as Motor
 from escapement.model.negator import negator_torque as negator_torque
 from escapement.model.stiffness import contact_stiffness as contact_stiffness
 from escapement.model.torque_curve import TorqueCurve as TorqueCurve

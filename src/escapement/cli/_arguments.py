@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 from fractions import Fraction
 from importlib import import_module
 from pathlib import Path
-from types import ModuleType
+from types import FunctionType, ModuleType
 from typing import Any, NoReturn
 
 from escapement import __version__
@@ -101,7 +101,7 @@ class Parser(argparse.ArgumentParser):
         args.settings = self.settings
         # numbers are converted when --units is known, which may stand anywhere
         for name, value in vars(args).items():
-            if callable(value):
+            if isinstance(value, FunctionType):
                 setattr(args, name, value(args.units or SYSTEMS[0]))
         self._refuse_idle(args)
         return args

@@ -26,6 +26,7 @@ from escapement.dynamics.law import (
     scene_of,
     slide_at,
 )
+from escapement.dynamics.load import load_at
 from escapement.mechanisms.slotted import pose_at
 from escapement.numerics.gauss import POINTS, N, integral, tail_of
 from escapement.numerics.jit import inner_jit, jit
@@ -74,7 +75,8 @@ class CycleFigures(NamedTuple):
 def follower_moment(theta, scene):
     """F: moment of the contact on the follower at constant speed."""
     g, _u, dg, _radius = pose_at(scene.path, theta)
-    return resistance(g, dragged_slope(g, dg, scene), 1.0, 1.0, scene)
+    load = load_at(theta, 1.0, scene)
+    return resistance(g, dragged_slope(g, dg, scene), 1.0, 1.0, scene, load)
 
 
 @inner_jit
@@ -84,7 +86,8 @@ def contact_at(theta, side, slide_sign, scene, efficiency):
     With the given side and sign of sliding they continue smoothly beyond a kink.
     """
     g, u, dg, radius = pose_at(scene.path, theta)
-    moment = resistance(g, dragged_slope(g, dg, scene), 1.0, 1.0, scene)
+    load = load_at(theta, 1.0, scene)
+    moment = resistance(g, dragged_slope(g, dg, scene), 1.0, 1.0, scene, load)
     _slide, lever = grip(g, u, radius, side, scene, slide_sign)
     ratio = g + friction_ratio(g, u, radius, side, scene, slide_sign)
     torque = ratio * moment + scene.driver_drag + scene.driver_viscous + scene.bearing

@@ -68,7 +68,13 @@ def doubt_of(drive: "Case") -> str:
 
 
 def filemon_figures(drive: "IndexingDrive") -> dict[str, Any]:
-    """Filemon's figures of an indexing drive, by the names of `DRIVE` [SI]."""
+    """Filemon's figures of an indexing drive, by the names of `DRIVE` [SI].
+
+    His numbers without reversal belong to a constant load.
+    """
+    if drive.load_curve is not None:
+        reversals = [math.degrees(angle) for angle in drive.reversals.tolist()]
+        return {"reversals_deg": reversals, "torque_mean": drive.torque_mean}
     thin = drive.thin
     found = record_of(thin).values
     names = (

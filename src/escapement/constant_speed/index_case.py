@@ -29,6 +29,7 @@ class IndexCase(Case):
     """A mechanism whose driver turns at a constant speed; see `indexing.index` for its numbers."""
 
     load_torque: Any = field(metadata=like(Escapement, "load_torque"))
+    load_curve: Any = field(default=None, metadata=like(Escapement, "load_curve"))
     driver_bearing_friction: float = field(
         default=0.0, metadata=like(Escapement, "driver_bearing_friction")
     )

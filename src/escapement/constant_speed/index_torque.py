@@ -55,12 +55,20 @@ class IndexTorque(IndexCase):
         numbers = {name: getattr(self, name) for name in _RESISTING if getattr(self, name)}
         return Escapement(
             self.mechanism, Inertia(self.follower_inertia, self.follower_inertia),
-            torque=self.inertial, friction=self.friction, load_torque=self._load, **numbers,
+            torque=self.inertial, friction=self.friction, load_torque=self._load,
+            load_curve=self.load_curve, **numbers,
         )  # fmt: skip
 
     @property
     def _load(self) -> float:
         return float(self.load_torque)
+
+    @property
+    def _load_at(self) -> Any:
+        """The load torque, or a function that gives it at follower angles."""
+        if (curve := self.load_curve) is None:
+            return self.load_torque
+        return lambda phi: self._load + curve(phi)
 
     @property
     def _scene(self) -> Scene:
@@ -70,6 +78,7 @@ class IndexTorque(IndexCase):
     def _edges(self) -> FloatArray:
         """Driver angles between which torque and forces are smooth but for reversals [rad]."""
         scene, parts = self._scene, [smooth_intervals(self._scene.path, self.mechanism.breaks)]
+        parts += [scene.edges] if self.load_curve is not None else []
         if not scene.path.table:
             parts.append(slide_edges(scene.path, scene.pin, scene.edges))
         found: FloatArray = np.unique(np.concatenate([*parts, [self.half]]))
@@ -199,7 +208,7 @@ class IndexTorque(IndexCase):
         wheel: Any = self.mechanism
         sizes = {name: 0.0 for name in _SIZES if getattr(wheel, name)}
         return DriveTorque(
-            replace(wheel, **sizes) if sizes else wheel, self.speed, self.load_torque,
+            replace(wheel, **sizes) if sizes else wheel, self.speed, self._load_at,
             self.follower_inertia, self.efficiency, self.friction,
         )  # fmt: skip
 

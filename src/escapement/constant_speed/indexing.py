@@ -220,7 +220,8 @@ def index(
     speed : float
         Driver speed [rad/s], > 0.
     load_torque : float
-        Torque that opposes the follower [N m], >= 0.
+        Torque that opposes the follower [N m], >= 0. A `load_curve`, as that of `Escapement`, adds
+        what it has in the first step: a weight may be in another place in the next one.
     follower_inertia : float
         Follower and everything that turns with it [kg m^2], > 0.
     efficiency, friction : float

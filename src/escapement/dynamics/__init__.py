@@ -3,8 +3,8 @@
 Read `law` first: it is the equation of motion.
 
 - `codes`: kinds of events, and how an engagement ends
-- `law`, `torque`, `train_losses`, `state_table`: the equation, the torque of the drive, trains that
-  lose power, and what kernels tabulate
+- `law`, `torque`, `load`, `train_losses`, `state_table`: the equation, the torque of the drive, a
+  load that changes, trains that lose power, and what kernels tabulate
 - `free_bodies`: driver and follower that move on their own
 - `needs`: what a scene needs, for which alone kernels are compiled
 - `painleve`: the friction at which the equation loses its solution
@@ -13,6 +13,6 @@ Read `law` first: it is the equation of motion.
 - `events`, `flow_changes`, `impacts`: handoffs, changes of the direction of power, and impacts of
   a motion
 - `energy_balance`: where the work went
-- `figures_of_merit`, `figure_table`, `figure_record`: figures of merit, their declarations, and
-  what is told of them
+- `figures_of_merit`, `motor_figures`, `figure_table`, `figure_record`: figures of merit, those of a
+  motor, their declarations, and what is told of them
 """

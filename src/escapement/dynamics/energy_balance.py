@@ -131,7 +131,7 @@ def ledger_of(motion: Any, progress: Callable[[int, int, int], None] | None = No
         passed = motion.handoffs.engagement <= last
         jumps = float(motion.handoffs.jump[passed].sum())
         blows = float(motion.handoffs.energy[passed].sum())
-    load = escapement.load_work(ends.phi[1] - ends.phi[0] - jumps)
+    load = escapement.load_work(ends.phi[1] - ends.phi[0] - jumps, ends.phi[0])
     if taken is not None:
         load, blows = float(taken.sum()), float(motion.impacts.energy.sum())
     lost, done = np.zeros(len(LOSSES)), 0

@@ -16,6 +16,10 @@ def _sized(escapement: Any) -> bool:
     return escapement.mechanism.crank_radius is not None
 
 
+def _motored(escapement: Any) -> bool:
+    return escapement.no_load_speed is not None
+
+
 def uneven(escapement: Any) -> bool:
     """Whether engagements may differ from each other, or begin with a blow."""
     return escapement.contact or len(escapement.pairs) > 1
@@ -54,6 +58,16 @@ FIGURES = {
     "follower_acceleration_max": Result("acceleration", "greatest follower acceleration"),
     "contact_moment_max": Result("torque", "greatest moment on the follower"),
     "contact_force_max": Result("force", "greatest force on the pin", exists=_sized),
+    "speed_dip": Result(
+        "ratio", "share by which the driver velocity falls below its greatest", exists=_motored
+    ),
+    "motor_torque_max": Result("torque", "greatest torque of the motor", exists=_motored),
+    "motor_torque_rms": Result(
+        "torque", "root mean square of the motor's torque over time", exists=_motored
+    ),
+    "motor_stall_share": Result(
+        "ratio", "greatest torque of the motor over its torque at rest", exists=_motored
+    ),
     "energy_residual": Result("ratio", "energy unaccounted for, as a share of the work"),
 }  # fmt: skip
 """Scalar figures of merit in the order in which they are reported."""

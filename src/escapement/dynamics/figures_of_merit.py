@@ -19,6 +19,8 @@ from escapement.base.units import printed
 from escapement.dynamics.energy_balance import Judged, JudgedResult
 from escapement.dynamics.figure_table import FIGURES, TRANSIENT
 from escapement.dynamics.motion import Motion
+from escapement.dynamics.motor_figures import NAMES as MOTOR
+from escapement.dynamics.motor_figures import motor_figures
 from escapement.dynamics.trajectory import Extrema
 from escapement.mechanisms.protocol import FloatArray
 from escapement.numerics import search
@@ -47,6 +49,13 @@ def _peak(index: int, meaning: str) -> cached_property[float]:
     peak = cached_property(lambda figures: float(figures._peaks[index]))
     peak.__doc__ = meaning
     return peak
+
+
+def _of_motor(name: str, meaning: str) -> cached_property[float]:
+    """A figure of a motor over the terminal cycle."""
+    found = cached_property(lambda figures: figures._motor[name])
+    found.__doc__ = meaning
+    return found
 
 
 @dataclass(frozen=True)
@@ -92,6 +101,8 @@ class Figures(JudgedResult, Shown):
     contact_moment_max : greatest magnitude of the moment on the follower [N m].
     contact_force_max : greatest magnitude of the force on the pin [N]; NaN
         without a crank radius.
+    speed_dip, motor_torque_max, motor_torque_rms, motor_stall_share : with a motor, see
+        `motor_figures.motor_figures`; without one NaN.
     energy_residual : energy unaccounted for over the terminal cycle, as a share of the work [-].
     reversal_angles : pin reversals of the terminal cycle, from dead centre [rad].
     last_reversal_angle : the last of them; NaN where there is none [rad].
@@ -144,6 +155,16 @@ class Figures(JudgedResult, Shown):
     follower_acceleration_max = _peak(1, "Greatest follower acceleration [rad/s^2].")
     contact_moment_max = _peak(2, "Greatest moment on the follower [N m].")
     contact_force_max = _peak(3, "Greatest force on the pin [N].")
+
+    @cached_property
+    def _motor(self) -> dict[str, float]:
+        none = dict.fromkeys(MOTOR, _NAN)
+        return none if self.motion is None else motor_figures(self.motion)
+
+    speed_dip = _of_motor("speed_dip", "Greatest less least driver speed, over the greatest [-].")
+    motor_torque_max = _of_motor("motor_torque_max", "Greatest torque of the motor [N m].")
+    motor_torque_rms = _of_motor("motor_torque_rms", "Effective torque of the motor [N m].")
+    motor_stall_share = _of_motor("motor_stall_share", "Greatest torque over that at rest [-].")
 
     @property
     def beats(self) -> tuple[float, ...]:

@@ -31,10 +31,11 @@ class FlowChanges(Events):
 def flow_changes_of(motion: Any) -> FlowChanges:
     """Every change of sign, in the order of time, of the torque in either train.
 
-    The torque is T - I_b theta_ddot for a barrel and M + I_l phi_ddot for a load train, with
-    numbers referred to driver and follower. If a sign changes from one piece of the motion to the
-    next, as at a pin reversal, the change is at the boundary. Two changes between neighbouring
-    times of 129 in a piece are found where the torque has a minimum there.
+    The torque is T - I_b theta_ddot for a barrel, less the slope of a motor times the speed, and
+    M + I_l phi_ddot for a load train, with numbers referred to driver and follower. If a sign
+    changes from one piece of the motion to the next, as at a pin reversal, the change is at the
+    boundary. Two changes between neighbouring times of 129 in a piece are found where the torque
+    has a minimum there.
     """
     found = sorted(row for train in motion.escapement.trains for row in _changes(motion, train))
     columns = [np.array(column) for column in zip(*found, strict=True)] or [np.empty(0)] * 6
@@ -88,6 +89,8 @@ def _passed(motion: Any, piece: int, times: FloatArray, train: str) -> FloatArra
         )
     curve, driver_angle = motion.escapement.curve, state.theta - motion.at(0.0).theta
     torque = referred["torque"] if curve is None else curve(driver_angle)
+    if "motor_viscous" in referred:
+        torque = torque - referred["motor_viscous"] * state.theta_dot
     sense = np.where(state.theta_dot < 0.0, -1.0, 1.0)
     return np.asarray(
         sense * (torque - train_inertia.inertia / train_inertia.ratio**2 * state.theta_ddot)

@@ -10,7 +10,8 @@ and the body receives e q, where e is eta if power flows to the body, and 1/eta 
     I dv/dt = e q + P - sign(v) H - (c |v| + nu) v
 
 P is the push of the contact, H the dry friction of bearing and journal, and c and nu are the
-coefficients of drag. The driver's shaft is that of the barrel, with the torque of the drive; the
+coefficients of drag. A motor's torque T falls by nu_m v with the speed. The driver's shaft is that
+of the barrel, with the torque of the drive; the
 follower's is that of the load, whose torque is -sign(v) M. Friction never drives: a driver at rest
 that the drive cannot move is held.
 
@@ -32,6 +33,7 @@ class FreeBody(NamedTuple):
     near, far : inertia I of the body, and I_s of the shaft behind its train.
     efficiency : eta of the train.
     drag, viscous : coefficients c and nu.
+    motor : coefficient nu_m of a motor on the shaft; without losses of its train `viscous` has it.
     """
 
     near: float
@@ -39,6 +41,7 @@ class FreeBody(NamedTuple):
     efficiency: float
     drag: float
     viscous: float
+    motor: float
 
 
 class Movement(NamedTuple):
@@ -61,7 +64,7 @@ def driver_of(scene):
     """The driver, with the barrel behind its train."""
     return FreeBody(
         near=scene.rho - scene.barrel, far=scene.barrel, efficiency=scene.barrel_efficiency,
-        drag=scene.driver_drag, viscous=scene.driver_viscous,
+        drag=scene.driver_drag, viscous=scene.driver_viscous - scene.motor, motor=scene.motor,
     )  # fmt: skip
 
 
@@ -70,7 +73,7 @@ def follower_of(scene):
     """The follower, with the load behind its train."""
     return FreeBody(
         near=1.0 - scene.load_train, far=scene.load_train, efficiency=scene.load_train_efficiency,
-        drag=scene.follower_drag, viscous=scene.follower_viscous,
+        drag=scene.follower_drag, viscous=scene.follower_viscous, motor=0.0,
     )  # fmt: skip
 
 
@@ -94,13 +97,15 @@ def move(body, speed, sense, torque, push, friction):
     """
     friction *= sense
     drag = (body.drag * abs(speed) + body.viscous) * speed
-    other = push - friction - drag
+    other, slope = push - friction - drag, body.motor * speed
+    torque -= slope
     through, share = body.near * torque - body.far * other, 1.0
     if body.efficiency != 1.0:
         share = shared(body.efficiency, sense if through >= 0.0 else -sense)
     inertia = body.near + share * body.far
     rate = (share * torque + other) / inertia
     train = (1.0 - share) * (torque - body.far * rate)
+    drag += slope
     return Movement(
         rate=rate, inertia=inertia, through=through, friction=friction, drag=drag, train=train
     )

@@ -47,6 +47,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from escapement.dynamics.load import load_at, whole_load
 from escapement.dynamics.torque import REST, is_undriven, same_angle_gap, torque_at
 from escapement.mechanisms.path import OFFSET, PIN_RATE, Path
 from escapement.mechanisms.slotted import pose_at
@@ -91,7 +92,7 @@ def is_ideal(scene):
 @inner_jit
 def is_viscous(scene):
     """Whether there is drag proportional to the speed, which makes the law nonlinear in w."""
-    return scene.driver_viscous > 0.0 or scene.follower_viscous > 0.0
+    return scene.driver_viscous != 0.0 or scene.follower_viscous != 0.0
 
 
 @inner_jit
@@ -173,27 +174,30 @@ def drive_sign(pull, w, scene):
     return np.sign(drive(pull, w, root_of(w, scene), scene))
 
 
-@where_known("follower_viscous", lambda g, k, w, root, scene: k * w + scene.load)
-def resistance(g, k, w, root, scene):
-    """F: moment of the follower's inertia at constant speed, of its load and its drag."""
-    return k * w + scene.load + scene.follower_viscous * g * root
+@where_known("follower_viscous", lambda g, k, w, root, scene, load=0.0: k * w + scene.load)
+def resistance(g, k, w, root, scene, load=0.0):
+    """F: moment of the follower's inertia at constant speed, of its load and its drag.
+
+    `load` is the part of the load that changes with the follower's angle, see `dynamics.load`.
+    """
+    return k * w + whole_load(load, scene) + scene.follower_viscous * g * root
 
 
 @inner_jit
-def contact(g, k, pull, w, root, scene):
+def contact(g, k, pull, w, root, scene, load=0.0):
     """X = N h (rho + g p): its sign is the side of the slot that carries the force.
 
     It depends neither on the side itself nor on losses that grow with the contact force, so
     the side is explicit and unique below the Painleve limit. The pin changes sides where it is
     zero; at constant driver speed F = 0 takes its place, which is Filemon's pin reversal.
     """
-    return scene.rho * resistance(g, k, w, root, scene) + g * drive(pull, w, root, scene)
+    return scene.rho * resistance(g, k, w, root, scene, load) + g * drive(pull, w, root, scene)
 
 
 @inner_jit
-def net_torque(g, c, k, pull, w, root, scene):
+def net_torque(g, c, k, pull, w, root, scene, load=0.0):
     """Torque that is left to accelerate the driver, J_s theta_ddot = D - p F."""
-    return drive(pull, w, root, scene) - (g + c) * resistance(g, k, w, root, scene)
+    return drive(pull, w, root, scene) - (g + c) * resistance(g, k, w, root, scene, load)
 
 
 @inner_jit
@@ -227,20 +231,21 @@ class WallState(NamedTuple):
 def wall_state(theta, w, side, scene, slide_sign=0.0, ratio_sign=0.0):
     """`WallState` at a driver angle; the side is 0 in a dwell, and signs are as in `grip`."""
     pose = pose_at(scene.path, theta) if side != 0.0 else (0.0, 0.0, 0.0, 0.0)
-    return state_of_pose(pose, torque_at(theta, scene)[0], w, side, scene, slide_sign, ratio_sign)
+    torque, load = torque_at(theta, scene)[0], load_at(theta, side, scene)
+    return state_of_pose(pose, torque, w, side, scene, slide_sign, ratio_sign, load)
 
 
 @inner_jit(inlined=True)
-def state_of_pose(pose, torque, w, side, scene, slide_sign=0.0, ratio_sign=0.0):
+def state_of_pose(pose, torque, w, side, scene, slide_sign=0.0, ratio_sign=0.0, load=0.0):
     """`WallState` at a `pose_at` and a torque of the drive."""
     g, u, dg, radius = pose
     c = friction_ratio(g, u, radius, side, scene, slide_sign, ratio_sign)
     k = dragged_slope(g, dg, scene, ratio_sign)
     pull, root, moment = torque - scene.bearing, root_of(w, scene), 0.0
     inertia = reduced_inertia(g, c, scene)
-    rate = net_torque(g, c, k, pull, w, root, scene) / inertia
+    rate = net_torque(g, c, k, pull, w, root, scene, load) / inertia
     if side != 0.0:
-        moment = contact(g, k, pull, w, root, scene)
+        moment = contact(g, k, pull, w, root, scene, load)
     return WallState(
         g=g, u=u, dg=dg, radius=radius, c=c, k=k, pull=pull, root=root, inertia=inertia, rate=rate,
         moment=moment,
@@ -276,7 +281,7 @@ def is_felt(share):
 
 
 @inner_jit
-def energy_rates(g, c, k, pull, inverse_inertia, dtheta_dx, root, scene):
+def energy_rates(g, c, k, pull, inverse_inertia, dtheta_dx, root, scene, load=0.0):
     """Coefficients of dE/dx = A - B E for E = (rho + g^2) w, twice the kinetic energy.
 
     With J = rho + g^2 + g c
@@ -301,7 +306,7 @@ def energy_rates(g, c, k, pull, inverse_inertia, dtheta_dx, root, scene):
         `amplification` is (rho + g^2)/J. It is large near the Painleve limit, where J is a
         difference of nearly equal terms, and multiplies the rounding error of A and B.
     """
-    torque, load, drag = pull, scene.load, scene.driver_drag
+    torque, load, drag = pull, whole_load(load, scene), scene.driver_drag
     air = scene.follower_drag * (g * g * abs(g))
     if root > 0.0:
         half = 0.5 * root
@@ -346,12 +351,15 @@ def side_at(theta, g, k, pull, slope, w, before, scene):
     slope : of the pull behind it.
     before : side before it; +1 at an entry, where the driver is about to push the follower.
     """
-    value = contact(g, k, pull, w, root_of(w, scene), scene)
+    load = load_at(theta, 1.0, scene)
+    value = contact(g, k, pull, w, root_of(w, scene), scene, load)
     size = scene.rho * w + abs(pull)
     if abs(value) <= _SMALL * size:
         g, _u, dg, _radius = pose_at(scene.path, theta + _BEHIND)
         k, w = dragged_slope(g, dg, scene), max(w + free_gain(_BEHIND, pull, w, scene), 0.0)
-        behind = contact(g, k, pull + slope * _BEHIND, w, root_of(w, scene), scene)
+        pull += slope * _BEHIND
+        load = load_at(theta + _BEHIND, 1.0, scene)
+        behind = contact(g, k, pull, w, root_of(w, scene), scene, load)
         value = settled(value, behind, _BEHIND, same_angle_gap(scene))
         if value == 0.0:
             value = behind

@@ -23,12 +23,15 @@ NUMBERS = Scene._fields[FIXED:]
 """The numbers of a scene, by name."""
 CONSTANT: Any = (0.0, 0.0, 1.0)
 """A constant torque, as `Scene.torque` holds it."""
+NO_CURVE: Any = (0.0,)
+"""No load that changes, as `Scene.load_curve` holds it."""
 _NO, _ONE, _UNKNOWN = Known(0.0), Known(1.0), Known(-1.0)
 _LOSSES = dict.fromkeys(
     ("bearing", "driver_drag", "follower_drag", "pin", "driver_journal", "follower_journal"), _NO
 )
 _REST = {
-    **dict.fromkeys(("driver_viscous", "follower_viscous", "barrel", "load_train"), _NO),
+    **dict.fromkeys(("driver_viscous", "follower_viscous", "motor"), _NO),
+    **dict.fromkeys(("barrel", "load_train"), _NO),
     **dict.fromkeys(("gain", "barrel_efficiency", "load_train_efficiency"), _ONE),
     "flow": _UNKNOWN,
 }
@@ -73,7 +76,7 @@ def known_scene(scene: Scene, kind: Kind) -> Scene:
     """A scene with `Known` numbers where a kind does without them."""
     if kind == Kind.WHOLE:
         return scene
-    return scene._replace(torque=CONSTANT, driver_angle=0.0, **_KNOWN[kind])
+    return scene._replace(torque=CONSTANT, driver_angle=0.0, load_curve=NO_CURVE, **_KNOWN[kind])
 
 
 def plain_scene(scene: Scene, kind: Kind) -> tuple[Any, ...]:
@@ -87,16 +90,16 @@ def plain_scene(scene: Scene, kind: Kind) -> tuple[Any, ...]:
 def _ideal(plain: Any) -> Any:
     path, edges, dwell, rho, plus, minus, load = plain
     return Scene(
-        Path(path[0], path[1]), edges, dwell, CONSTANT, 0.0, rho, plus, minus, load,
-        _NO, _NO, _NO, _NO, _NO, _NO, _NO, _NO, _ONE, _UNKNOWN, _NO, _ONE, _NO, _ONE,
+        Path(path[0], path[1]), edges, dwell, CONSTANT, 0.0, NO_CURVE, rho, plus, minus, load,
+        _NO, _NO, _NO, _NO, _NO, _NO, _NO, _NO, _ONE, _UNKNOWN, _NO, _ONE, _NO, _ONE, _NO,
     )  # fmt: skip
 
 
 def _steady(plain: Any) -> Any:
     path, edges, dwell, rho, plus, minus, load, bearing, air, wind, pin, one, two = plain
     return Scene(
-        Path(path[0], path[1]), edges, dwell, CONSTANT, 0.0, rho, plus, minus, load,
-        bearing, air, wind, _NO, _NO, pin, one, two, _ONE, _UNKNOWN, _NO, _ONE, _NO, _ONE,
+        Path(path[0], path[1]), edges, dwell, CONSTANT, 0.0, NO_CURVE, rho, plus, minus, load,
+        bearing, air, wind, _NO, _NO, pin, one, two, _ONE, _UNKNOWN, _NO, _ONE, _NO, _ONE, _NO,
     )  # fmt: skip
 
 
@@ -105,8 +108,8 @@ def _whole(plain: Any) -> Any:
     return Scene(Path(path[0], path[1]), *plain[1:])
 
 
-_MAKERS = {FIXED - 2 + len(NUMBERS) - len(_KNOWN[Kind.IDEAL]): _ideal}
-_MAKERS |= {FIXED - 2 + len(NUMBERS) - len(_REST): _steady, len(Scene._fields): _whole}
+_MAKERS = {FIXED - 3 + len(NUMBERS) - len(_KNOWN[Kind.IDEAL]): _ideal}
+_MAKERS |= {FIXED - 3 + len(NUMBERS) - len(_REST): _steady, len(Scene._fields): _whole}
 """Functions that make a scene, by the length of its plain tuple."""
 
 

@@ -17,6 +17,7 @@ from escapement.dynamics.law import (
     slide_at,
     wall_state,
 )
+from escapement.dynamics.load import load_at
 from escapement.dynamics.torque import cell_after
 from escapement.dynamics.train_losses import factors, flowing, is_lossy, train_losses, weight
 from escapement.mechanisms.slotted import pose_at
@@ -87,7 +88,7 @@ class ForceAndLosses(NamedTuple):
 
 
 @inner_jit
-def losses_at(g, u, radius, k, pull, w, side, here, slide_sign=0.0, ratio_sign=0.0):
+def losses_at(g, u, radius, k, pull, w, side, here, slide_sign=0.0, ratio_sign=0.0, load=0.0):
     """Contact force and losses at a driver angle.
 
     `here` is the scene of the flow, whose pull and k these are; signs are as in
@@ -96,24 +97,26 @@ def losses_at(g, u, radius, k, pull, w, side, here, slide_sign=0.0, ratio_sign=0
     unit, ratio = weight(here), sign_of(g, ratio_sign) * g
     root, speed = root_of(w, here), np.sqrt(max(w, 0.0))
     c = friction_ratio(g, u, radius, side, here, slide_sign, ratio_sign)
-    force = slot = barrel = train = 0.0
+    force = slot = barrel = train = slope = 0.0
     if radius > 0.0:
         slide, lever = grip(g, u, radius, side, here, slide_sign, ratio_sign)
-        force = contact(g, k, pull, w, root, here) / reduced_inertia(g, c, here) / lever
+        force = contact(g, k, pull, w, root, here, load) / reduced_inertia(g, c, here) / lever
         # with the given sign of N they stay smooth if a trial step of a solver passes a reversal
         slot = signed_loss(side, here) * slide * force
     if is_lossy(here):
-        rate = net_torque(g, c, k, pull, w, root, here) / reduced_inertia(g, c, here)
+        rate = net_torque(g, c, k, pull, w, root, here, load) / reduced_inertia(g, c, here)
         dg = k - here.follower_drag * (g * ratio)
         torque = (pull + here.bearing) * unit / factors(here.flow, here)[0]
         barrel, train = train_losses(g, dg, rate, torque, w, here)
+        # of a motor's slope the scene of a flow has what reaches the driver
+        slope = (1.0 - factors(here.flow, here)[0]) * here.motor
     air = here.follower_drag * w * ratio + here.follower_viscous * speed
     return ForceAndLosses(
         force=unit * force,
         friction=unit * slot,
         driver_bearing=unit * (side * here.driver_journal * force + here.bearing),
         follower_bearing=unit * (side * here.follower_journal * ratio * force),
-        driver_drag=unit * (here.driver_drag * w + here.driver_viscous * speed),
+        driver_drag=unit * (here.driver_drag * w + here.driver_viscous * speed) + slope * speed,
         follower_drag=unit * (g * g * air),
         barrel=barrel,
         load_train=train,
@@ -131,7 +134,8 @@ def tabulate(scene, theta, inward, driver_angle, w, side, out):
         here = flowing(theta[i], side, w[i], cell_before(driver_angle[i], theta[i], scene))
         signs = signs_near(theta[i], inward[i], side, here)
         now = wall_state(theta[i], w[i], side, here, *signs)
-        lost = losses_at(now.g, now.u, now.radius, now.k, now.pull, w[i], side, here, *signs)
+        path = now.g, now.u, now.radius, now.k, now.pull
+        lost = losses_at(*path, w[i], side, here, *signs, load_at(theta[i], side, here))
         out[0, i], out[1, i], out[2, i] = now.g, now.dg, now.rate
         out[3, i], out[4, i] = weight(here) * now.moment / now.inertia, now.moment
         for j in range(ROWS - LOST + 1):

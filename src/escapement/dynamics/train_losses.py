@@ -1,15 +1,15 @@
 """Gear trains that lose power: their effect depends on the direction of the power.
 
-The barrel delivers the torque q = T - I_b theta_ddot. Where q > 0 the driver receives eta q;
-where the driver drives the barrel, the torque on it is q/eta. The train after the follower
-requires z = M + I_l phi_ddot. Where z > 0 the follower supplies z/eta_l; where the train drives
-the follower, it receives eta_l z. With the factors e_b = eta or 1/eta, and e_l = 1/eta_l or
-eta_l, each combination is an escapement without trains, of driver inertia I_d + e_b I_b, torque
-e_b T, follower inertia I_f + e_l I_l and load e_l M: see `in_flow`. The combination that holds is
-the one whose q and z have the signs that it assumes. theta_ddot is the root of one function that
-is continuous, linear between the points where a sign changes, and increasing below the Painleve
-limit of every combination; therefore exactly one combination holds, and theta_ddot does not jump
-where it changes.
+The barrel delivers the torque q = T - I_b theta_ddot - nu_m theta_dot, where nu_m is the slope of
+a motor's torque over its speed. Where q > 0 the driver receives eta q; where the driver drives the
+barrel, the torque on it is q/eta. The train after the follower requires z = M + I_l phi_ddot. Where
+z > 0 the follower supplies z/eta_l; where the train drives the follower, it receives eta_l z. With
+the factors e_b = eta or 1/eta, and e_l = 1/eta_l or eta_l, each combination is an escapement
+without trains, of driver inertia I_d + e_b I_b, torque e_b T, viscous drag e_b nu_m, follower
+inertia I_f + e_l I_l and load e_l M: see `in_flow`. The combination that holds is the one whose q
+and z have the signs that it assumes. theta_ddot is the root of one function that is continuous,
+linear between the points where a sign changes, and increasing below the Painleve limit of every
+combination; therefore exactly one combination holds, and theta_ddot does not jump where it changes.
 
 Inertias and torques are referred to the driver and the follower, in natural units; those of a
 `Scene` include the trains as if nothing were lost.
@@ -18,6 +18,7 @@ Inertias and torques are referred to the driver and the follower, in natural uni
 import numpy as np
 
 from escapement.dynamics.law import state_of_pose
+from escapement.dynamics.load import load_at
 from escapement.dynamics.torque import torque_at
 from escapement.mechanisms.slotted import pose_at
 from escapement.numerics.altered import altered
@@ -66,7 +67,7 @@ def in_flow(scene, flow):
         "rho", unit * (scene.rho + (barrel - 1.0) * scene.barrel),
         "load", unit * train * scene.load, "bearing", unit * scene.bearing,
         "driver_drag", unit * scene.driver_drag, "follower_drag", unit * scene.follower_drag,
-        "driver_viscous", unit * scene.driver_viscous,
+        "driver_viscous", unit * (scene.driver_viscous + (barrel - 1.0) * scene.motor),
         "follower_viscous", unit * scene.follower_viscous,
         "gain", unit * barrel, "flow", flow,
     )  # fmt: skip
@@ -84,7 +85,8 @@ def through_trains(g, dg, rate, torque, w, scene):
     load = scene.load
     if scene.flow != UNKNOWN:
         load *= weight(scene) / factors(scene.flow, scene)[1]
-    return torque - scene.barrel * rate, load + scene.load_train * (g * rate + dg * w)
+    torque -= scene.barrel * rate + scene.motor * np.sqrt(max(w, 0.0))
+    return torque, load + scene.load_train * (g * rate + dg * w)
 
 
 @inner_jit
@@ -102,7 +104,8 @@ def flow_at(theta, side, w, scene):
     for i in range(FLOWS):
         flow = float(i)
         here = in_flow(scene, flow)
-        now = state_of_pose(pose, torque_at(theta, here)[0], w, side, here)
+        load = load_at(theta, side, here)
+        now = state_of_pose(pose, torque_at(theta, here)[0], w, side, here, 0.0, 0.0, load)
         if not now.inertia > 0.0:
             # beyond the Painleve limit of this flow it would need a force of the other sign
             continue

@@ -15,7 +15,13 @@ from escapement.dynamics.figures_of_merit import Figures
 from escapement.dynamics.law import ends_alike, is_lossless
 from escapement.dynamics.motion import Motion, no_motion
 from escapement.dynamics.painleve import friction_limits, painleve_message, uniqueness_note
-from escapement.engines.solver import DEFAULT_ENGINE, Solver, choose_solver, solver_for
+from escapement.engines.solver import (
+    DEFAULT_ENGINE,
+    Solver,
+    choose_solver,
+    solver_for,
+    solver_for_turns,
+)
 from escapement.mechanisms.slotted import transmission_at
 from escapement.model.checks import MOST_UNEQUAL
 from escapement.model.escapement import Escapement, Run
@@ -113,9 +119,18 @@ def simulate(
     run = _engine(engine, escapement.contact, "simulate")
     motion: Motion = run(escapement, engagements=engagements, duration=duration, **settings)
     note = uniqueness_note(escapement) if motion.outcome is not Status.PAINLEVE else ""
-    if note or escapement.notes:
-        motion.add_notes(note, escapement.notes)
+    stalled = _stalled(escapement, motion.outcome)
+    if note or stalled or escapement.notes:
+        motion.add_notes(stalled, note, escapement.notes)
     return motion
+
+
+def _stalled(escapement: Escapement, status: Status) -> str:
+    """What to know of a motor that stops, or ""."""
+    if status is not Status.STALL or escapement.no_load_speed is None:
+        return ""
+    passed = escapement.scene.barrel_efficiency * escapement.torque_unit
+    return f"at rest the motor gives the driver {as_spoken(passed, 'torque')}, which is its most"
 
 
 @cache
@@ -132,6 +147,8 @@ def _settings(
     if not isinstance(escapement, Escapement):
         raise validate.fail("escapement", "an Escapement", escapement, "see escapement.Escapement")
     solver = solver_for(escapement.contact, solver)
+    if escapement.mechanism.perfect and len(escapement.pairs) > 1:
+        solver = solver_for_turns(solver)
     speed = check_number(Run, "initial_speed", initial_speed)
     return solver.engine or DEFAULT_ENGINE, {**solver.arguments, "initial_speed": speed}
 
@@ -177,8 +194,9 @@ def terminal(
     solver = choose_solver(solver, engine, rtol, atol, method, max_step)
     engine, settings = _settings(escapement, solver, initial_speed)
     found = _terminal(escapement, engine, settings)
-    if escapement.notes:
-        found.add_notes(escapement.notes)
+    stalled = _stalled(escapement, found.outcome)
+    if stalled or escapement.notes:
+        found.add_notes(stalled, escapement.notes)
     return found
 
 
@@ -204,7 +222,8 @@ def _terminal(escapement: Escapement, engine: str, settings: dict[str, Any]) -> 
     if not (contact or struck) and is_lossless(escapement.scene) and _ends_alike(escapement):
         # every engagement gains the same energy, so that one tells whether all stop, or none
         # is steady
-        one = _engine(engine, "", "simulate")(escapement, engagements=1, duration=None, **settings)
+        round_ = {"engagements": len(escapement.pairs), "duration": None}
+        one = _engine(engine, "", "simulate")(escapement, **round_, **settings)
         status, message = one.outcome, one.message
         if status is Status.OK:
             mechanism = escapement.mechanism

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 from escapement.base import validate
 from escapement.base.lazy import Lazy
 from escapement.base.quantity import Declared, Quantity, Setting, declared, per_class, quantities
+from escapement.model.load_curve import steps_of
 
 if TYPE_CHECKING:
     import numpy as np
@@ -39,6 +40,22 @@ def check_contact(contact: str, mechanism: Any, values: Mapping[str, Any]) -> No
         raise validate.fail(name, rule, value, "choose geneva, or leave it out")
     if not mechanism.perfect:
         raise validate.fail(name, "0 with errors of the parts", value, "leave out one or the other")
+
+
+def check_load(owner: Any) -> None:
+    """Refuse a load over the follower angle where no engine computes it."""
+    if owner.load_curve is None:
+        return
+    load, remedy = owner.load_curve, "leave out one of them"
+    steps_of(load, abs(float(owner.mechanism.follower_step)))
+    if owner.contact:
+        what = "stiffness" if owner.contact == "compliant" else "clearance"
+        raise validate.fail("load_curve", f"left out with {what}", load, remedy)
+    if not owner.mechanism.perfect:
+        raise validate.fail("load_curve", "left out with errors of the parts", load, remedy)
+    if owner.load_train is not None and owner.load_train.efficiency != 1.0:
+        rule = "left out with a load train that loses power"
+        raise validate.fail("load_curve", rule, load, remedy)
 
 
 def check_trains(owner: Any, running_down: bool) -> None:

@@ -18,10 +18,13 @@ from escapement.mechanisms.wheel_checks import check_lengths
 from escapement.model.checks import (
     MOST_UNEQUAL,
     check_contact,
+    check_load,
     check_losses,
     check_trains,
     idle_settings,
 )
+from escapement.model.load_curve import Load, LoadSetting, steps_of
+from escapement.model.motor import Motor
 from escapement.model.natural import natural, resistances
 from escapement.model.scene import Joint, Scene
 from escapement.model.torque_curve import MOST_KNOTS, Torque, TorqueCurve
@@ -101,7 +104,7 @@ def _viscous(body: str) -> dict[str, Any]:
 
 @dataclass(frozen=True, repr=False)
 class Escapement(Declared):
-    """A mechanism with inertia and losses under a constant driving torque.
+    """A mechanism with inertia and losses under a driving torque.
 
     Parameters
     ----------
@@ -109,13 +112,17 @@ class Escapement(Declared):
         Geometry, for example `Geneva(slots=4)`.
     inertia : Inertia
         Moments of inertia [kg m^2].
-    torque : float or TorqueCurve
+    torque : float, TorqueCurve or Motor
         Torque on the driver [N m], > 0, at the start of the motion; constant unless there is a
-        spring rate. Meyer's "spring rate" K. A `TorqueCurve` gives it by the angle turned.
+        spring rate. Meyer's "spring rate" K. A `TorqueCurve` gives it by the angle turned. A
+        `Motor` gives its stall torque and its no-load speed.
     friction : float
         Coefficient of friction between pin and slot [-], >= 0.
     load_torque : float
         Constant torque opposing the follower while it moves [N m], >= 0.
+    load_curve : LoadCurve or Unbalance, optional
+        Torque on the follower over its angle, in addition to `load_torque`: a curve that repeats
+        in a step or a turn, or a weight out of balance.
     efficiency : float
         Share of the power that gears pass on, in either direction [-], in [0.001, 1]. It replaces
         friction in a mechanism without slots; a mechanism with slots has 1.
@@ -133,9 +140,13 @@ class Escapement(Declared):
     spring_rate : float
         Torque that a spring loses per driver angle turned since the start of the motion [N
         m/rad], >= 0, until its torque is zero.
+    no_load_speed : float, optional
+        Speed of a motor at which it gives no torque [rad/s], > 0; at rest it gives `torque`, and
+        in between a straight line. By default the torque does not depend on the speed.
     barrel : Train, optional
-        Train between a barrel and the driver. `torque` and `spring_rate` are then those of the
-        barrel, and the angles of a `TorqueCurve` its angles.
+        Train between a barrel and the driver, or the gearbox of a motor. `torque`, `spring_rate`
+        and `no_load_speed` are then those of the barrel, and the angles of a `TorqueCurve` its
+        angles.
     load_train : Train, optional
         Train after the follower. `load_torque` then acts on its last shaft.
 
@@ -160,7 +171,7 @@ class Escapement(Declared):
 
     mechanism: Mechanism
     inertia: Inertia
-    torque: float | TorqueCurve = field(metadata=setting(Torque(
+    torque: float | TorqueCurve | Motor = field(metadata=setting(Torque(
         long_name="driving torque", unit="torque", exclusive=True, metavar="M",
         note=", or FILE.csv with driver angles turned and torques",
         remedy="give the constant driving torque"
@@ -173,6 +184,11 @@ class Escapement(Declared):
         "load torque on the follower", "torque", remedy="give the opposing torque, 0 for none",
         scene="load"
     ))  # fmt: skip
+    load_curve: Load | None = field(default=None, metadata=setting(LoadSetting(
+        long_name="load over the follower angle", unit="torque", metavar="FILE.csv",
+        note=", a file with follower angles and torques",
+        remedy="give a LoadCurve or an Unbalance"
+    )))  # fmt: skip
     efficiency: float = field(default=1.0, metadata=quantity(
         "share of the power that the mesh passes on", metavar="E", slotted=False,
         instead="friction", minimum=1e-3, maximum=1.0, note=", instead of friction",
@@ -193,6 +209,11 @@ class Escapement(Declared):
     spring_rate: float = field(default=0.0, metadata=quantity(
         "torque that the spring loses per driver angle", "rate", metavar="K",
         remedy="give the loss of torque per angle, 0 for a constant torque"
+    ))  # fmt: skip
+    no_load_speed: float | None = field(default=None, metadata=quantity(
+        "speed at which a motor gives no torque", "speed", exclusive=True,
+        note=", which falls in a straight line from that at rest",
+        remedy="give the speed without a load, or leave it out for a constant torque"
     ))  # fmt: skip
 
     restitution: float = field(default=0.0, metadata=quantity(
@@ -228,6 +249,7 @@ class Escapement(Declared):
         if not isinstance(self.inertia, Inertia):
             remedy = "give Inertia(driver=..., follower=...)"
             raise validate.fail("inertia", "an Inertia", self.inertia, remedy)
+        self._take_motor()
         self.check_fields()
         for role in ROLES:
             if not isinstance(train := getattr(self, role), Train | None):
@@ -242,9 +264,27 @@ class Escapement(Declared):
         check_lengths(vars(self), self.mechanism.crank_radius, self.mechanism.plain_crank)
         check_trains(self, self.curve is not None)
         check_contact(self.contact, self.mechanism, vars(self))
+        check_load(self)
+
+    def _take_motor(self) -> None:
+        """Replace a motor by its numbers."""
+        if isinstance(motor := self.torque, Motor):
+            given = self.no_load_speed
+            if given is not None and given != motor.no_load_speed:
+                rule = f"left out with a Motor, whose own is {motor.no_load_speed!r}"
+                raise validate.fail("no_load_speed", rule, given, "give torque as a number")
+            vars(self).update(torque=motor.stall_torque, no_load_speed=motor.no_load_speed)
 
     def _check_curve(self) -> None:
-        """Refuse a curve together with a spring rate, or with too many points in a cell."""
+        """Refuse a curve together with a spring rate, or with too many points in a cell, and a
+        motor with either."""
+        if self.no_load_speed is not None and (
+            isinstance(self.torque, TorqueCurve) or self.spring_rate > 0.0
+        ):
+            what = "spring rate" if self.spring_rate > 0.0 else "torque curve"
+            remedy = "a motor has a constant torque at rest"
+            rule = f"left out with a {what}"
+            raise validate.fail("no_load_speed", rule, self.no_load_speed, remedy)
         if isinstance(self.torque, TorqueCurve):
             if self.spring_rate > 0.0:
                 remedy = "let its torque fall by itself"
@@ -300,7 +340,7 @@ class Escapement(Declared):
         inertia = Inertia(found["driver_inertia"], found["follower_inertia"])
         given = isinstance(self.torque, TorqueCurve)
         torque: Any = self.curve if given else found["torque"]
-        numbers = {name: found[name] for name in ("load_torque", "spring_rate")}
+        numbers = {name: found[name] for name in ("load_torque", "spring_rate", "no_load_speed")}
         return replace(self, inertia=inertia, torque=torque, **numbers, **none)
 
     @cached_property
@@ -374,8 +414,23 @@ class Escapement(Declared):
 
     @cached_property
     def pairs(self) -> tuple[Pair, ...]:
-        """Its engagements: one that repeats itself, or with imperfect parts a pattern of them."""
-        return self.mechanism.pairs
+        """Its engagements: one that repeats itself, or a pattern of them, with imperfect parts or a
+        load that repeats in a turn of the follower.
+        """
+        pairs = self.mechanism.pairs
+        cells = (pairs[0]._replace(edges=cell.edges) for cell in self._load_cells)
+        return tuple(cells) or pairs
+
+    @cached_property
+    def _load_cells(self) -> list[Any]:
+        """The load that changes with the follower angle in each of its engagements."""
+        if self.load_curve is None:
+            return []
+        from escapement.model.load_cells import load_cell
+
+        step = self.mechanism.follower_step
+        count, (pair, *_) = steps_of(self.load_curve, abs(step)), self.mechanism.pairs
+        return [load_cell(self.load_curve, pair, k * step) for k in range(count)]
 
     @cached_property
     def scenes(self) -> tuple[Scene, ...]:
@@ -384,7 +439,11 @@ class Escapement(Declared):
         numbers: dict[str, Any]
         numbers = {name: float(value) for name, value in natural(self.referred, meshed).items()}
         torque = np.array([0.0, 0.0, 1.0]) if self.curve is None else self.curve.knots()
-        return tuple(Scene(*m[:3], torque, 0.0, **numbers) for m in self.pairs)
+        pairs, loads = self.pairs, [np.zeros(1)] * len(self.pairs)
+        if self._load_cells:
+            loads = [cell.in_units(self.torque_unit) for cell in self._load_cells]
+        cells = zip(pairs, loads, strict=True)
+        return tuple(Scene(*m[:3], torque, 0.0, load, **numbers) for m, load in cells)
 
     @cached_property
     def scene(self) -> Scene:
@@ -406,7 +465,16 @@ class Escapement(Declared):
 
     def __getstate__(self) -> dict[str, Any]:
         """Another process computes the scene and everything that depends on it again."""
-        derived = ("pairs", "scenes", "scene", "joint", "kept", "_begins", "referred")
+        derived = (
+            "pairs",
+            "scenes",
+            "scene",
+            "joint",
+            "kept",
+            "_begins",
+            "_load_cells",
+            "referred",
+        )
         return {key: value for key, value in vars(self).items() if key not in derived}
 
     @cached_property
@@ -445,9 +513,18 @@ class Escapement(Declared):
             self.torque_unit * driver_angle if self.curve is None else self.curve.work(driver_angle)
         )
 
-    def load_work(self, driver_angle: Any) -> Any:
-        """Work done against the load while the follower turns by angles [rad] [J]."""
-        return self.referred["load_torque"] * driver_angle
+    def load_work(self, turn: Any, begin: Any = None) -> Any:
+        """Work done against the load while the follower turns by angles [rad] [J].
+
+        begin : follower angles from which it turns; None where it turns by whole rounds of a load
+            that changes with the angle.
+        """
+        work = self.referred["load_torque"] * turn
+        if (load := self.load_curve) is None:
+            return work
+        if begin is None:
+            return work + turn / load.period * load.work(0.0, load.period)
+        return work + load.work(begin, begin + turn)
 
 
 def model_settings() -> dict[str, Setting]:

@@ -7,6 +7,7 @@ from typing import Any
 from escapement.base.quantity import Numbers, declared
 from escapement.base.text import show
 from escapement.model.escapement import Escapement
+from escapement.model.load_curve import LoadCurve, Unbalance
 from escapement.model.torque_curve import TorqueCurve
 from escapement.model.train import numbers_of_trains, train_numbers
 
@@ -44,15 +45,18 @@ def inputs_of_settings(owner: Any, meshed: bool) -> Iterator[Input]:
             value = [*value] if value and not entry.required else None
         if value is None or entry.idle(value) or not entry.applies_to(meshed):
             continue
-        if isinstance(value, TorqueCurve):
+        if isinstance(value, TorqueCurve | LoadCurve):
             yield from inputs_of_curve(name, value)
+        elif isinstance(value, Unbalance):
+            yield f"{name}_moment", value.moment, "torque"
+            yield f"{name}_angle", value.angle, "angle"
         else:
             exact = isinstance(value, Fraction)
             yield name, str(value) if exact else value, "ratio" if exact else entry.unit
 
 
-def inputs_of_curve(name: str, curve: TorqueCurve) -> Iterator[Input]:
-    """As `inputs_of`, of a torque curve."""
+def inputs_of_curve(name: str, curve: TorqueCurve | LoadCurve) -> Iterator[Input]:
+    """As `inputs_of`, of a torque curve or a load curve."""
     yield f"{name}_angles", shortened([*curve.angle]), "angle"
     yield name, shortened([*curve.torque]), "torque"
 

@@ -54,6 +54,7 @@ def natural(values: Mapping[str, Any], meshed: bool) -> dict[str, Any]:
     found["rho"] = values["driver_inertia"] / follower
     none = 0.0 * found["load"]
     found |= {"gain": none + 1.0, "flow": none - 1.0}
+    found["motor"] = none + _behind_losses(values) / units["viscous"]
     for name, far in (("barrel", -2.0), ("load_train", 2.0)):
         # the far shaft of a barrel's train turns slower, that of the other one faster
         ratio, inertia = values.get(f"{name}_ratio"), values.get(f"{name}_inertia")
@@ -72,6 +73,16 @@ def natural(values: Mapping[str, Any], meshed: bool) -> dict[str, Any]:
         for body in ("driver", "follower")
     )
     return found | dict(zip(_SLOT, (friction, friction, pin / length, *journals), strict=True))
+
+
+def _behind_losses(values: Mapping[str, Any]) -> Any:
+    """Slope of a motor's torque over its speed, referred to the driver, where its train loses
+    power; 0 elsewhere, where it acts like drag of the driver.
+    """
+    slope, efficiency = values.get("motor_viscous"), values.get("barrel_efficiency")
+    if slope is None or efficiency is None:
+        return 0.0
+    return np.where(np.asarray(efficiency) == 1.0, 0.0, slope)
 
 
 def rolling(values: Mapping[str, Any]) -> tuple[Any, Any]:

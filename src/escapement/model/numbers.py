@@ -36,8 +36,8 @@ def numbers_of(escapement: Escapement) -> dict[str, float]:
 
 def full_torque(escapement: Escapement) -> float:
     """The greatest torque of the drive, at the barrel if there is one [N m]."""
-    torque = escapement.torque
-    return torque.greatest if isinstance(torque, TorqueCurve) else torque
+    torque: Any = escapement.torque
+    return float(torque.greatest if isinstance(torque, TorqueCurve) else torque)
 
 
 def with_number(escapement: Escapement, name: str, value: float) -> Escapement:

@@ -25,6 +25,8 @@ class Scene(NamedTuple):
     dwell : driver angle after the exit in which the follower is locked [rad].
     torque : the torque of the drive, linear between knots, as `dynamics.torque` lays it out.
     driver_angle : driver angle turned before the current cell [rad].
+    load_curve : load that changes with the follower's angle, over the driver angle, as
+        `dynamics.load` reads it; one number where there is none.
     rho : inertia ratio I_d/I_f.
     mu_plus, mu_minus : loss on the side of the slot that drives the follower, and on the
         other: a pin's coefficient of friction, or 1/eta - 1 and 1 - eta of a mesh.
@@ -40,6 +42,8 @@ class Scene(NamedTuple):
     barrel, load_train : inertias of barrel and last shaft referred to driver and follower,
         divided by I_f; rho and I_f contain them.
     barrel_efficiency, load_train_efficiency : of their trains.
+    motor : the part of `driver_viscous` that is the slope of a motor on a barrel whose train loses
+        power; 0 elsewhere.
     """
 
     path: Path
@@ -47,6 +51,7 @@ class Scene(NamedTuple):
     dwell: float
     torque: NDArray[np.float64]
     driver_angle: float
+    load_curve: NDArray[np.float64]
     rho: float
     mu_plus: float
     mu_minus: float
@@ -65,6 +70,7 @@ class Scene(NamedTuple):
     barrel_efficiency: float
     load_train: float
     load_train_efficiency: float
+    motor: float
 
 
 class Joint(NamedTuple):

@@ -113,6 +113,9 @@ def referred(values: Mapping[str, Any]) -> dict[str, Any]:
     driver as torque/i, inertia/i^2, and the torque that a spring loses as rate/i^2. With i turns of
     the last shaft for each of the follower, its load and inertia act as i load and i^2 inertia.
 
+    A motor's torque falls with its speed like that of a constant torque with viscous drag, which
+    `driver_viscous` then contains, and `motor_viscous` has alone.
+
     Parameters
     ----------
     values : Mapping
@@ -125,6 +128,10 @@ def referred(values: Mapping[str, Any]) -> dict[str, Any]:
         found["spring_rate"] = values["spring_rate"] / ratio**2
         if (inertia := values.get("barrel_inertia")) is not None:
             found["driver_inertia"] = values["driver_inertia"] + inertia / ratio**2
+    if (speed := values.get("no_load_speed")) is not None:
+        found["no_load_speed"] = speed if ratio is None else speed * ratio
+        found["motor_viscous"] = found["torque"] / found["no_load_speed"]
+        found["driver_viscous"] = values["driver_viscous"] + found["motor_viscous"]
     if (ratio := values.get("load_train_ratio")) is not None:
         found["load_torque"] = ratio * values["load_torque"]
         if (inertia := values.get("load_train_inertia")) is not None:

@@ -4,7 +4,8 @@ Functions for one panel draw into given axes, or into a new figure; nothing is s
 `save` writes a figure.
 
 - `style`, `saving`, `films`: the look of every figure, and its file
-- `motion_plots`, `rundown_curve`, `animation`, `clearance_drawing`: motions, and films of them
+- `motion_plots`, `motor_panels`, `rundown_curve`, `animation`, `clearance_drawing`: motions, and
+  films of them
 - `drawing`, `geneva`, `gear_driven`, `planetary`: mechanisms to scale
 - `study`, `study_panels`, `study_table`, `sample`, `budget_bars`, `designs`: studies, budgets and
   designs
@@ -34,6 +35,7 @@ from escapement.plots.measurement import plot_speeds as plot_speeds
 from escapement.plots.motion_plots import plot_contact_moment as plot_contact_moment
 from escapement.plots.motion_plots import plot_phase_portrait as plot_phase_portrait
 from escapement.plots.motion_plots import plot_velocities as plot_velocities
+from escapement.plots.motor_panels import plot_motor as plot_motor
 from escapement.plots.planetary import plot_planetary as plot_planetary
 from escapement.plots.rundown_curve import plot_rundown as plot_rundown
 from escapement.plots.sample import plot_sample as plot_sample

@@ -38,7 +38,7 @@ def plot_velocities(motion: Motion, ax: Axes | None = None, *, legend: bool = Tr
 
     Source: the figure is Meyer (1973), figure 8.
     """
-    times = _times(motion)
+    times = times_of(motion)
     ax = ax or style.new_axes(style.TWO_COLUMN, 3.0)
     factor, unit = scaled("s", times)
     state = motion.at(times)
@@ -68,7 +68,7 @@ def plot_phase_portrait(motion: Motion, ax: Axes | None = None, *, legend: bool 
         bold, and called the terminal cycle when its two handoff speeds agree
         within 1 %; a dwell is shaded.
     """
-    times = _times(motion)
+    times = times_of(motion)
     ax = ax or style.new_axes(style.ONE_COLUMN, 3.0)
     mechanism = motion.escapement.mechanism
     entry, exit_, cell = mechanism.breaks[0], mechanism.breaks[-1], mechanism.cell_angle
@@ -153,7 +153,7 @@ def plot_motion(motion: Motion) -> Figure:
     return figure
 
 
-def _times(motion: Motion) -> FloatArray:
+def times_of(motion: Motion) -> FloatArray:
     """Times evenly spaced in time and in angle, with all events, so that every peak shows."""
     grid = motion.t
     if grid.size < 2:
@@ -167,7 +167,7 @@ def _times(motion: Motion) -> FloatArray:
 
 def _moments(motion: Motion) -> FloatArray:
     """Times and contact moments, one-sided at jumps; NaN between pieces of the solution."""
-    times = _times(motion)
+    times = times_of(motion)
     bounds = np.append(motion.trajectory.start, motion.end_time)
     gap = np.full((2, 1), np.nan)
     found = [gap]

@@ -37,7 +37,8 @@ def _on_their_clocks(
     plan: StudyPlan, cases: NDArray[np.int64], figures: FloatArray, status: NDArray[np.uint8]
 ) -> Columns:
     """Figures of scenes in SI: the unit of time is the root of I_f / torque."""
-    values = referred(plan.fixed_si | plan.columns(cases))
+    given = plan.fixed_si | plan.columns(cases)
+    values = referred(given)
     with np.errstate(all="ignore"):
         square = np.divide(values[scenes.FOLLOWER], values[scenes.TORQUE])
     bad = np.broadcast_to(~ratio_in_range(square), cases.shape)
@@ -45,9 +46,10 @@ def _on_their_clocks(
         figures[:, bad], status[bad] = np.nan, Status.INVALID
         square = np.where(bad, 1.0, square)
     clock = np.sqrt(square)
+    torques = values[scenes.TORQUE], given[scenes.TORQUE]
     found = {
-        name: line * scenes.si_unit(result.kind, clock, values[scenes.TORQUE])
-        for (name, result), line in zip(plan.results.items(), [*figures, status], strict=True)
+        name: line * scenes.si_unit(name, clock, *torques)
+        for name, line in zip(plan.results, [*figures, status], strict=True)
     }
     return _in_its_units(plan, found)
 

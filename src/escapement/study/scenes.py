@@ -25,6 +25,7 @@ from escapement.mechanisms.wheel_checks import IMPERFECT, LENGTHS
 from escapement.model.checks import MOST_UNEQUAL, ratio_in_range
 from escapement.model.escapement import Escapement, Inertia
 from escapement.model.natural import natural, resistances, resisting
+from escapement.model.numbers import full_torque
 from escapement.model.scene import Scene
 from escapement.model.train import referred, train_numbers
 from escapement.study.checked import check_scenes
@@ -37,6 +38,7 @@ TORQUES = tuple(entry.name for entry in resisting() if entry.unit in ("torque", 
 torque changes only the unit of time."""
 DECIDING = {*quantities(Escapement), *quantities(Inertia), *train_numbers(), SPEED, *LENGTHS}
 """Numbers of the model and of a run that decide a scene."""
+NO_LOAD = "no_load_speed"
 MOST_SHARED = 1 << 20
 """Scenes that are kept for all blocks of a study: 50 MiB."""
 
@@ -74,8 +76,8 @@ class SharedScenes(NamedTuple):
 def shared_scenes(plan: StudyPlan) -> SharedScenes | None:
     """The scenes to solve before the blocks of a plan; None if that is useless or impossible."""
     deciding = {*plan.parameters}
-    if not any(np.any(plan.every(name)) for name in (SPEED, *TORQUES) if name in deciding):
-        deciding -= {TORQUE, SPEED, *TORQUES}
+    if not any(np.any(plan.every(name)) for name in (SPEED, NO_LOAD, *TORQUES) if name in deciding):
+        deciding -= {TORQUE, SPEED, NO_LOAD, *TORQUES}
     sizes = zip(plan.shape, plan.varied.values(), strict=True)
     shape = tuple(1 if deciding.isdisjoint(names) else size for size, names in sizes)
     if not together(plan) or math.prod(shape) >= min(plan.cases, MOST_SHARED + 1):
@@ -228,17 +230,27 @@ def _rest(plan: StudyPlan, case: int, names: Sequence[str], handoff: float) -> l
         count = len(escapement.scenes)
         cycle = simulate(escapement, engagements=count, duration=None, **settings)
         figures = replace(figures, motion=cycle)
-    return [getattr(figures, name) / si_unit(FIGURES[name].kind, clock, torque) for name in names]
+    units = (si_unit(name, clock, torque, full_torque(escapement)) for name in names)
+    return [getattr(figures, name) / unit for name, unit in zip(names, units, strict=True)]
 
 
-def si_unit(kind: str, clock: Any, torque: Any) -> Any:
-    """Natural unit of a kind [SI]; no case of the study changes the length in it."""
+def si_unit(name: str, clock: Any, torque: Any, motor_torque: Any) -> Any:
+    """Natural unit of a figure [SI]; no case of the study changes the length in it.
+
+    clock, torque, motor_torque : units of time and torque, and the torque of a motor at rest, of
+        which its other torques are shares in all cases of one scene.
+    """
+    kind = FIGURES[name].kind if name in FIGURES else ""
+    if name.startswith("motor_torque"):
+        return motor_torque
     scales = {"speed": 1.0 / clock, "time": clock, "acceleration": clock**-2.0}
     return (scales | dict.fromkeys(("torque", "force", "energy"), torque)).get(kind, 1.0)
 
 
 def together(plan: StudyPlan) -> bool:
     """Whether many cases are solved at once; otherwise one by one."""
+    if plan.fixed_si.get("load_curve") is not None:
+        return False
     if plan.solver.engine != "energy" or plan.perfect:
         return plan.solver.engine == "energy"
     varied = {name for along in plan.varied.values() for name in along}

@@ -6,8 +6,10 @@ from typing import Any
 import numpy as np
 
 from escapement.base.status import Status
+from escapement.dynamics.load import has_load_curve
 from escapement.dynamics.needs import (
     CONSTANT,
+    NO_CURVE,
     NUMBERS,
     Kind,
     kind_of,
@@ -42,7 +44,7 @@ _AT_ONCE = 1 << 16
 def _scene_with(shared, edges, row):
     """The scene `shared` with other edges, and with the numbers in a row."""
     return Scene(
-        shared.path, edges, shared.dwell, shared.torque, shared.driver_angle,
+        shared.path, edges, shared.dwell, shared.torque, shared.driver_angle, shared.load_curve,
         row[0], row[1], row[2], row[3], as_given(row[4], shared.bearing),
         as_given(row[5], shared.driver_drag), as_given(row[6], shared.follower_drag),
         as_given(row[7], shared.driver_viscous), as_given(row[8], shared.follower_viscous),
@@ -50,7 +52,7 @@ def _scene_with(shared, edges, row):
         as_given(row[11], shared.follower_journal), as_given(row[12], shared.gain),
         as_given(row[13], shared.flow), as_given(row[14], shared.barrel),
         as_given(row[15], shared.barrel_efficiency), as_given(row[16], shared.load_train),
-        as_given(row[17], shared.load_train_efficiency),
+        as_given(row[17], shared.load_train_efficiency), as_given(row[18], shared.motor),
     )  # fmt: skip
 
 
@@ -78,7 +80,7 @@ def solve_rows(addresses, scene_tuple, cells, patterns, none, numbers, rtol, ext
     for i in range(status.size):
         row = numbers[i]
         scene, known = _scene_with(shared, shared.edges, row), cells
-        if size == 0 and scene.pin > 0.0:
+        if size == 0 and scene.pin > 0.0 and not has_load_curve(scene):
             # a pin with a radius has its own breaks, between which nothing is tabulated
             edges = slide_edges(shared.path, scene.pin, shared.edges)
             scene, known = _scene_with(shared, edges, row), none
@@ -143,7 +145,13 @@ def solve(
         if errors[2][:, :, 1].any():  # an ideal slot has no offset
             kind = max(kind, Kind.STEADY)
     scene = Scene(
-        path, edges, dwell_angle(mechanism), np.array(CONSTANT), 0.0, **dict.fromkeys(NUMBERS, 0.0)
+        path,
+        edges,
+        dwell_angle(mechanism),
+        np.array(CONSTANT),
+        0.0,
+        np.array(NO_CURVE),
+        **dict.fromkeys(NUMBERS, 0.0),
     )
     fixed = kernel_addresses(kind), plain_scene(scene, kind)
     cells = NO_CELLS if size else cells_of(path, edges)

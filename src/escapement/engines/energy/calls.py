@@ -31,8 +31,8 @@ _KEY = "energy.cells"
 # The types of the arguments are read off empty samples. A call by address needs them before
 # there is a caller, and they must be those of every caller.
 _numbers = np.empty(0)
-_path, _zeros = Path(False, _numbers), (0.0,) * (len(Scene._fields) - 4)
-_sample = Scene(_path, _numbers, 0.0, _numbers, *_zeros)
+_path, _zeros = Path(False, _numbers), (0.0,) * (len(Scene._fields) - 6)
+_sample = Scene(_path, _numbers, 0.0, _numbers, 0.0, _numbers, *_zeros)
 _scenes = [typeof(known_scene(_sample, kind)) for kind in Kind]
 _store = typeof(Store(np.empty(0, PANEL), np.empty(0, WORKSPACE)))
 _cells, _event = typeof(np.empty((0, 0), CELL)), typeof(np.empty(0, EVENT))
@@ -78,6 +78,7 @@ def prepared(escapement: Escapement) -> tuple[Any, ...]:
     if _KEY not in kept:
         scene, pattern = escapement.scene, pattern_of(escapement)
         kind = max(kind_of(one.path, one.torque, one[FIXED:]) for one in escapement.scenes)
+        kind = Kind.WHOLE if scene.load_curve.size > 1 else kind
         cells = NO_CELLS if pattern.size else cells_of(scene.path, scene.edges)
         kept[_KEY] = kernel_addresses(kind), plain_scene(scene, kind), cells, pattern
     result: tuple[Any, ...] = kept[_KEY]

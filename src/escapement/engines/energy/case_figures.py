@@ -15,6 +15,7 @@ from escapement.dynamics.figures_of_merit import (
     SETTLING_BAND,
 )
 from escapement.dynamics.law import is_lossless
+from escapement.dynamics.load import has_load_curve
 from escapement.dynamics.torque import torque_at
 from escapement.engines.energy import cycle
 from escapement.engines.energy.leap import (
@@ -308,7 +309,7 @@ def _further(nearest, other, sense):
 def _only_gains(scene):
     """Whether every round without losses adds the drive's work, which is positive."""
     reaches = scene.barrel_efficiency * torque_at(scene.edges[0], scene)[0]
-    return scene.load == 0.0 and reaches > scene.bearing
+    return scene.load == 0.0 and reaches > scene.bearing and not has_load_curve(scene)
 
 
 @inner_jit

@@ -14,6 +14,7 @@ import numpy as np
 from escapement.dynamics.codes import Event, is_extremum
 from escapement.dynamics.figures_of_merit import BOUNDLESS, MAX_ENGAGEMENTS
 from escapement.dynamics.law import is_drag_free
+from escapement.dynamics.load import has_load_curve
 from escapement.dynamics.train_losses import is_lossy
 from escapement.engines.energy.leap import fall
 from escapement.engines.energy.located_events import ROUGH_ERROR, has_reversal
@@ -117,6 +118,7 @@ def terminal_cycle(case, start, last_good, before, rtol, rows, out):
     to_follow, longer = 0, FOLLOWED
     # with a load or drag two reversals may lie in one panel, and a march for the map misses them
     alone = scene.load == 0.0 and is_drag_free(scene) and not is_lossy(scene)
+    alone = alone and not has_load_curve(scene)
     far_detail = Detail.MAP if alone else Detail.TIME
     near = False
     for _ in range(MAX_ENGAGEMENTS):

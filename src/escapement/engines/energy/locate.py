@@ -17,6 +17,7 @@ from escapement.dynamics.law import (
     net_torque,
     root_of,
 )
+from escapement.dynamics.load import load_at
 from escapement.dynamics.torque import torque_at
 from escapement.engines.energy import sampling
 from escapement.engines.energy.panels import points_of, solution_of
@@ -146,7 +147,8 @@ def reversal_at(scene, work, panel, side, x, slope, w):
     w = dot(work.at_x, work.energy, count) / (scene.rho + g * g)
     # one step of Newton's method on s X, as a part of the panel and then as an angle
     k, pull = dragged_slope(g, dg, scene), torque_at(angle, scene)[0] - scene.bearing
-    distance = side * contact(g, k, pull, w, root_of(w, scene), scene) / -slope
+    load = load_at(angle, side, scene)
+    distance = side * contact(g, k, pull, w, root_of(w, scene), scene, load) / -slope
     distance = panel.half * (distance if abs(distance) < LARGEST_CORRECTION else 0.0)
     # X = 0 means that there is no contact force: the driver turns free. It stays in the panel.
     distance = min(distance, panel.left + 2.0 * panel.half - angle)
@@ -255,8 +257,8 @@ def _run_behind(scene, work, panel, solution, side, energy, reversal, trend):
         work.slowness[i] = slowness
         root = np.sqrt(w) if viscous else 0.0
         g, k, pull = panel.g[i], panel.dg[i], panel.pull[i]
-        c = -side * contact(g, k, pull, w, root, scene)
-        a = net_torque(g, solution.friction_ratio[i], k, pull, w, root, scene)
+        c = -side * contact(g, k, pull, w, root, scene, panel.load[i])
+        a = net_torque(g, solution.friction_ratio[i], k, pull, w, root, scene, panel.load[i])
         work.contact[i] = c
         work.net_torque[i] = a
         bad += not w > 0.0

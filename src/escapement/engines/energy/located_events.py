@@ -8,6 +8,7 @@ import numpy as np
 
 from escapement.dynamics.codes import Event
 from escapement.dynamics.law import bent_pose, net_torque, reduced_inertia, root_of
+from escapement.dynamics.load import load_at
 from escapement.dynamics.torque import torque_at
 from escapement.dynamics.train_losses import in_flow, is_lossy
 from escapement.engines.energy import panels
@@ -157,7 +158,8 @@ def refine(scene, store, events, i):
     pull = torque_at(angle, scene)[0] - scene.bearing
     w = energy / (scene.rho + g * g)
     # the first step of Newton's method: `slope` is d(J theta_ddot)/dx
-    torque = net_torque(g, c, k, pull, w, root_of(w, scene), scene)
+    load = load_at(angle, event.side, scene)
+    torque = net_torque(g, c, k, pull, w, root_of(w, scene), scene, load)
     correction = -torque * event.half / slope
     correction = correction if abs(correction) < LARGEST_CORRECTION * event.half else 0.0
     # over the step theta_ddot falls linearly to zero, so dw = 2 theta_ddot correction/2
@@ -165,7 +167,8 @@ def refine(scene, store, events, i):
     if event.coarse and correction != 0.0:
         g, c, k = bent_pose(angle + correction, event.side, scene)
         pull = torque_at(angle + correction, scene)[0] - scene.bearing
-        left_over = net_torque(g, c, k, pull, w, root_of(w, scene), scene)
+        load = load_at(angle + correction, event.side, scene)
+        left_over = net_torque(g, c, k, pull, w, root_of(w, scene), scene, load)
         # a secant step; where the first step did not halve the torque, that was only rounding
         correction *= torque / (torque - left_over) if abs(left_over) < 0.5 * abs(torque) else 1.0
     event.angle, event.w = angle + correction, w

@@ -15,6 +15,7 @@ from typing import NamedTuple
 import numpy as np
 
 from escapement.dynamics.law import dragged_slope, is_ideal
+from escapement.dynamics.load import has_load_curve, load_at
 from escapement.dynamics.torque import next_knot, torque_at
 from escapement.dynamics.train_losses import is_lossy
 from escapement.mechanisms.slotted import pose_at, transmission_on
@@ -27,8 +28,8 @@ ROW = (NUMBER, (N,))
 """Type of a row: the values at the Gauss points."""
 
 
-END = record_dtype({**dict.fromkeys(("g", "u", "dg", "radius", "pull"), NUMBER)})
-"""g, u, g', R and the pull of the drive at one driver angle."""
+END = record_dtype({**dict.fromkeys(("g", "u", "dg", "radius", "pull", "load"), NUMBER)})
+"""g, u, g', R, the pull of the drive and the load that changes at one driver angle."""
 
 SOLUTION = record_dtype(
     {
@@ -58,6 +59,7 @@ PANEL = record_dtype(
         "geometry_tail": NUMBER,  # relative tail of 1/(rho + g^2)
         "dtheta_dx": ROW,  # theta' = dtheta/dx at the points
         "pull": ROW,  # torque of the drive less that of the bearing at the points
+        "load": ROW,  # part of the load that changes with the follower's angle, if there is one
         # slope of that by the angle, and the angle turned before the cell for which it holds
         **dict.fromkeys(("slope", "driver_angle"), NUMBER),
         "flow": NUMBER,  # the flow of the scene for which it is filled, see `dynamics.train_losses`
@@ -212,6 +214,23 @@ def fill_pull(panel, scene, count):
     if slope != panel.slope:
         panel.plus.tail = panel.minus.tail = UNSOLVED
     panel.slope, panel.driver_angle = slope, scene.driver_angle
+    if has_load_curve(scene):
+        fill_load(panel, scene)
+
+
+@inner_jit
+def fill_load(panel, scene):
+    """Fill the load that changes with the follower's angle; a dwell has none."""
+    panel.entry.load = panel.exit.load = 0.0
+    for i in range(N):
+        panel.load[i] = 0.0
+    if panel.locked:
+        return
+    left, half = panel.left, panel.half
+    panel.entry.load = load_at(left, 1.0, scene)
+    panel.exit.load = load_at(left + 2.0 * half, 1.0, scene)
+    for i in range(N):
+        panel.load[i] = load_at(left + half * (1.0 + POINTS[i]), 1.0, scene)
 
 
 @inner_jit

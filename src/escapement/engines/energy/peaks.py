@@ -6,6 +6,7 @@ greatest value.
 """
 
 from escapement.dynamics.law import wall_state
+from escapement.dynamics.load import load_at
 from escapement.dynamics.state_table import losses_at, signs_near
 from escapement.dynamics.train_losses import weight
 from escapement.engines.energy.locate import weights_to
@@ -33,7 +34,8 @@ def _magnitudes(scene, theta, w, side, slide_sign, ratio_sign):
     now = wall_state(theta, w, side, scene, slide_sign, ratio_sign)
     moment = weight(scene) * now.moment / now.inertia
     signs = slide_sign, ratio_sign
-    lost = losses_at(now.g, now.u, now.radius, now.k, now.pull, w, side, scene, *signs)
+    path = now.g, now.u, now.radius, now.k, now.pull
+    lost = losses_at(*path, w, side, scene, *signs, load_at(theta, side, scene))
     follower_rate = now.g * now.rate + now.dg * w
     return abs(now.rate), abs(follower_rate), abs(moment), abs(lost.force)
 

@@ -379,7 +379,8 @@ def _add_losses(scene, work, panel, side, losses):
     """Add the work lost over a panel to each of `losses`."""
     for i in range(N):
         g, u, radius, k = panel.g[i], panel.u[i], panel.radius[i], panel.dg[i]
-        rates = losses_at(g, u, radius, k, panel.pull[i], work.w[i], side, scene)
+        pull, load = panel.pull[i], panel.load[i]
+        rates = losses_at(g, u, radius, k, pull, work.w[i], side, scene, 0.0, 0.0, load)
         share = panel.half * WEIGHTS[i]
         for j in range(losses.size):
             losses[j] += share * rates[j + 1]

@@ -58,15 +58,14 @@ def friction_ratio_at(end, side, scene):
 @inner_jit
 def net_torque_at(end, side, w, scene):
     """J theta_ddot at an end of a panel."""
-    return net_torque(
-        end.g, friction_ratio_at(end, side, scene), end.dg, end.pull, w, root_of(w, scene), scene
-    )
+    c, root = friction_ratio_at(end, side, scene), root_of(w, scene)
+    return net_torque(end.g, c, end.dg, end.pull, w, root, scene, end.load)
 
 
 @inner_jit
 def contact_at(end, w, scene):
     """X at an end of a panel."""
-    return contact(end.g, end.dg, end.pull, w, root_of(w, scene), scene)
+    return contact(end.g, end.dg, end.pull, w, root_of(w, scene), scene, end.load)
 
 
 @inner_jit
@@ -101,8 +100,8 @@ def sample_panel(scene, work, panel, solution, side, energy):
         root = speed if viscous else 0.0
         # X is the contact moment times J > 0
         g, k, pull = panel.g[i], panel.dg[i], panel.pull[i]
-        c = side * contact(g, k, pull, w, root, scene)
-        a = net_torque(g, solution.friction_ratio[i], k, pull, w, root, scene)
+        c = side * contact(g, k, pull, w, root, scene, panel.load[i])
+        a = net_torque(g, solution.friction_ratio[i], k, pull, w, root, scene, panel.load[i])
         work.energy[i] = e
         work.w[i] = w
         work.contact[i] = c

@@ -19,6 +19,7 @@ from escapement.dynamics.law import (
     reduced_inertia,
     signed_loss,
 )
+from escapement.dynamics.load import has_load_curve, load_at
 from escapement.dynamics.torque import is_constant
 from escapement.engines.energy.panels import (
     UNSOLVED,
@@ -174,7 +175,9 @@ def solve_linear(scene, work, panel, solution, side):
                 panel.inverse_inertia[i],
             )
             pull, dtheta_dx = panel.pull[i], panel.dtheta_dx[i]
-            rates = energy_rates(g, c, k, pull, inverse, dtheta_dx, work.root[i], scene)
+            rates = energy_rates(
+                g, c, k, pull, inverse, dtheta_dx, work.root[i], scene, panel.load[i]
+            )
             work.gain[i], work.decay[i], solution.beta[i] = rates
     else:
         for i in range(count & N):
@@ -185,7 +188,7 @@ def solve_linear(scene, work, panel, solution, side):
                 panel.inverse_inertia[i],
             )
             pull, dtheta_dx = panel.pull[i], panel.dtheta_dx[i]
-            rates = energy_rates(g, c, k, pull, inverse, dtheta_dx, 0.0, scene)
+            rates = energy_rates(g, c, k, pull, inverse, dtheta_dx, 0.0, scene, panel.load[i])
             work.gain[i], work.decay[i], solution.beta[i] = rates
     # J is a difference of nearly equal terms near the Painleve limit: its rounding error is
     # amplified by (rho + g^2)/J, and no finer panel makes it smaller
@@ -273,6 +276,9 @@ def lay_out_start(scene, work, panel, offset):
     for i in range(N):
         start.dtheta_dx[i] = work.slowness_change[i]
         start.pull[i] = start.entry.pull + start.slope * half * (1.0 + work.scratch[i])
+    if has_load_curve(scene) and not panel.locked:
+        for i in range(N):
+            start.load[i] = load_at(left + half * (1.0 + work.scratch[i]), 1.0, scene)
 
 
 @inner_jit

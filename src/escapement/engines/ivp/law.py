@@ -8,6 +8,7 @@ import numpy as np
 
 from escapement.dynamics import law as dynamics
 from escapement.dynamics.law import scene_of
+from escapement.dynamics.load import load_at
 from escapement.dynamics.state_table import LOST, ROWS, LawTable, losses_at, tabulate
 from escapement.dynamics.torque import torque_after, torque_at
 from escapement.dynamics.train_losses import flowing
@@ -170,8 +171,8 @@ def slope(x, y, anchor, unit, side, slide_sign, ratio_sign, losses, plain):
     scene = flowing(theta, side, w, scene)
     now = dynamics.wall_state(theta, w, side, scene, slide_sign, ratio_sign)
     out[0], out[1] = y[1], now.rate / unit**2
-    path = now.g, now.u, now.radius, now.k
-    rates = losses_at(*path, now.pull, w, side, scene, slide_sign, ratio_sign)
+    path, load = (now.g, now.u, now.radius, now.k), load_at(theta, side, scene)
+    rates = losses_at(*path, now.pull, w, side, scene, slide_sign, ratio_sign, load)
     for i in range(losses.size):
         out[2 + i] = rates[1 + losses[i]] * y[1] / unit**2
     return out

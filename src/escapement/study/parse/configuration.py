@@ -17,6 +17,7 @@ from escapement.engines.solver import DEFAULT_ENGINE, Solver, solver_for
 from escapement.mechanisms import DEFAULT_KIND, KINDS, kind_of
 from escapement.mechanisms.protocol import Mechanism
 from escapement.mechanisms.wheel_checks import check_lengths
+from escapement.model.load_curve import Load
 from escapement.model.torque_curve import TorqueCurve
 from escapement.model.train import check_ratios
 from escapement.study.parse.columns import WIDTHS, axis_values
@@ -60,10 +61,10 @@ def load_tables(path: AnyPath, *apart: str) -> tuple[StudyPlan, dict[str, Any]]:
         others = {name: table(content, name) for name in apart}
         for name in apart:
             content.pop(name, None)
-        torque = content.get("torque")
-        if isinstance(torque, dict) and isinstance(torque.get("file"), str):
-            # its path is relative to the study file
-            torque["file"] = Path(path).parent / torque["file"]
+        for curve in (content.get("torque"), content.get("load_curve")):
+            if isinstance(curve, dict) and isinstance(curve.get("file"), str):
+                # its path is relative to the study file
+                curve["file"] = Path(path).parent / curve["file"]
         return parse_plan(content), others
     except InvalidValue as error:
         raise InvalidValue(f"{path}: {error}") from None
@@ -107,7 +108,8 @@ def parse_plan(configuration: Mapping[str, Any], mechanism: Mechanism | None = N
     plain |= {"mechanism": machine} | chosen_results(content)
     for name, value in fixed.items():
         section = settings[name].section
-        (plain.setdefault(section, {}) if section else plain)[settings[name].key] = value
+        shown = value.as_table() if isinstance(value, Load) else value
+        (plain.setdefault(section, {}) if section else plain)[settings[name].key] = shown
     if curve is not None:
         plain["torque"] = curve.as_table()
         curve = settings["torque"].to_si(curve)

@@ -202,6 +202,7 @@ def _fill_series(work, scene, theta, speed, phi, turning, backs, driven):
     # coefficient of the angle.
     push = torque - slope * sense * KNOT_GAP - sense * scene.bearing
     pull = -follower_sense * train * scene.load
+    viscous = one.viscous + barrel * one.motor
     angle, pace = work.driver_angle, work.driver_speed
     follower_angle, follower_pace = work.follower_angle, work.follower_speed
     angle[0], pace[0], follower_angle[0], follower_pace[0] = theta, speed, phi, turning
@@ -211,7 +212,7 @@ def _fill_series(work, scene, theta, speed, phi, turning, backs, driven):
         for i in range(k + 1):
             air += pace[i] * pace[k - i]
             wind += follower_pace[i] * follower_pace[k - i]
-        push -= sense * scene.driver_drag * air + scene.driver_viscous * pace[k]
+        push -= sense * scene.driver_drag * air + viscous * pace[k]
         pull -= (
             follower_sense * scene.follower_drag * wind + scene.follower_viscous * follower_pace[k]
         )
@@ -262,7 +263,7 @@ def _watched(scene, goal, what, sense, follower_sense, theta, speed, turning):
         return scene.rho * (speed * speed - REST) + turning * turning, 2.0 * slope
     if what == _Watched.BARREL_TORQUE:
         body = driver_of(scene)
-        slope = body.near * torque_at(theta, scene)[1] * speed
+        slope = body.near * (torque_at(theta, scene)[1] * speed - body.motor * driver.rate)
         return driver.through, slope + body.far * drag_slope(body, speed) * driver.rate
     body = follower_of(scene)
     slope = body.far * drag_slope(body, turning) * follower.rate

@@ -147,7 +147,7 @@ def wall_scene(walls, side, theta, sense, w, flow):
         "driver_drag", sense * scene.driver_drag,
         "follower_drag", sense * scene.follower_drag,
         "driver_viscous", sense * scene.driver_viscous,
-        "follower_viscous", sense * scene.follower_viscous,
+        "follower_viscous", sense * scene.follower_viscous, "motor", sense * scene.motor,
         "driver_journal", sense * scene.driver_journal,
         "follower_journal", sense * scene.follower_journal,
         "barrel_efficiency", barrel if sense > 0.0 else 1.0 / barrel,

@@ -1,0 +1,65 @@
+"""A load over the follower angle as engines see it: over the driver angle of each cell."""
+
+from collections.abc import Callable
+from itertools import pairwise
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import brentq
+
+from escapement.mechanisms.path import EDGES, PIECES, Pair
+from escapement.model.load_curve import Load
+from escapement.numerics.chebyshev import fit
+
+FloatArray = NDArray[np.float64]
+_ORDER, _DECAYED = 17, 4e-15
+_SCAN = 64
+"""Parts of an interval in which a knot is searched for; the follower turns one way in each."""
+_GAP = 1e-9
+"""A knot so close to an edge [rad] is on it."""
+
+
+class LoadCell(NamedTuple):
+    """The driver angles between which load and mechanism are smooth, and the load there.
+
+    edges : as in `Scene`. numbers : as `Scene.load_curve` has them, in N m.
+    """
+
+    edges: FloatArray
+    numbers: FloatArray
+
+    def in_units(self, torque: float) -> FloatArray:
+        """`Scene.load_curve` in units of this torque [N m]."""
+        found = self.numbers.copy()
+        found[EDGES + int(found[PIECES]) + 1 :] /= torque
+        return found
+
+
+def load_cell(load: Load, pair: Pair, turned: float) -> LoadCell:
+    """A load in a cell before which the follower has turned by `turned` [rad]."""
+
+    def angle(theta: FloatArray) -> FloatArray:
+        return np.asarray(pair.follower_angle(theta)) + turned
+
+    edges = _with_knots(load, pair.edges, angle)
+    series = fit(lambda theta: np.asarray(load(angle(theta))), edges, _ORDER, _DECAYED, kinks=0)
+    numbers = np.array(series.rows.shape, float), series.edges, series.rows.reshape(-1)
+    return LoadCell(edges, np.concatenate(numbers))
+
+
+def _with_knots(
+    load: Load, edges: FloatArray, angle: Callable[[FloatArray], FloatArray]
+) -> FloatArray:
+    """The edges, and the driver angles at which the load is not smooth between them."""
+    found = [*edges.tolist()]
+    grid = np.concatenate([np.linspace(a, b, _SCAN, endpoint=False) for a, b in pairwise(edges)])
+    grid = np.append(grid, edges[-1])
+    phi = angle(grid)
+    for knot in load.knots_between(float(phi.min()), float(phi.max())):
+        for i in np.flatnonzero((phi[:-1] - knot) * (phi[1:] - knot) < 0.0):
+            ends = float(grid[i]), float(grid[i + 1])
+            theta = brentq(lambda x, knot=knot: float(angle(np.array(x))) - knot, *ends, xtol=1e-15)
+            if np.abs(np.array(found) - theta).min() > _GAP:
+                found.append(theta)
+    return np.array(sorted(found))

@@ -1,0 +1,254 @@
+"""A load that changes with the follower's angle: a curve over a step or a turn, or a weight."""
+
+import json
+import math
+
+import numpy as np
+import pytest
+from scipy.integrate import quad, solve_ivp
+
+import escapement as esc
+from escapement.base.errors import InputFileError, InvalidValue
+from escapement.base.status import Status
+from escapement.cli import main
+
+SIX = esc.Geneva(6, pins=1, crank_radius=0.05)
+INERTIA = esc.Inertia(0.02, 0.1)
+STEP = math.pi / 3.0
+CAM = esc.LoadCurve(
+    np.array([-0.5, -0.3, -0.1, 0.2, 0.4, 0.5]) * STEP, [0.1, 0.5, -0.3, 0.2, 0.8, 0.1]
+)
+WEIGHT = esc.Unbalance(0.4, 0.3)
+
+
+def drive(load, mechanism=SIX, **numbers):
+    model = {"torque": 3.0, "friction": 0.1, "load_torque": 0.3, **numbers}
+    return esc.Escapement(mechanism, INERTIA, load_curve=load, **model)
+
+
+def random_load(rng, step, steps=1):
+    """A curve with points anywhere, at most half of the torque."""
+    inner = np.sort(rng.uniform(-0.5, 0.5, rng.integers(1, 9)))
+    angle = np.concatenate([[-0.5], inner, [0.5]]) * step * steps
+    torque = rng.uniform(-1.5, 1.5, angle.size)
+    torque[-1] = torque[0]
+    return esc.LoadCurve(angle + rng.uniform(-3.0, 3.0), torque)
+
+
+def random_drive(rng):
+    mechanism = [
+        esc.Geneva(int(rng.integers(3, 9)), pins=1, crank_radius=0.05),
+        esc.Geneva(int(rng.choice([3, 4, 6])), crank_radius=0.05, pin_radius=0.002),
+        esc.Geneva(6, internal=True, crank_radius=0.05),
+        esc.CamIndexer(6, math.radians(120.0)),
+        esc.EllipticalPlanetary(2.0, 1.0),
+    ][rng.integers(5)]
+    losses = {"efficiency": 0.9} if mechanism.meshed else {"friction": rng.uniform(0.0, 0.15)}
+    losses |= {"follower_viscous": 0.02} if rng.random() < 0.3 else {}
+    inertia = esc.Inertia(10.0 ** rng.uniform(-2.5, -1.0), 0.1)
+    load = random_load(rng, abs(float(mechanism.follower_step)))
+    return esc.Escapement(mechanism, inertia, 4.0, load_torque=0.2, load_curve=load, **losses)
+
+
+@pytest.mark.slow
+def test_fifty_random_curves_agree_with_the_reference_engine():
+    rng, seen = np.random.default_rng(44), 0
+    for _ in range(50):
+        one = random_drive(rng)
+        fast, slow = (esc.simulate(one, 4, engine=name) for name in ("energy", "ivp"))
+        assert fast.status is slow.status
+        np.testing.assert_allclose(fast.handoff_times, slow.handoff_times, rtol=1e-9)
+        np.testing.assert_allclose(fast.handoff_velocities, slow.handoff_velocities, rtol=1e-9)
+        assert fast.reversals.time.size == slow.reversals.time.size
+        assert abs(fast.ledger.residual) < 1e-12
+        seen += fast.reversals.time.size > 0
+    assert seen > 10
+
+
+@pytest.mark.parametrize("engine", ["energy", "ivp"])
+def test_energy_alone_gives_the_speed_without_friction(engine):
+    one = drive(CAM, friction=0.0)
+    motion = esc.simulate(one, 3, engine=engine)
+    begin = float(SIX.follower_angle(SIX.breaks[0]))
+    for k, speed in enumerate(motion.handoff_velocities, 1):
+        work = sum(
+            quad(CAM, begin + i * STEP, begin + (i + 1) * STEP, points=_knots(i), epsabs=1e-13)[0]
+            for i in range(k)
+        )
+        energy = 3.0 * k * SIX.cell_angle - 0.3 * k * STEP - work
+        assert speed == pytest.approx(math.sqrt(2.0 * energy / INERTIA.driver), rel=1e-11)
+
+
+def _knots(i):
+    return np.array(CAM.angle[1:-1]) + i * STEP
+
+
+def test_a_weight_without_friction_has_a_closed_form():
+    """Twice the kinetic energy is that of the drive less m g e (cos - cos)."""
+    motion = esc.simulate(drive(WEIGHT, friction=0.0, load_torque=0.0), 9)
+    state = motion.at(np.linspace(0.03, 1.0, 200) * motion.end_time)
+    begin = float(SIX.follower_angle(SIX.breaks[0]))
+    lifted = 0.4 * (math.cos(begin + 0.3) - np.cos(state.phi + 0.3))
+    energy = 3.0 * (state.theta - SIX.breaks[0]) - lifted
+    kinetic = 0.5 * (INERTIA.driver * state.theta_dot**2 + INERTIA.follower * state.phi_dot**2)
+    np.testing.assert_allclose(kinetic, energy, rtol=1e-9)
+    assert abs(motion.ledger.residual) < 1e-10
+
+
+def test_the_equation_of_motion_with_friction_by_an_integrator_of_its_own():
+    """solve_ivp of the law of theory.md with the load written out, over the first engagement."""
+    one = drive(CAM)
+
+    def rates(_t, y):
+        theta, speed = y
+        found = SIX.transmission(theta)
+        g, u, dg = float(found.g), float(found.u), float(found.dg)
+        load = 0.3 + float(CAM(SIX.follower_angle(theta)))
+        resist = INERTIA.follower * dg * speed**2 + load
+        side = np.sign(INERTIA.driver * resist + INERTIA.follower * g * 3.0)
+        p = g + side * 0.1 * abs(u)
+        return speed, (3.0 - p * resist) / (INERTIA.driver + INERTIA.follower * g * p)
+
+    entry, exit_ = SIX.breaks[0], SIX.breaks[-1]
+
+    def leaves(_t, y):
+        return y[0] - exit_
+
+    leaves.terminal = True
+    found = solve_ivp(
+        rates, (0.0, 5.0), [entry, 1e-9], events=leaves, rtol=1e-11, atol=1e-13, max_step=1e-3
+    )
+    motion = esc.simulate(one, 1)
+    speed = motion.at(float(found.t[-1])).theta_dot
+    assert speed == pytest.approx(found.y[1, -1], rel=1e-6)
+
+
+def test_engines_agree_on_the_terminal_cycle_and_its_figures():
+    fast, slow = (esc.terminal(drive(CAM), engine=name) for name in ("energy", "ivp"))
+    for name in ("period", "velocity_max", "velocity_min", "contact_moment_max", "rise_time"):
+        assert getattr(fast, name) == pytest.approx(getattr(slow, name), rel=1e-8)
+    assert fast.reversal_angles == pytest.approx(slow.reversal_angles, abs=1e-8)
+
+
+def test_a_level_curve_is_a_constant_load():
+    level = esc.LoadCurve([-0.5 * STEP, 0.1, 0.5 * STEP], [0.2] * 3)
+    times = [esc.simulate(one, 4).handoff_times for one in (
+        drive(level), drive(None, load_torque=0.5)
+    )]  # fmt: skip
+    np.testing.assert_allclose(*times, rtol=1e-12)
+
+
+def test_a_curve_over_a_turn_has_a_cycle_of_six_engagements():
+    angle = np.linspace(0.0, 2.0 * math.pi, 7)
+    ramp = esc.LoadCurve(angle, [0.0, 0.5, 1.0, 0.2, 0.0, -0.3, 0.0])
+    cycle = esc.terminal(drive(ramp))
+    assert len(cycle.beats) == 6
+    assert cycle.beat_error > 5e-3 * cycle.period
+    motion = esc.simulate(drive(ramp), 7, initial_speed=cycle.handoff_velocity)
+    assert motion.engine == "ivp"
+    beats = np.diff(motion.handoff_times, prepend=0.0)
+    np.testing.assert_allclose(beats, [*cycle.beats, cycle.beats[0]], rtol=1e-8)
+    # a curve over a step that is written out over a turn
+    steps = [angle + k * STEP for k in range(6) for angle in CAM.angle[:-1]]
+    written = esc.LoadCurve([*steps, steps[0] + 2.0 * math.pi], [*CAM.torque[:-1]] * 6 + [0.1])
+    one, other = esc.simulate(drive(written), 5), esc.simulate(drive(CAM), 5)
+    np.testing.assert_allclose(one.handoff_times, other.handoff_times, rtol=1e-10)
+    with pytest.raises(InvalidValue, match=r"^engine must be 'ivp' with a load that repeats in a"):
+        esc.simulate(drive(ramp), engine="energy")
+
+
+def test_a_train_of_the_load_leaves_the_curve_at_the_follower():
+    geared = drive(CAM, load_torque=0.1, load_train=esc.Train(3.0, inertia=1e-3))
+    by_hand = esc.Escapement(
+        SIX, esc.Inertia(0.02, 0.1 + 9e-3), 3.0, 0.1, load_torque=0.3, load_curve=CAM
+    )
+    times = [esc.simulate(one, 3).handoff_times for one in (geared, by_hand)]
+    np.testing.assert_allclose(*times, rtol=1e-12)
+
+
+@pytest.mark.parametrize("engine", ["energy", "ivp"])
+def test_a_motor_and_a_lossy_gearbox_carry_a_curve(engine):
+    one = drive(
+        CAM, torque=esc.Motor(0.5, 90.0), barrel=esc.Train(0.1, efficiency=0.8, inertia=1e-4)
+    )
+    motion = esc.simulate(one, 3, engine=engine)
+    other = esc.simulate(one, 3, engine="ivp")
+    np.testing.assert_allclose(motion.handoff_times, other.handoff_times, rtol=1e-9)
+    assert abs(motion.ledger.residual) < 1e-11
+
+
+def test_without_losses_the_mean_of_the_curve_decides():
+    up = esc.LoadCurve([-0.5 * STEP, 0.0, 0.5 * STEP], [19.0, 20.0, 19.0])
+    assert esc.terminal(drive(up, friction=0.0)).status is Status.STALL
+    assert esc.terminal(drive(CAM, friction=0.0)).status is Status.NO_TERMINAL
+
+
+def test_studies_files_and_the_command_line_take_it(capsys, tmp_path):
+    (tmp_path / "cam.csv").write_text(
+        "angle rad,torque\n"
+        + "".join(f"{a!r},{t!r}\n" for a, t in zip(CAM.angle, CAM.torque, strict=True))
+    )
+    period = esc.terminal(drive(CAM)).period
+    words = "run --slots 6 --pins 1 --crank-radius .05 --friction .1 --load-torque .3 --torque 3"
+    words += " --driver-inertia .02 --follower-inertia .1 --json --load-curve"
+    assert main([*words.split(), str(tmp_path / "cam.csv")]) == 0
+    found = json.loads(capsys.readouterr().out)
+    assert found["period"] == pytest.approx(period, rel=1e-12)
+    assert found["inputs"]["load_curve_angles"] == pytest.approx(CAM.angle)
+    fixed = (
+        "torque = 3\nload_torque = 0.3\n[mechanism]\nslots = 6\npins = 1\ncrank_radius = 0.05\n"
+        "[inertia]\ndriver = 0.02\nfollower = 0.1\n[sweep]\nfriction = [0.1, 0.2]\n"
+    )
+    for name, table in (
+        ("file", 'file = "cam.csv"\n'),
+        ("points", f"angle = {[*CAM.angle]}\ntorque = {[*CAM.torque]}\n"),
+    ):
+        study = tmp_path / f"{name}.toml"
+        study.write_text(f"{fixed}[load_curve]\n{table}")
+        assert main(["sweep", str(study), "-o", str(tmp_path / f"{name}.h5"), "--quiet"]) == 0
+        stored = esc.read_study(tmp_path / f"{name}.h5")
+        assert float(stored["period"][0]) == pytest.approx(period, rel=1e-12)
+    for load in (CAM, WEIGHT):
+        motion = esc.simulate(drive(load), 2)
+        esc.write_motion(motion, tmp_path / "m.h5", force=True)
+        assert esc.read_motion(tmp_path / "m.h5").escapement == motion.escapement
+    found = esc.sensitivities(drive(CAM)).relative["period"]["torque"]
+    ends = [esc.terminal(drive(CAM, torque=3.0 * (1.0 + d))).period for d in (1e-5, -1e-5)]
+    assert found == pytest.approx(math.log(ends[0] / ends[1]) / 2e-5, rel=1e-6)
+
+
+def test_an_index_takes_a_curve_and_a_weight():
+    for load in (CAM, WEIGHT):
+        found = esc.index(SIX, 6.0, 0.3, follower_inertia=0.1, friction=0.08, load_curve=load)
+        theta = np.linspace(SIX.breaks[0], SIX.breaks[-1], 200_001)
+        torque = found.at(theta).torque
+        assert found.torque_max == pytest.approx(torque.max(), rel=1e-7)
+        mean = np.trapezoid(torque, theta) / (theta[-1] - theta[0])
+        assert found.torque_mean_index == pytest.approx(mean, rel=1e-6)
+
+
+def test_what_cannot_be_is_refused_in_one_line(tmp_path):
+    with pytest.raises(InvalidValue, match=r"^torque of the load curve must be the same at both e"):
+        esc.LoadCurve([0.0, STEP], [0.0, 1.0])
+    with pytest.raises(InvalidValue, match=r"^angle of the load curve must be ascending, got"):
+        esc.LoadCurve([0.0, 2.0, 1.0], [0.0, 1.0, 0.0])
+    with pytest.raises(InvalidValue, match=r"^the load curve must have 2 to 1000 angles and as m"):
+        esc.LoadCurve([0.0, 2.0, 3.0], [0.0, 0.0])
+    with pytest.raises(InvalidValue, match=r"^load_curve must be periodic in a step of the follow"):
+        drive(esc.LoadCurve([0.0, 1.0], [0.2, 0.2]))
+    with pytest.raises(InvalidValue, match=r"^moment must be .* got -1"):
+        esc.Unbalance(-1.0)
+    with pytest.raises(InvalidValue, match=r"^load_curve must be a LoadCurve or an Unbalance, got"):
+        drive(3.0)
+    loose = esc.Geneva(6, pins=1, crank_radius=0.05, clearance=1e-4)
+    with pytest.raises(InvalidValue, match=r"^load_curve must be left out with clearance, got"):
+        drive(CAM, loose)
+    with pytest.raises(InvalidValue, match=r"^load_curve must be left out with stiffness, got"):
+        drive(CAM, stiffness=1e8)
+    with pytest.raises(InvalidValue, match=r"^load_curve must be left out with errors of the part"):
+        drive(CAM, esc.Geneva(6, crank_radius=0.05, centre_distance_error=1e-5))
+    with pytest.raises(InvalidValue, match=r"^load_curve must be left out with a load train that"):
+        drive(CAM, load_train=esc.Train(2.0, efficiency=0.9))
+    (tmp_path / "bad.csv").write_text("angle,torque\n0,1\n1,2\n")
+    with pytest.raises(InputFileError, match=r"^load curve .*bad.csv: torque of the load curve"):
+        esc.LoadCurve.from_csv(tmp_path / "bad.csv")
