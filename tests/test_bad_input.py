@@ -97,13 +97,6 @@ def test_settings_of_no_sense_are_refused_like_others(settings):
     check_message(str(caught.value), *settings)
 
 
-def test_a_refusal_names_the_unit(refusal):
-    with pytest.raises(InvalidValue, match=r"give the crank radius in m$"):
-        wheel(crank_radius=0.0)
-    assert "give the driver speed in rad/s, 0 to start" in refusal(2, "run", "--initial-speed", "x")
-    assert "give the angle in deg, " in refusal(2, "run", "--cell-angle", "x")
-
-
 OBJECTS = [(built, "mechanism", value) for value in (4, None, "geneva", esc.Geneva, INERTIA)]
 OBJECTS += [(built, "inertia", value) for value in ((1.0, 2.0), None, 1.0, esc.Inertia)]
 OBJECTS += [(esc.simulate, "escapement", value) for value in (None, WHEEL, esc.Escapement)]
@@ -128,6 +121,7 @@ TOGETHER = {
     "slow": (lambda: esc.simulate(TIMER, 10_001, engine="ivp"), "whole number of at most 10000"),
     "long": (lambda: esc.simulate(TIMER, duration=1e9), "in which 10000000 engagements pass"),
     "axis": (lambda: esc.sweep(TIMER, friction=[0.1, -0.1]), r"friction\[1\] must be at least 0"),
+    "workers": (lambda: esc.sweep(TIMER, friction=[0.1], workers=0), "number of at least 1, got 0"),
     "no axis": (lambda: esc.sweep(TIMER), "sweep at least one parameter"),
     "key": (lambda: study(frictions=1.0), "unknown key 'frictions'.*did you mean 'friction'"),
     "table": (lambda: study(solver=4), "solver must be a table, got 4"),

@@ -406,21 +406,6 @@ def test_a_study_solves_each_case_by_the_engine_that_it_needs():
     assert (study.results["status"] == Status.OK).all()
 
 
-def test_a_motion_is_written_and_read(tmp_path):
-    motion = esc.simulate(timer(restitution=0.2), 3)
-    path = tmp_path / "motion.h5"
-    esc.write_motion(motion, path)
-    again = esc.read_motion(path)
-    for name in ("theta", "theta_dot", "phi", "phi_dot", "contact_moment"):
-        assert_allclose(
-            getattr(again.samples, name), getattr(motion.samples, name), rtol=1e-9, atol=1e-9
-        )
-    assert_allclose(again.impacts.energy, motion.impacts.energy, rtol=1e-9, atol=1e-15)
-    dataset = motion.to_xarray()
-    assert_allclose(dataset["impact_energy"], motion.impacts.energy)
-    assert dataset["impact_impulse"].attrs["units"] == "N s"
-
-
 @pytest.mark.parametrize("pin", [0.0, 5e-4])
 def test_more_play_than_the_wheel_has_room_for_is_refused(pin):
     """Slots at 90 degrees meet 0.29 crank radii from the axis of the pin."""

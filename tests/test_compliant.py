@@ -268,20 +268,6 @@ def test_walls_have_critical_damping_by_default(rho, slots):
     assert "damping" not in two.message
 
 
-def test_a_stiffness_alone_gives_a_period_near_that_of_rigid_bodies():
-    inertia, torque = esc.Inertia(3.39e-7, 5.65e-6), 0.0113
-    for clearance in (0.0, 1e-5):
-        wheel = esc.Geneva(4, crank_radius=RADIUS, clearance=clearance)
-        exact = esc.terminal(esc.Escapement(wheel, inertia, torque, 0.3)).period
-        errors = [
-            esc.terminal(esc.Escapement(wheel, inertia, torque, 0.3, stiffness=k)).period / exact
-            - 1.0
-            for k in (1e6, 1e7, 1e8)
-        ]
-        assert 0.3 > errors[0] > errors[1] > errors[2] > 0.0
-        assert errors[2] < 0.02
-
-
 BARREL = {"slots": 5, "rho": 0.017, "efficiency": 0.58, "inertia": 1.36, "friction": 0.679}
 HEAVY = {"slots": 3, "rho": 0.41, "efficiency": 0.71, "inertia": 23.8, "friction": 2.317}
 LIGHT = {"slots": 6, "rho": 0.013, "efficiency": 0.42, "inertia": 2.1, "friction": 0.95}

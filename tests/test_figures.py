@@ -161,13 +161,6 @@ def test_peaks_are_looked_for_once_and_only_when_asked_for(engine, monkeypatch):
     assert looked == [figures.motion]
 
 
-def test_both_engines_find_the_same_peaks():
-    """One looks on the panels of its pieces, the other at samples."""
-    one, other = (esc.terminal(drive(mu=0.3), engine=engine) for engine in BOTH)
-    for name in ("acceleration_max", "follower_acceleration_max", "contact_moment_max"):
-        assert getattr(one, name) == pytest.approx(getattr(other, name), rel=1e-7)
-
-
 def test_terminal_motion_is_the_engagement_that_repeats_itself():
     """What the figures are read from is at hand; there is none without a terminal cycle."""
     figures = esc.terminal(drive(mu=0.3))

@@ -119,8 +119,3 @@ def test_what_cannot_be_drawn_is_refused():
     ):
         with pytest.raises(InvalidValue, match=said):
             gear_driven.plot_gear_driven(*given)
-
-
-def test_sheets():
-    for sheet in (gear_driven.plot_gear_driven_examples, gear_driven.plot_curves):
-        assert len(sheet().axes) == 4

@@ -9,14 +9,14 @@ from typing import Any, ClassVar
 
 import pytest
 
-from escapement import Escapement, GearDriven, Inertia, mechanisms, read_study
+from escapement import mechanisms
 from escapement.base.errors import InvalidValue
 from escapement.base.quantity import quantity
 from escapement.cli import _arguments
 from escapement.cli._arguments import Parser, UsageError
 from escapement.mechanisms import Geneva
 from escapement.mechanisms.kind import Kind
-from escapement.study.parse import parse_plan, plan_from
+from escapement.study.parse import parse_plan
 
 
 @dataclass(frozen=True)
@@ -145,19 +145,6 @@ def test_gear_driven_report(report):
     assert record["closest_radius_over_fixed"] == pytest.approx(1.5 - math.sqrt(0.75), rel=1e-15)
 
 
-def test_gear_driven_lengths(report):
-    """With the radius of the fixed gear, here an inch, the report has lengths too."""
-    inch = report(
-        "mechanism", *TWELVE, "--lobes", "5", "--fixed-radius", "1", "--units", "in-lbf-s"
-    )
-    metre = report("mechanism", *TWELVE, "--lobes", "5", "--fixed-radius", "0.0254")
-    expected = {"planet_radius": 0.5, "carrier": 1.5, "arm": math.sqrt(0.75)}
-    for key, length in expected.items():
-        assert inch[key] == pytest.approx(length, rel=1e-14)
-        assert metre[key] == pytest.approx(0.0254 * length, rel=1e-14)
-    assert inch["closest_radius"] == pytest.approx(inch["closest_radius_over_fixed"], rel=1e-14)
-
-
 def test_gear_driven_solutions(command, report, tmp_path):
     options = ["--stations", "4", "--lobes", "0", "--curve", "epicycloid", "--pins", "6"]
     record = report("mechanism", "gear-driven", *options)
@@ -166,40 +153,3 @@ def test_gear_driven_solutions(command, report, tmp_path):
     assert (first["pins"], second["pins"]) == (6, 1)
     assert "solutions" in command("mechanism", "gear-driven", *options, "--plot", "a.png")[1]
     assert (tmp_path / "a.png").stat().st_size > 10_000
-
-
-def test_gear_driven_study(tmp_path, report):
-    """A sweep over lobes, a fraction among the fixed values, and one case of it again."""
-    text = """
-    friction = 0.05
-    torque = 0.01
-    [mechanism]
-    kind = "gear-driven"
-    stations = 12
-    lobes = "5/1"
-    curve = "epicycloid"
-    pins = 2
-    [inertia]
-    driver = 3e-6
-    follower = 5e-6
-    [sweep]
-    lobes = [5, 5.5]
-    load_torque = [0.0, 1e-4]
-    """
-    (tmp_path / "g.toml").write_text(text)
-    report("sweep", "g.toml", "--quiet")
-    found = report("run", "--from", "g.h5", "--select", "lobes=5.5,load_torque=0")
-    options = ["--lobes", "11/2", "--pins", "2", "--torque", ".01", "--friction", ".05"]
-    options += ["--driver-inertia", "3e-6", "--follower-inertia", "5e-6"]
-    again = report("run", *TWELVE, *options)
-    assert found["velocity_max"] == pytest.approx(again["velocity_max"], rel=1e-12)
-    study = read_study("g.h5")
-    assert study.results["period"][1, 0] == pytest.approx(again["period"], rel=1e-10)
-
-
-def test_gear_driven_study_from_python():
-    drive = Escapement(
-        GearDriven(5, "1/3", "epicycloid"), Inertia(3e-6, 5e-6), torque=0.01, friction=0.02
-    )
-    plan = plan_from(drive, {"torque": [0.01, 0.02]})
-    assert parse_plan(plan.configuration).escapement(0).mechanism == drive.mechanism

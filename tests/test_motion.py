@@ -5,7 +5,6 @@ import pytest
 
 import escapement as esc
 from escapement.base.errors import InvalidValue
-from escapement.base.status import Status
 from escapement.base.units import INCH_POUND
 
 ENGINES = {"energy": 1e-12, "ivp": 1e-9}
@@ -19,13 +18,6 @@ def timer(slots=4, friction=0.35, torque=0.1, load=0.0, driver=3e-6, **wheel):
         friction=friction,
         load_torque=load * INCH_POUND,
     )
-
-
-@pytest.mark.parametrize(("engine", "rtol"), [("energy", 1e-12), ("ivp", 1e-10)])
-def test_twentieth_handoff_of_the_four_pin_drive(engine, rtol):
-    motion = esc.simulate(timer(), engagements=20, engine=engine, rtol=rtol)
-    assert motion.handoff_times[-1] == pytest.approx(0.881247098654620, rel=1e-9, abs=0)
-    assert motion.handoff_velocities[-1] == pytest.approx(74.6834608876848, rel=1e-9, abs=0)
 
 
 @pytest.mark.parametrize("engine", ENGINES)
@@ -81,17 +73,3 @@ def test_a_piece_that_is_not_there_is_refused(piece):
     with pytest.raises(InvalidValue, match="piece must be whole and from 0 to 8, got"):
         motion.within(piece, np.zeros(2))
     assert motion.within(8, motion.end_time).theta_dot == motion.at(motion.end_time).theta_dot
-
-
-@pytest.mark.parametrize("engine", ENGINES)
-@pytest.mark.parametrize("load", [0.0, 0.01, 0.05])
-def test_the_painleve_limit_is_decided_before_integrating(engine, load):
-    limit = esc.critical_friction(timer().mechanism, timer().inertia)
-    beyond = timer(friction=limit, load=load)
-    motion = esc.simulate(beyond, engine=engine)
-    assert motion.status is Status.PAINLEVE
-    assert motion.handoff_times.size == 0
-    assert "0.406079" in motion.message
-    assert esc.terminal(beyond, engine=engine).status is Status.PAINLEVE
-    below = timer(friction=limit * (1.0 - 1e-6), load=load / 100.0)
-    assert esc.simulate(below, 2, engine=engine).status is Status.OK

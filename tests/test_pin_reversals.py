@@ -162,12 +162,6 @@ def test_others_refuse(call, message):
         call()
 
 
-def test_empty_study():
-    study = esc.reversal_study(np.array([], dtype=int), np.array([]))
-    assert study.zone.shape == (0,)
-    assert study.reversals.shape == (0, 2)
-
-
 def test_a_clearance_is_refused_at_constant_speed():
     """Every function says so: none of them computes how the pin crosses from wall to wall."""
     loose = esc.Geneva(6, 1, crank_radius=0.02, pin_radius=1e-3, clearance=1e-5)

@@ -135,16 +135,6 @@ def test_drawing_refuses_what_it_cannot_draw():
             plots.plot_mechanism(*given)
 
 
-def test_every_kind_is_drawn_by_one_function():
-    kinds = {
-        "driving": esc.EllipticalPlanetary(0.016, 0.009),
-        "fixed-gear": esc.GearDriven(12, 3),
-        "crank-disc": esc.Geneva(4),
-    }
-    for drawn, mechanism in kinds.items():
-        assert by_id(plots.plot_mechanism(mechanism, 0.2, Figure().add_subplot()), drawn)
-
-
 def test_a_mechanism_without_bodies_is_drawn_as_its_transmission():
     drive = esc.EllipticalPlanetary(0.016, 0.009)
     names = ("cell_angle", "breaks", "follower_step", "path", "follower_angle")

@@ -115,15 +115,6 @@ def test_the_contact_point_changes_its_sense_of_sliding_on_the_line_of_centres(r
     assert abs(at.power_lost["friction"][0]) < 1e-9 * TORQUE * at.theta_dot[0]
 
 
-def test_bearings_carry_the_force_of_the_contact_and_its_friction():
-    real = everything()
-    motion = esc.simulate(real, engagements=2)
-    state = motion.at(np.linspace(0.0, motion.end_time, 50))
-    expected = np.abs(state.contact_force) * math.hypot(1.0, real.friction)
-    np.testing.assert_allclose(state.driver_bearing_reaction, expected, rtol=1e-14)
-    np.testing.assert_allclose(state.follower_bearing_reaction, expected, rtol=1e-14)
-
-
 def test_a_pin_with_width_parts_the_limits_of_existence_and_of_uniqueness():
     existence, uniqueness = friction_limits(timer({"pin_radius": 0.05 * CRANK}))
     assert existence == pytest.approx(0.4231149, abs=5e-8)

@@ -7,7 +7,7 @@ import pytest
 
 import escapement as esc
 from escapement import plots
-from escapement.base.errors import CannotCreate, InvalidValue
+from escapement.base.errors import InvalidValue
 from escapement.base.units import INCH, INCH_POUND, POUND_FORCE
 from escapement.dynamics.figure_table import FIGURES
 from escapement.study.parse import parse_plan, plan_from
@@ -85,25 +85,6 @@ def test_what_is_no_list_of_figures_is_refused_in_a_line(given):
     assert "\n" not in str(error.value)
     if isinstance(given, list) and given:
         assert all(name in str(error.value) for name in FIGURES)
-
-
-@pytest.mark.parametrize("complete", [True, False])
-def test_a_study_is_not_resumed_with_other_results(tmp_path, complete):
-    options = {"path": tmp_path / "a.h5", "friction": [0.2, 0.3]}
-    if complete:
-        esc.sweep(TIMER, **options)
-    else:
-        with pytest.raises(KeyboardInterrupt):
-            esc.sweep(TIMER, **options | {"friction": np.linspace(0.2, 0.3, 5000)}, progress=_stop)
-        options["friction"] = np.linspace(0.2, 0.3, 5000)
-    with pytest.raises(CannotCreate, match=r'results was not set and is \["period"\]'):
-        esc.sweep(TIMER, results=["period"], resume=True, **options)
-    assert esc.sweep(TIMER, resume=True, **options).failed == 0
-
-
-def _stop(done, total, failed):
-    if 0 < done < total:
-        raise KeyboardInterrupt
 
 
 def test_a_chosen_study_is_written_read_and_drawn(tmp_path):

@@ -98,16 +98,6 @@ def interrupt(path):
     return path
 
 
-def test_an_interrupted_sample_is_continued(tmp_path):
-    path = interrupt(tmp_path / "a.h5")
-    with pytest.raises(CannotCreate, match=r"sample\.seed was 0 and is 1"):
-        write_plan(many(seed=1), path, resume=True)
-    tally = write_plan(many(), path, resume=True)
-    assert 0 < tally.resumed < 40_000
-    write_plan(many(), tmp_path / "b.h5")
-    assert without_date(path) == without_date(tmp_path / "b.h5")
-
-
 def test_numbers_drawn_otherwise_are_not_mixed(tmp_path, monkeypatch):
     """As another version of SciPy might draw them of the same seed."""
     path, draw = interrupt(tmp_path / "a.h5"), sample.unit_cube

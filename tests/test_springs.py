@@ -16,7 +16,7 @@ import escapement as esc
 from escapement.base.errors import InputFileError, InvalidValue
 from escapement.base.status import Status
 from escapement.base.units import INCH_POUND
-from random_drives import drives, few, very_few
+from random_drives import drives, very_few
 from test_real_mechanism import TORQUE, everything, timer
 
 TURN = 2.0 * math.pi
@@ -155,16 +155,6 @@ def test_a_weak_spring_rate_is_no_spring_and_a_rate_of_zero_leaves_every_bit():
     assert (stiff.status, stiff.handoff_times.size) == (Status.SPENT, 0)
 
 
-@given(st.floats(0.01, 0.3), st.floats(0.1, 10.0))
-@few
-def test_speeds_go_with_the_root_of_the_torque(fall, factor):
-    rate = fall * TORQUE
-    one = esc.simulate(timer(spring_rate=rate), 6)
-    other = esc.simulate(timer(torque=factor * TORQUE, spring_rate=factor * rate), 6)
-    scaled = other.handoff_velocities / math.sqrt(factor)
-    np.testing.assert_allclose(scaled, one.handoff_velocities, rtol=1e-12)
-
-
 @pytest.mark.parametrize("torque", [CAM, esc.TorqueCurve([0.0, 2.0, 3.0], [1.0, 0.2, 0.4])])
 def test_without_losses_the_speed_follows_from_the_work(torque):
     wheel = esc.Geneva(5)
@@ -205,17 +195,6 @@ def test_a_long_run_goes_by_series_as_by_engagements():
         assert one.handoff_velocities[0] == pytest.approx(speeds[k], rel=1e-12)
 
 
-def test_a_million_engagements_go_with_the_root_of_the_torque():
-    weak = timer(spring_rate=4e-6 * TORQUE / TURN)
-    times = esc.simulate(weak, 100_000).handoff_times
-    # quasi-static: the period goes with the root of the torque, at .2595 of the cell
-    period, cell = esc.terminal(weak).period, weak.mechanism.cell_angle
-    torque = weak.curve((np.array([50_000, 99_999]) + 0.2595) * cell) / TORQUE
-    np.testing.assert_allclose(
-        np.diff(times)[[49_999, 99_998]], period / np.sqrt(torque), rtol=1e-10
-    )
-
-
 FILE = """
 units = "in-lbf-s"
 torque = { file = "spring.csv" }
@@ -254,17 +233,6 @@ def test_a_study_reads_a_curve_beside_it_and_keeps_its_points(command, tmp_path)
     np.testing.assert_allclose(found["handoff_times"], expected.handoff_times, rtol=1e-12)
     assert found["inputs"]["torque_angles"] == [0.0, 10.0, 20.5]
     assert found["inputs"]["torque"]["in-lbf-s"] == pytest.approx([0.1, 0.09, 0.04])
-
-
-def test_the_command_runs_a_spring_to_its_end(command):
-    options = ["--torque", ".1", "--driver-inertia", "3e-6", "--follower-inertia", "50e-6"]
-    options += ["--friction", ".3", "--spring-rate", "0.02", "--units", "in-lbf-s"]
-    code, out, _ = command("run", *options, "--engagements", "50", "--json")
-    record = json.loads(out)
-    assert (code, record["status"]) == (0, "spent")
-    assert record["inputs"]["spring_rate"]["in-lbf-s"] == pytest.approx(0.02)
-    assert "the spring is spent" in record["message"]
-    assert "of the full spring" in record["message"]
 
 
 @pytest.mark.parametrize("real", [WOUND, timer(torque=CAM * TORQUE)])

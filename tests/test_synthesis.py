@@ -240,12 +240,6 @@ def test_impossible_wishes(arguments, words):
         find_mechanisms(6, **arguments)
 
 
-@pytest.mark.parametrize("call", [gear_pairs, planet_inertia])
-def test_gears_are_those_of_a_gear_driven_wheel(call):
-    with pytest.raises(InvalidValue, match="mechanism must be gear-driven, got Geneva"):
-        call(Geneva(4), 0.05)
-
-
 @pytest.mark.parametrize("wheel", WHEELS[3:], ids=lambda w: f"{w.stations} {w.curve}")
 def test_gears_have_the_exact_ratio_and_touch(wheel):
     pairs = gear_pairs(wheel, 0.06)

@@ -153,17 +153,6 @@ def test_rows_at_random_are_not_warned_of_gaps():
         esc.Tabulated(theta, theta, measured=True, cell_angle=1.0, follower_step=1.0)
 
 
-def test_its_repr_is_short_and_tells_tables_apart():
-    table, other = exact(200), exact(201)
-    text = repr(esc.Escapement(table, esc.Inertia(1e-6, 1e-5), 0.01, efficiency=0.9))
-    assert repr(table) in text
-    assert len(text) < 350
-    assert repr(table).startswith("Tabulated(rows=201, checksum=")
-    moved = esc.Tabulated(table.theta, 1.0 + np.array(table.phi))
-    assert len({repr(table), repr(other), repr(moved)}) == 3
-    assert repr(esc.Tabulated(table.theta, table.phi)) == repr(table)
-
-
 def test_a_measured_table_is_drawn_with_its_doubt():
     from matplotlib.figure import Figure
 

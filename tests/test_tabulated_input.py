@@ -147,16 +147,6 @@ def test_a_rounded_table_is_refused_or_its_accelerations_are_right(rows, decimal
         assert np.abs(found - true).max() < 0.025 * greatest
 
 
-@pytest.mark.parametrize("ratio", [1.5, 1.0 / 3.0])
-@pytest.mark.parametrize("decimals", [4, 6, 8])
-def test_an_even_ratio_may_be_rounded(ratio, decimals):
-    theta = np.linspace(0.0, 2.0, 37)
-    table = esc.Tabulated(theta, np.radians(np.round(np.degrees(ratio * theta), decimals)))
-    found = table.transmission(np.linspace(0.0, 2.0, 501))
-    assert np.abs(found.g - ratio).max() < 1e-3 * ratio
-    assert np.abs(found.dg).max() < 0.02 * ratio
-
-
 def test_rows_as_far_apart_as_the_message_says_are_taken():
     def table(rows):
         theta = np.linspace(0.0, 2.0, rows)
@@ -249,32 +239,3 @@ def test_commands_take_a_table(report, tmp_path):
     scattered = ("tabulated", "--table", "scattered.csv", "--measured")
     torque = report("drive-torque", *scattered, *constant)
     assert "the scatter of the table makes the contact moment uncertain by" in torque["message"]
-
-
-@pytest.mark.filterwarnings("always")
-@pytest.mark.usefixtures("table_file")
-def test_commands_warn_of_a_table_with_a_gap(command):
-    rows = np.loadtxt("table.csv", delimiter=",")
-    np.savetxt("gap.csv", rows[:41], delimiter=",")
-    readings = esc.synthetic_readings(DRIVE, seed=1, noise=0.01)
-    esc.write_readings(readings, "readings.csv")
-    kind = ("tabulated", "--table", "gap.csv", "--cell-angle", "202.5", "--follower-step", "157.5")
-    inertias = ("--driver-inertia", "1e-5", "--follower-inertia", "2e-5")
-    run = ("run", *kind, "--torque", ".01", "--efficiency", ".9", *inertias)
-    for words in (("mechanism", *kind), run, ("measure", "readings.csv", *kind)):
-        assert "warning: theta must have rows all over the cell" in command(*words)[2]
-
-
-@pytest.mark.parametrize(
-    ("line", "code", "words"),
-    [
-        ("", 2, ["--table", "required"]),
-        ("--table no.csv", 66, ["no.csv", "does not exist"]),
-        ("--table table.csv --slots 4", 2, ["--slots", "tabulated"]),
-        ("--table table.csv --cell-angle 100", 2, ["must come with", "give both"]),
-    ],
-)
-@pytest.mark.usefixtures("table_file")
-def test_wrong_use(refusal, line, code, words):
-    said = refusal(code, "mechanism", "tabulated", *line.split())
-    assert all(word in said for word in words)

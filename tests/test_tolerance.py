@@ -160,21 +160,6 @@ def test_the_contraction_is_the_derivative_of_a_round(errors):
     assert slope.below == pytest.approx(figures.contraction, rel=1e-9)
 
 
-def test_the_period_goes_as_torque_to_minus_one_half():
-    found = esc.sensitivities(TIMER).relative
-    assert found["period"]["torque"] == pytest.approx(-0.5, abs=1e-10)
-    assert found["velocity_max"]["torque"] == pytest.approx(0.5, abs=1e-10)
-    assert found["jam_margin"]["torque"] == 0.0
-    # with the clock all inertias together are a pure change of time
-    both = found["period"]["driver_inertia"] + found["period"]["follower_inertia"]
-    assert both == pytest.approx(0.5, abs=1e-10)
-
-
-def test_meyers_case_has_the_derivative_of_the_source():
-    meyer = esc.Escapement(esc.Geneva(4), esc.Inertia(3.0, 50.0), torque=1.0, friction=0.35)
-    assert esc.sensitivities(meyer).relative["period"]["friction"] == pytest.approx(0.358, abs=5e-4)
-
-
 def test_a_limit_that_the_lever_sets_has_the_derivatives_of_its_closed_form():
     """The slot's end at dead centre is R (1/sin(pi/n) - 1) from the follower's axis."""
     wheel = esc.Geneva(8, pins=1, crank_radius=0.01, pin_radius=7.5e-4)
@@ -350,28 +335,6 @@ def test_mistakes_are_told_in_a_line(tmp_path, capsys, old, new, told):
     error = capsys.readouterr().err
     assert told in error
     assert error.count("\n") == 1
-
-
-def test_with_clearance_derivatives_are_differences_with_their_doubts():
-    """Under impact the cycle still goes as one over the root of the torque."""
-    loose = replace(TIMER, mechanism=replace(WHEEL, clearance=2e-5))
-    found = esc.sensitivities(loose)
-    slope, doubt = (x["period"]["torque"] for x in (found.absolute, found.doubts))
-    exact = -0.5 * found.figures.period / loose.torque
-    assert abs(slope - exact) <= 3.0 * doubt + 1e-9 * abs(exact)
-    assert doubt < 1e-3 * abs(exact)
-    # docs/theory.md: the period grows by about 8 c/r, c being half the clearance
-    grown = found.absolute["period"]["clearance"] * WHEEL.crank_radius / found.figures.period
-    assert 2.0 < grown < 6.0
-    assert "clearance" not in esc.sensitivities(TIMER).absolute["period"]
-
-
-def test_trains_that_lose_power_have_derivatives_by_differences():
-    geared = replace(TIMER, barrel=esc.Train(5.0, 0.8, 1e-6), torque=0.07)
-    found = esc.sensitivities(geared)
-    assert found.relative["period"]["torque"] == pytest.approx(-0.5, abs=1e-8)
-    # while the barrel drives, its efficiency is a factor on the torque and on its inertia
-    assert -0.6 < found.relative["period"]["barrel_efficiency"] < -0.4
 
 
 @pytest.mark.slow

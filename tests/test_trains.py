@@ -1,6 +1,5 @@
 """Gear trains before the driver and behind the follower."""
 
-import json
 import math
 from dataclasses import replace
 
@@ -131,25 +130,6 @@ def test_derivatives_by_the_numbers_of_a_train():
             )
         slope = (math.log(periods[0]) - math.log(periods[1])) / (2.0 * step)
         assert found[name] == pytest.approx(slope, abs=1e-7)
-
-
-def test_the_command_line_and_a_study_take_trains(capsys, tmp_path):
-    words = "run --slots 4 --friction .25 --torque 0.0565 --load-torque 2e-4 --crank-radius 0.02"
-    words += " --driver-inertia 3.39e-7 --follower-inertia 5.65e-6 --barrel-ratio 5"
-    words += " --barrel-inertia 8e-6 --load-train-ratio 3 --load-train-inertia 6e-8 --json"
-    assert main(words.split()) == 0
-    found = json.loads(capsys.readouterr().out)
-    assert found["period"] == pytest.approx(esc.terminal(timer()).period, rel=1e-12)
-    assert found["inputs"]["barrel_ratio"] == 5.0
-    study = tmp_path / "study.toml"
-    study.write_text(
-        "torque = 0.0565\nload_torque = 2e-4\n[mechanism]\nslots = 4\ncrank_radius = 0.02\n"
-        "[inertia]\ndriver = 3.39e-7\nfollower = 5.65e-6\n[barrel]\nratio = 5\ninertia = 8e-6\n"
-        "[load_train]\nratio = 3\ninertia = 6e-8\n[sweep]\nfriction = [0.25]\n"
-    )
-    assert main(["sweep", str(study), "-o", str(tmp_path / "a.h5"), "--quiet"]) == 0
-    stored = esc.read_study(tmp_path / "a.h5")
-    assert float(stored["period"][0]) == pytest.approx(found["period"], rel=1e-12)
 
 
 def test_a_motion_is_read_back_with_its_trains(tmp_path):
