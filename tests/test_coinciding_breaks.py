@@ -56,12 +56,6 @@ def test_a_spring_is_spent_at_a_break(cells):
     agree(spring, 4)
 
 
-def test_a_long_rundown_that_ends_at_dead_centre_ends_with_ivp():
-    rate = TORQUE / (6.5 * CELL)
-    spring = esc.Escapement(GENEVA, INERTIA, torque=TORQUE, spring_rate=rate, friction=0.3)
-    agree(spring, 9)
-
-
 @pytest.mark.parametrize("family", [curve_scene, spring_scene])
 @pytest.mark.parametrize("seed", [66, 121, 200, 210])
 def test_random_scenes(family, seed):

@@ -134,25 +134,6 @@ def test_a_greatest_thickness_keeps_the_least():
     assert requirement.bounds["thinnest_wall"] == (5e-4, math.inf)
 
 
-def test_foil_is_marked(capsys, tmp_path):
-    """Without least thicknesses of its own the search offers drivers of 22 micrometres."""
-    path = tmp_path / "wish.toml"
-    path.write_text(
-        'period = "40 ms"\ntorque = "10 mN m"\nslots = 4\ninternal = false\n[bounds]\n'
-        'driver_thickness = ["1 um", "1 m"]\nfollower_thickness = ["1 um", "1 m"]\n'
-    )
-    assert main(["design", str(path)]) == 0
-    out, err = capsys.readouterr()
-    header, _units, *lines = out[out.index("slots  internal") :].splitlines()
-    names = ["driver thickness", "follower thickness", "can be cut"]
-    assert [" ".join(x.split()) for x in re.split(r"  +", header)[-3:]] == names
-    for line in lines:
-        *thick, mark = line.split()[-3:]
-        assert (min(map(float, thick)) < 1e-4) == (mark == "no")
-    assert {line.split()[-1] for line in lines} == {"yes", "no"}
-    assert f"{sum(line.endswith('no') for line in lines)} of them cannot be cut" in err
-
-
 def test_the_command_prints_designs(capsys, tmp_path):
     path = tmp_path / "wish.toml"
     path.write_text(

@@ -127,12 +127,6 @@ def test_a_stall_on_the_way_to_the_cycle_is_told_as_it_happens(engine):
         assert esc.terminal(scene, engine=engine, initial_speed=speed).status is ends
 
 
-def test_much_friction_makes_a_load_a_help():
-    """Where mu |u| > g the load relieves the braking slot of more than it takes."""
-    easy, loaded = (esc.terminal(drive(24, 1, 0.2417, 6.63, load)) for load in (0.05, 0.5))
-    assert loaded.velocity_mean > easy.velocity_mean
-
-
 @pytest.mark.parametrize(
     ("slots", "pins", "ratio", "friction", "load", "speed"),
     [(22, 1, 8.95, 0.0921, 20.1, 397.0), (17, 2, 147.0, 0.659, 4.975, 0.76)],

@@ -14,7 +14,6 @@ from escapement.base.errors import InvalidValue
 from escapement.constant_speed import geneva
 from escapement.plots import plot_drive_torque
 from escapement.sources import filemon
-from escapement.sources.filemon import filemon_figures
 from escapement.sources.filemon.nomograms import NOMOGRAMS, plot_nomogram
 from escapement.sources.report import digits
 from figure_tools import by_id
@@ -104,21 +103,6 @@ def test_limit_angles():
 
 
 # --- figures ------------------------------------------------------------------------------
-
-
-def test_figure_8_shows_the_three_zones():
-    axes = filemon_figures.plot_zones().axes
-    titles = [ax.get_title().split(",")[0] for ax in axes]
-    assert titles == ["a  zone 1", "b  zone 2", "c  zone 3"]
-    assert [ax.lines[-1].get_xdata().size for ax in axes] == [0, 2, 1]
-
-
-def test_figure_9_puts_the_limits_on_the_curve():
-    ax = filemon_figures.plot_reversal_curve(8)
-    points = [line.get_xydata()[0] for line in ax.lines if line.get_marker() == "o"]
-    for (angle, ratio), limit in zip(points, geneva.reversal_limits(8), strict=True):
-        assert ratio == limit
-        assert -1.0 / geneva.acceleration(8, math.radians(angle)) == pytest.approx(ratio)
 
 
 @pytest.mark.parametrize("name", NOMOGRAMS)

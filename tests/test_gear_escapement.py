@@ -47,16 +47,6 @@ def test_both_engines_agree(wheel):
     assert ends.phi[0] == pytest.approx(5.5 * wheel.follower_step, abs=1e-9)
 
 
-def test_contact_force_has_the_arm_in_metres():
-    wheel = GearDriven(12, 5, "epicycloid", pins=6, fixed_radius=0.02)
-    motion = simulate(Escapement(wheel, Inertia(3e-6, 5e-6), 0.01, 0.1), 3)
-    at = motion.at(motion.handoff_times[0] + np.array([1e-4, 3e-3]))
-    local = (at.theta + wheel.alpha / 2.0) % wheel.cell_angle - wheel.alpha / 2.0
-    first, _, second, rate = wheel.arms
-    arm = 0.02 * abs(first * np.exp(1j * local) + second * np.exp(1j * rate * local))
-    assert at.contact_force * arm == pytest.approx(at.contact_moment, rel=1e-9)
-
-
 @settings(deadline=None, max_examples=60)
 @given(
     st.sampled_from(CURVES),

@@ -1,7 +1,6 @@
 """Drawings of gear-driven wheels: the pin stands in a slot, gears touch, paths close."""
 
 import math
-from fractions import Fraction
 from itertools import product
 
 import numpy as np
@@ -54,40 +53,6 @@ def test_the_path_closes_and_gears_touch(wheel):
     ax = gear_driven.plot_gear_driven(wheel, 0.3)
     ids = {artist.get_gid() for artist in ax.get_children()}
     assert {"follower", "fixed-gear", "planet", "carrier", "path", "pin-0"} <= ids
-
-
-@pytest.mark.parametrize("unused", [1, 2, 3])
-@pytest.mark.parametrize("curve", CURVES)
-@pytest.mark.parametrize(
-    ("n", "m", "pins"), [(12, 0, 1), (11, "1/3", 1), (14, "1/2", 2), (12, "1/2", 1), (6, "1/2", 1)]
-)
-def test_unused_lobes_stay_clear_of_slots(curve, n, m, pins, unused):
-    """Where a mechanism is refused a lobe does sweep over a slot; else none does.
-
-    The wheel is locked meanwhile, half a step beyond dead centre.
-    """
-    try:
-        wheel = GearDriven(n, m, curve, pins)
-    except InvalidValue:
-        return  # too many pins
-    sense = 1 if wheel.turns_with_driver else -1
-    spacing = (unused + 1) / (pins * abs(wheel.gear_ratio)) - Fraction(sense, n)
-    slots = spacing.denominator
-    pitch, swept = 2.0 * math.pi / slots, []
-    for lobe in range(1, unused + 1):
-        place = np.linspace(-0.5, 0.5, 41) * wheel.alpha
-        # every pin passes in the same way: the one that comes at this lobe
-        at = np.exp(1j * lobe * wheel.cell_angle) * GearDrivenOutline(wheel).pin_at(place, 0)
-        turned = np.unwrap(np.angle(at * np.exp(-0.5j * sense * wheel.follower_step)))
-        low, high = turned.min() - 1e-9, turned.max() + 1e-9
-        swept.append(math.floor(high / pitch) >= math.ceil(low / pitch))
-    if any(swept):
-        with pytest.raises(InvalidValue, match="unused_lobes must let the pin"):
-            GearDriven(n, m, curve, pins, unused)
-    else:
-        shapes = GearDrivenOutline(GearDriven(n, m, curve, pins, unused))
-        assert shapes.mechanism.slots == slots
-        assert len(shapes.reliefs(0.0)) == unused * slots
 
 
 @pytest.mark.parametrize("curve", CURVES)

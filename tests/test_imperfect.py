@@ -411,14 +411,6 @@ def test_the_blow_before_a_stop_counts():
     assert abs(motion.ledger.residual) < 1e-14
 
 
-def test_a_curve_that_stays_is_a_constant_torque():
-    flat = esc.TorqueCurve((0.0, 0.7), (0.10 * INCH_POUND,) * 2)
-    plain = timer(slot_angle_errors=(0, 1e-3, 0, 0))
-    case = dataclasses.replace(plain, torque=flat)
-    one, two = esc.simulate(plain, 60), esc.simulate(case, 60)
-    np.testing.assert_allclose(two.handoff_times, one.handoff_times, rtol=1e-12)
-
-
 def test_the_command_tells_the_real_distance_of_the_axes_and_what_does_not_fit(capsys):
     """Axes 3 m apart where 2 m are right, and the wheel of a gear-driven one 1 mm off."""
     sizes = ["--slots", "6", "--pins", "1", "--crank-radius", "1", "--pin-radius", "0.1"]

@@ -65,14 +65,6 @@ def test_an_option_of_another_kind_is_refused_by_name(second_kind, argv):
         _arguments.read_mechanism(understand(*argv))
 
 
-@pytest.mark.parametrize(
-    ("argv", "shown"), [(("--table", "a.csv"), "'a.csv'"), (("--lobes", "1/2"), "'1/2'")]
-)
-def test_such_an_option_is_shown_as_it_was_typed(argv, shown):
-    with pytest.raises(UsageError, match=f"a geneva mechanism, got {shown}; it belongs"):
-        _arguments.read_mechanism(understand(*argv))
-
-
 @pytest.mark.parametrize("argv", [("--lift", "1"), ("--lift", "1", "geneva", "--slots", "4")])
 def test_the_default_kind_refuses_too(second_kind, argv):
     with pytest.raises(UsageError, match=r"--lift .* a geneva mechanism.* belongs to cam-drive"):
@@ -115,14 +107,6 @@ def test_a_study_says_to_which_kind_a_key_belongs(second_kind):
     study["mechanism"] = {"kind": "cam-drive", "slots": 4}
     with pytest.raises(InvalidValue, match=r"'slots' .* of kind 'geneva'"):
         parse_plan(study)
-
-
-@pytest.mark.parametrize(
-    ("words", "named"),
-    [(["geneva"], "KIND"), (["--slots", "4"], "--slots"), (["--internal"], "--internal")],
-)
-def test_a_mechanism_beside_a_study_is_refused(words, named, refusal):
-    assert f"{named} must not come with --from" in refusal(2, "run", "--from", "study.h5", *words)
 
 
 TWELVE = ["gear-driven", "--stations", "12", "--curve", "epicycloid"]

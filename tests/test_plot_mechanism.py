@@ -87,14 +87,6 @@ def test_follower_stands_still_in_the_dwell():
     assert np.ptp(shapes, axis=0).max() < 1e-12
 
 
-def test_follower_angle_is_continuous_and_counts_on(drive):
-    theta = np.linspace(-3.0, 3.0, 4001) * drive.cell_angle
-    phi = drive.follower_angle(theta)
-    assert (np.diff(phi) >= -1e-12).all()
-    assert np.diff(phi).max() < 3.0 * abs(drive.transmission(0.0).g) * np.diff(theta)[0]
-    assert phi[-1] - phi[0] == pytest.approx(6.0 * drive.follower_step, abs=1e-9)
-
-
 def test_only_dwells_need_a_locking_disc(drive):
     ids = {artist.get_gid() for artist in plots.plot_mechanism(drive).get_children()}
     assert ("locking-disc" in ids) != drive.continuous

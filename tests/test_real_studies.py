@@ -91,14 +91,6 @@ def test_every_case_with_all_effects_is_what_it_is_alone(name):
     assert {Status.OK, Status.INVALID} <= set(found["status"].tolist())
 
 
-def test_the_other_engine_finds_the_same():
-    axes = {"pin_radius": [0.03 * CRANK, 0.1 * CRANK], "friction": [0.25]}
-    plan = plan_from(everything(), axes, engine="ivp")
-    found = {name: values.reshape(-1) for name, values in run_plan(plan).results.items()}
-    for case in range(2):
-        agree(plan, found, case, 1e-8)
-
-
 @pytest.mark.parametrize(
     ("varied", "count"),
     [

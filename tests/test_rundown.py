@@ -42,18 +42,6 @@ def test_what_it_tells_of_each_engagement():
     assert len(repr(run)) <= 300
 
 
-def test_a_spent_spring_ends_it():
-    timer = replace(TIMER, spring_rate=TIMER.torque / (200.3 * CELL))
-    run = esc.rundown(timer)
-    assert run.status.label == "spent"
-    assert run.end_turns == pytest.approx(200.3 * CELL / (2.0 * pi), rel=1e-14)
-    assert run.times.size == 200
-    motion = esc.simulate(timer, 201)
-    assert motion.at([run.end_time]).theta[0] - motion.at([0.0]).theta[0] == pytest.approx(
-        200.3 * CELL, rel=1e-12
-    )
-
-
 def test_a_load_stalls_it():
     timer = replace(TIMER, load_torque=0.004)
     run, motion = esc.rundown(timer), esc.simulate(timer, 2000)
@@ -109,11 +97,6 @@ def test_a_duration_ends_it():
 def test_refusals(changes, message):
     with pytest.raises(InvalidValue, match=message):
         esc.rundown(TIMER, **changes)
-
-
-def test_a_mechanism_alone_does_not_run_down():
-    with pytest.raises(InvalidValue, match="escapement must be an Escapement"):
-        esc.rundown(esc.Geneva(4), turns=1.0)
 
 
 @pytest.mark.parametrize("angles", [(0.0, 1e-3, -2e-3, 0.0), ()])

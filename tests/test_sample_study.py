@@ -151,21 +151,6 @@ def test_on_the_command_line(command, report, monkeypatch):
     assert (code, err) == (0, "escapement: study drawn in s.png\n")
 
 
-@pytest.mark.parametrize(
-    ("selection", "message"),
-    [
-        ("", "--select must choose one of the 16 values of case in s.h5, got none; add case=0"),
-        ("case=16", "case must be a value of the study, got 16; the nearest is 15"),
-        ("case=1.5", "case must be a whole number, got 1.5"),
-        ("case=1,torque=0.1", "--select must name axes of s.h5, got 'torque'; it has case"),
-    ],
-)
-@pytest.mark.usefixtures("study_file")
-def test_a_selection_that_names_no_case(command, refusal, selection, message):
-    command("sweep", "s.toml", "--quiet")
-    assert message in refusal(2, "run", "--from", "s.h5", "--select", selection)
-
-
 def test_other_kinds_of_mechanism_scatter_alike():
     """A mechanism of its own in every case, and the loss of a mesh."""
     drawn = {"method": "latin-hypercube", "size": 5, "sun_radius": {"relative_tolerance": 0.01}}

@@ -62,11 +62,6 @@ def test_a_corner_between_two_edges_is_refused():
     assert transmission(broken, 0.3).dg == pytest.approx(1.0, abs=5e-13)  # rounding times 17^2
 
 
-def test_a_mesh_has_no_painleve_limit_and_without_a_loss_no_terminal_speed():
-    assert esc.terminal(timer()).critical_friction == np.inf
-    assert esc.terminal(timer(efficiency=1.0)).status is Status.NO_TERMINAL
-
-
 def test_each_loss_has_its_mechanism():
     with pytest.raises(InvalidValue, match="friction must be 0 for a mechanism without a slot"):
         timer(friction=0.1)

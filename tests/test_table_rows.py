@@ -39,11 +39,6 @@ def test_both_ends_of_the_cell_may_be_given_with_its_angle(rows):
         np.testing.assert_allclose(told.breaks, alone.breaks, rtol=0.0, atol=1e-10)
 
 
-def test_both_ends_of_the_cell_in_any_order():
-    theta = np.random.default_rng(4).permutation(np.linspace(0.3, 0.3 + TURN, 61))
-    assert error(esc.Tabulated(theta, wavy(theta), **CELL)) < 1e-6
-
-
 @pytest.mark.parametrize("off", [0.0, 1e-15, -1e-15, 1e-10, -1e-10])
 def test_an_exact_table_has_one_row_an_angle(off):
     """Angles that differ by rounding are the same, in one cell or in two."""

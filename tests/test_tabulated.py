@@ -56,21 +56,6 @@ def test_noise_is_found_and_its_effect_is_not_understated(rows, noise_deg):
     assert (mean > 0.01).all()
 
 
-def test_smooth_tables_follow_the_drive():
-    table = measured(1000, math.radians(0.05))
-    found = table.transmission(ANGLES)
-    assert np.abs(found.g - DRIVE.transmission(ANGLES).g).max() < 0.01
-    assert np.abs(table.follower_angle(ANGLES) - table.follower_angle(0.0)
-                  - DRIVE.follower_angle(ANGLES)).max() < math.radians(0.05)  # fmt: skip
-    # rows of any cells: the cell about zero that begins where the follower is slowest
-    assert table.breaks[0] <= 0.0 < table.breaks[1]
-    assert table.breaks[0] == pytest.approx(DRIVE.breaks[0], abs=0.1)
-    assert float(table.transmission(table.breaks[0]).g) < 0.01
-    assert exact(60).breaks == DRIVE.breaks
-    np.testing.assert_array_equal(exact(60).deviation([0.0, 1.0]).g, 0.0)
-    assert exact(60).noise == 0.0
-
-
 @pytest.mark.parametrize("sense", [-1.0, 1.0])
 def test_the_follower_angle_grows(sense):
     table = exact(60, sense)

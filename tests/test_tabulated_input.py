@@ -8,8 +8,7 @@ import pytest
 
 import escapement as esc
 from escapement.base.errors import InputFileError, InvalidValue
-from escapement.study.parse import parse_plan
-from tabulated_drive import ANGLES, DRIVE, INERTIA
+from tabulated_drive import DRIVE, INERTIA
 
 
 @pytest.mark.parametrize(
@@ -159,15 +158,6 @@ def test_rows_as_far_apart_as_the_message_says_are_taken():
     table(int(2.0 / least) + 1)
 
 
-def test_it_does_not_matter_from_where_a_measured_follower_counts():
-    theta = np.linspace(*DRIVE.breaks, 400)
-    phi = DRIVE.follower_angle(theta) + 1e-5 * np.random.default_rng(1).standard_normal(400)
-    near, far = (esc.Tabulated(theta, phi + turns, measured=True) for turns in (0.0, 6283.0))
-    assert far.noise == pytest.approx(near.noise, rel=1e-4)
-    assert far.follower_step == pytest.approx(near.follower_step, rel=1e-9)
-    np.testing.assert_allclose(far.transmission(ANGLES).g, near.transmission(ANGLES).g, atol=1e-6)
-
-
 def test_the_step_of_a_measured_cell_is_no_two_rows_difference():
     """As known as the angle of a curve through the rows, with no kink where its ends meet."""
     theta, noise = np.linspace(*DRIVE.breaks, 2001), np.radians(1.3)
@@ -194,18 +184,6 @@ def test_a_step_that_measured_rows_do_not_turn_by_is_refused(wrong):
     assert esc.Tabulated(theta, phi, follower_step=STEP, **options).noise < 0.006
     with pytest.raises(InvalidValue, match="follower_step must be what phi turns"):
         esc.Tabulated(theta, phi, follower_step=wrong * STEP, **options)
-
-
-def test_a_study_holds_the_table():
-    plan = parse_plan(
-        {
-            "mechanism": {"kind": "tabulated", "theta": LINE.tolist(), "phi": LINE.tolist()},
-            "inertia": {"driver": 1.0, "follower": 1.0},
-            "torque": 1.0,
-            "sweep": {"efficiency": [0.5, 0.9]},
-        }
-    )
-    assert plan.escapement(1).mechanism == esc.Tabulated(LINE, LINE)
 
 
 # --- command line -------------------------------------------------------------------------
