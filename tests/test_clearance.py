@@ -396,16 +396,6 @@ def test_the_scene_chooses_the_engine():
         esc.Escapement(wheel, drive.inertia, drive.torque)
 
 
-def test_a_study_solves_each_case_by_the_engine_that_it_needs():
-    drive = timer()
-    study = esc.sweep(drive, clearance=[0.0, 1e-5], friction=[0.2, 0.3])
-    plain = esc.Escapement(esc.Geneva(4, crank_radius=RADIUS), drive.inertia, drive.torque, 0.3)
-    periods = study.results["period"]
-    assert_allclose(periods[0, 1], esc.terminal(plain).period, rtol=1e-12)
-    assert_allclose(periods[1, 1], 0.0416654823, rtol=2e-9)
-    assert (study.results["status"] == Status.OK).all()
-
-
 @pytest.mark.parametrize("pin", [0.0, 5e-4])
 def test_more_play_than_the_wheel_has_room_for_is_refused(pin):
     """Slots at 90 degrees meet 0.29 crank radii from the axis of the pin."""

@@ -250,18 +250,6 @@ def test_the_clearance_needed_is_how_far_the_next_pin_lies_off_its_slot(slots):
     assert seen > 1
 
 
-def test_a_motion_is_read_back_from_its_file(tmp_path):
-    wheel = imperfect(np.random.default_rng(4), 5, 1e-3)
-    motion = esc.simulate(esc.Escapement(wheel, INERTIA, 0.10 * INCH_POUND, 0.3), engagements=6)
-    esc.write_motion(motion, tmp_path / "motion.h5")
-    again = esc.read_motion(tmp_path / "motion.h5")
-    times = np.linspace(0.0, motion.end_time, 200)
-    for name in ("theta", "phi", "theta_dot", "contact_moment"):
-        np.testing.assert_allclose(
-            getattr(again.at(times), name), getattr(motion.at(times), name), rtol=1e-8, atol=1e-9
-        )
-
-
 def test_a_study_solves_each_imperfect_wheel():
     errors, distances = {"slot_angle_errors": (0, 1e-3, 0, 0)}, [-1e-5, 0.0, 1e-5]
     study = esc.sweep(timer(**errors), friction=[0.25, 0.3], centre_distance_error=distances)

@@ -29,6 +29,11 @@ DRIVES = {
         replace(TIMER, mechanism=replace(WHEEL, pin_radius=1e-3)),
         {"load_torque": [0.0, 1e-3, 1.0]},
     ),
+    "clearance": (TIMER, {"clearance": [0.0, 2e-5], "friction": [0.2, 0.3]}),
+    "trains": (
+        replace(TIMER, torque=0.0565, barrel=esc.Train(5.0, 0.8, 8e-6), load_train=esc.Train(3.0)),
+        {"barrel_ratio": [4.0, 5.0], "load_train_inertia": [0.0, 6e-8]},
+    ),
     "a mesh": (
         esc.Escapement(esc.EllipticalPlanetary(0.02, 0.007), TIMER.inertia, 0.01, efficiency=0.9),
         {"initial_speed": [0.0, 100.0]},

@@ -235,17 +235,6 @@ def test_a_study_reads_a_curve_beside_it_and_keeps_its_points(command, tmp_path)
     assert found["inputs"]["torque"]["in-lbf-s"] == pytest.approx([0.1, 0.09, 0.04])
 
 
-@pytest.mark.parametrize("real", [WOUND, timer(torque=CAM * TORQUE)])
-def test_a_motion_comes_back_from_its_file(real, tmp_path):
-    motion = esc.simulate(real, 8)
-    esc.write_motion(motion, tmp_path / "motion.h5")
-    back = esc.read_motion(tmp_path / "motion.h5")
-    assert back.escapement.curve == real.curve
-    times = np.linspace(0.0, motion.end_time, 99)
-    np.testing.assert_allclose(back.at(times).theta_ddot, motion.at(times).theta_ddot, rtol=1e-3)
-    assert back.ledger.work == pytest.approx(motion.ledger.work, rel=1e-12)
-
-
 @pytest.mark.parametrize(
     ("angle", "torque", "periodic", "words"),
     [

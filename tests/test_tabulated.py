@@ -93,18 +93,6 @@ def test_everything_else_takes_a_table(tmp_path):
     assert study.results["period"][1] == pytest.approx(esc.terminal(timer).period, rel=1e-9)
 
 
-@pytest.mark.parametrize("table", [exact(24), measured(40, 0.005)], ids=["exact", "measured"])
-def test_a_motion_of_a_table_is_written_and_read(table, tmp_path):
-    from escapement.motion_file import read_motion, write_motion
-
-    motion = esc.simulate(esc.Escapement(table, INERTIA, 0.01, efficiency=0.9), 3)
-    write_motion(motion, tmp_path / "motion.h5")
-    again = read_motion(tmp_path / "motion.h5")
-    assert again.escapement.mechanism == motion.escapement.mechanism
-    times = np.linspace(0.0, motion.end_time, 50)
-    np.testing.assert_allclose(again.at(times).theta_dot, motion.at(times).theta_dot, rtol=1e-9)
-
-
 def test_a_follower_that_turns_back_has_kinematics_and_no_motion():
     theta = np.linspace(0.0, 2.0 * math.pi, 61)
     table = esc.Tabulated(theta, theta + 2.0 * np.sin(theta))

@@ -100,17 +100,6 @@ def test_a_curve_is_over_the_angle_of_the_barrel():
     np.testing.assert_allclose(*times, rtol=1e-12)
 
 
-def test_numbers_of_trains_are_axes():
-    ratios = [4.0, 5.0, 7.0]
-    found = esc.sweep(timer(), barrel_ratio=ratios, load_train_inertia=[0.0, 6e-8])
-    for i, ratio in enumerate(ratios):
-        one = esc.Escapement(
-            GENEVA, OWN, 0.0565, friction=0.25, load_torque=2e-4,
-            barrel=esc.Train(ratio, inertia=8e-6), load_train=LOAD,
-        )  # fmt: skip
-        assert found["period"][i, 1] == pytest.approx(esc.terminal(one).period, rel=1e-12)
-
-
 def test_derivatives_by_the_numbers_of_a_train():
     found = esc.sensitivities(timer()).relative["period"]
     step = 1e-5
@@ -130,14 +119,6 @@ def test_derivatives_by_the_numbers_of_a_train():
             )
         slope = (math.log(periods[0]) - math.log(periods[1])) / (2.0 * step)
         assert found[name] == pytest.approx(slope, abs=1e-7)
-
-
-def test_a_motion_is_read_back_with_its_trains(tmp_path):
-    motion = esc.simulate(timer(spring_rate=1e-4), 4)
-    esc.write_motion(motion, tmp_path / "m.h5")
-    again = esc.read_motion(tmp_path / "m.h5")
-    assert again.escapement == motion.escapement
-    np.testing.assert_array_equal(again.handoff_times, motion.handoff_times)
 
 
 def test_what_cannot_be_is_refused_in_one_line(capsys):
