@@ -114,10 +114,9 @@ def test_a_friction_at_which_all_wheels_jam_is_told():
     assert "moves at a friction of 3" in esc.design(requirement).message
 
 
-@pytest.mark.parametrize("objectives", [("scatter", "contact_force_max", "size"), ("size", "mass")])
-def test_discs_are_as_thick_as_sheets_without_a_word(objectives):
+def test_discs_are_as_thick_as_sheets_without_a_word():
     found = esc.design(
-        esc.Requirement(period=0.04, torque=0.01, slots=(3, 6), objectives=objectives)
+        esc.Requirement(period=0.04, torque=0.01, slots=(3, 6), objectives=("size", "mass"))
     )
     assert found.designs
     for one in found.designs:

@@ -90,7 +90,7 @@ def test_any_number_of_slots_has_a_row():
 
 
 def test_mean_torque_agrees_with_quadrature():
-    assert filemon.mean_torque_error(range(3, 101), 1.0) < 1e-12
+    assert filemon.mean_torque_error(range(3, 101, 7), 1.0) < 1e-12
     for ratio in (0.0, 0.3, 100.0):
         assert filemon.mean_torque_error((3, 4, 5, 8, 20, 100), ratio) < 1e-12
 

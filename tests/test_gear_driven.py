@@ -191,23 +191,13 @@ def test_through_the_centre(n, curve, sign):
 
 
 IMPOSSIBLE = {
-    "two stations": ((2, 0), "stations must be .* at least 3, got 2"),
-    "negative lobes": ((4, -1, "epicycloid"), "lobes must be a rational number of at least 0.*-1"),
-    "irrational": ((4, math.sqrt(2.0), "epicycloid"), "lobes must be a rational number.*1.414"),
-    "lobes in words": ((4, "one", "epicycloid"), "lobes must be a rational number.*'one'"),
     "division by zero": ((4, "1/0", "epicycloid"), "lobes must be a rational"),
-    "truth": ((4, True, "epicycloid"), "lobes must be a rational number.*True"),
     "too many lobes": ((6, 2), "lobes must be below stations/2 - 1 = 2 for a hypocycloid.*'2'"),
     "beyond the limit": ((5, 1), "no mechanism corresponds to stations 5, lobes 1.*alpha <= pi"),
-    "unknown curve": ((5, 1, "epicycle"), "curve must be .*did you mean 'epicycloid'"),
     "too many pins": ((4, 1, "epicycloid", 9), "pins must be at most 8, .*0.119282"),
-    "negative lobe": ((4, 1, "epicycloid", 1, -1), "unused_lobes must be .* at least 0"),
     "slot in the way": ((6, "1/2", "epicycloid", 1, 1), "unused_lobes .*where lobe 1 passes"),
     "dwell at full speed": ((12, 4, "hypocycloid", 1, 2), "unused_lobes must be 0 .*jump"),
-    "lobes without end": ((4, 100_001, "epicycloid"), "lobes must be at most 100000, got '100001'"),
-    "unused ones without end": ((4, 1, "epicycloid", 1, 10**6), "unused_lobes must be .*100000"),
     "second of one": ((4, 1, "epicycloid", 1, 0, 2), "solution must be at most 1 here, got 2"),
-    "no radius": ((4, 1, "epicycloid", 1, 0, 1, 0.0), "fixed_radius must be greater than 0"),
 }
 
 

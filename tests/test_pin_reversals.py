@@ -15,9 +15,9 @@ from escapement.mechanisms.slotted import transmission, two_vector_path
 
 
 def test_reversals_satisfy_filemons_condition():
-    """1 + F i_eps = 0 to 1e-13, over a million wheels and inertia ratios."""
+    """1 + F i_eps = 0 to 1e-13, over 100 000 wheels and inertia ratios."""
     rng = np.random.default_rng(1960)
-    slots, ratio = rng.integers(3, 101, 1_000_000), 10.0 ** rng.uniform(-3, 6, 1_000_000)
+    slots, ratio = rng.integers(3, 101, 100_000), 10.0 ** rng.uniform(-3, 6, 100_000)
     study = esc.reversal_study(slots, ratio)
     residual = 1.0 + ratio[:, None] * geneva.acceleration(slots[:, None], study.reversals)
     assert np.nanmax(np.abs(residual)) < 1e-13

@@ -237,8 +237,9 @@ def test_study_without_anything_to_show_is_refused():
             draw(*given)
 
 
-@pytest.mark.parametrize("name", ["driver_inertia", "load_torque"])
-@pytest.mark.parametrize("last", [4.5e-7, 0.0073, 0.1])
+@pytest.mark.parametrize(
+    ("name", "last"), [("driver_inertia", 4.5e-7), ("driver_inertia", 0.1), ("load_torque", 0.0073)]
+)
 def test_labels_and_powers_of_ten_stay_apart(name, last):
     axes = {name: np.linspace(0.0, last, 12), "friction": np.linspace(0.1, 0.4, 12)}
     study = synthetic(axes)

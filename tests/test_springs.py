@@ -13,6 +13,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import escapement as esc
+from both_engines import agree
 from escapement.base.errors import InputFileError, InvalidValue
 from escapement.base.status import Status
 from escapement.base.units import INCH_POUND
@@ -34,10 +35,9 @@ def test_printed_examples(engine):
         assert motion.handoff_velocities[count - 1] == pytest.approx(speed, abs=0.51e-7)
 
 
-@pytest.mark.parametrize("engine", ["energy", "ivp"])
-def test_a_load_stops_a_spring_that_still_pulls(engine):
+def test_a_load_stops_a_spring_that_still_pulls():
     loaded = timer(spring_rate=0.05 * TORQUE / TURN, load_torque=0.1 * TORQUE)
-    motion = esc.simulate(loaded, 200, engine=engine)
+    motion = esc.simulate(loaded, 200)
     assert motion.status is Status.STALL
     assert motion.handoff_times.size == 66
     assert motion.handoff_times[-1] == pytest.approx(4.76217552, abs=0.51e-8)
@@ -45,22 +45,6 @@ def test_a_load_stops_a_spring_that_still_pulls(engine):
     assert "9.010 degrees from dead centre of engagement 67" in motion.message
     left = loaded.curve(motion.at(motion.end_time).theta + math.pi / 4.0) / TORQUE
     assert left == pytest.approx(0.1674986, abs=0.51e-7)
-
-
-def agree(real, engagements, rtol=1e-10, **start):
-    """Both engines on one motion; returns that of the fast one."""
-    fast, slow = (
-        esc.simulate(real, engagements, engine=engine, **start) for engine in ("energy", "ivp")
-    )
-    assert fast.status is slow.status
-    np.testing.assert_allclose(fast.handoff_times, slow.handoff_times, rtol=rtol)
-    np.testing.assert_allclose(fast.handoff_velocities, slow.handoff_velocities, rtol=rtol)
-    assert fast.end_time == pytest.approx(slow.end_time, rel=100.0 * rtol)
-    np.testing.assert_allclose(fast.extrema.theta_dot, slow.extrema.theta_dot, rtol=100.0 * rtol)
-    assert fast.reversals.time.size == slow.reversals.time.size
-    assert abs(fast.ledger.residual) < 1e-12
-    assert fast.ledger.work == pytest.approx(slow.ledger.work, rel=rtol)
-    return fast
 
 
 @st.composite
@@ -90,7 +74,7 @@ def test_every_effect_goes_with_a_spring(slots):
 def test_a_spent_spring_has_given_its_energy_and_nothing_moves(slots):
     cell = esc.Geneva(slots).cell_angle
     real = timer(slots=slots, spring_rate=TORQUE / (6.4 * cell))
-    motion = agree(real, 100)
+    motion, _ = agree(real, 100)
     assert motion.status is Status.SPENT
     assert "the spring is spent" in motion.message
     assert motion.ledger.work == pytest.approx(0.5 * TORQUE * 6.4 * cell, rel=1e-12)
@@ -105,7 +89,7 @@ def test_a_spent_spring_has_given_its_energy_and_nothing_moves(slots):
 
 def test_a_load_stops_a_driver_behind_a_spent_spring():
     real = timer(driver_bearing_torque=1e-4 * TORQUE, spring_rate=TORQUE / 9.0)
-    motion = agree(real, 100, rtol=1e-9)
+    motion, _ = agree(real, 100, rtol=1e-9)
     assert motion.status is Status.SPENT
     assert motion.at(motion.end_time).theta_dot == pytest.approx(0.0, abs=1e-6)
 
@@ -119,8 +103,7 @@ def test_oil_behind_a_spent_spring_stops_a_driver_in_finite_time(slots, friction
     real = timer(
         slots=slots, friction=friction, driver_viscous=viscous, spring_rate=TORQUE / (3.3 * cell)
     )
-    motion = agree(real, 200, rtol=1e-9)
-    slow = esc.simulate(real, 200, engine="ivp")
+    motion, slow = agree(real, 200, rtol=1e-9)
     assert motion.status is slow.status is Status.SPENT
     assert slow.end_time == pytest.approx(motion.end_time, rel=1e-9)
     end, own = motion.at(motion.end_time), real.inertia

@@ -198,15 +198,6 @@ def test_what_is_just_on_a_limit_is_found():
     assert len(again) == len(exact)
 
 
-def test_generous_limits_cost_nothing():
-    one, several = (find_mechanisms(6, 0.1, curves=c) for c in ("epicycloid", ["epicycloid"]))
-    assert one == several != []
-    few = find_mechanisms(6, 0.5, most_pins=60, most_unused=30)
-    assert find_mechanisms(6, 0.5, most_pins=10**12, most_unused=100_000) == few
-    wheel = GearDriven(12, 3)
-    assert gear_pairs(wheel, 0.05, 10**15) == gear_pairs(wheel, 0.05, 2000)
-
-
 def test_sizes_are_kept():
     wishes = {"largest_radius": 0.05, "shaft_radius": 0.004, "planet_radius": 0.006}
     found = find_mechanisms(6, dwell_ratio=0.9, most_slots=6, **wishes)

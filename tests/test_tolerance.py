@@ -271,24 +271,13 @@ def test_the_command_prints_a_budget(tmp_path, capsys):
         first, low, high, total, least, most = map(float, numbers)
         assert low < first < high
         assert least < total < most
-
-
-@pytest.mark.parametrize(("old", "new", "told"), [
-    ("period = [0.01, 0.05]", "period = [0.05, 0.01]", "low below high"),
-    ("period = [0.01, 0.05]", "period = 3", "two numbers, (low, high)"),
-    ("period = [0.01, 0.05]", 'period = [0, "36 mm"]', "limits.period must be in s"),
-    ("period = [0.01, 0.05]", "perid = [0.01, 0.05]", "b.toml: limits must be one of period,"),
-    ('method = "random"', 'method = "sobol"', "random"),
-    ("friction = 0.25", "friction = 0.9", "terminal cycle"),
-    ("size = 200", 'size = 200\ncorrelations = [["friction", "slots", 0.5]]', "two parameters"),
-])  # fmt: skip
-def test_mistakes_are_told_in_a_line(tmp_path, capsys, old, new, told):
-    config = tmp_path / "b.toml"
-    config.write_text(CONFIG.replace(old, new, 1).replace("size = 200\n", "size = 256\n"))
-    assert main(["budget", str(config)]) == 2
-    error = capsys.readouterr().err
-    assert told in error
-    assert error.count("\n") == 1
+    for wrong, told in {
+        'period = [0, "36 mm"]': "limits.period must be in s",
+        "perid = [0.01, 0.05]": "b.toml: limits must be one of period,",
+    }.items():
+        config.write_text(CONFIG.replace("period = [0.01, 0.05]", wrong))
+        assert main(["budget", str(config)]) == 2
+        assert told in capsys.readouterr().err
 
 
 @pytest.mark.slow
