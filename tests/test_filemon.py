@@ -78,17 +78,6 @@ def test_the_page_says_which_cells_are_wrong_and_no_more_than_is_known():
         assert why.startswith("four-place") == cell.reason.startswith("four-place")
 
 
-def test_any_number_of_slots_has_a_row():
-    row = filemon.true_values(1000)
-    assert row["F12"] < row["F23"] == pytest.approx(1000 / math.pi, rel=1e-5)
-    for n in range(3, 11):
-        wheel = esc.transmission_extrema(esc.Geneva(n, pins=1))
-        values = filemon.true_values(n)
-        assert wheel.ratio_max.value == values["ratio_max"]
-        assert math.degrees(-wheel.acceleration_max.angle) == values["beta_max"]
-        assert wheel.reversal_limits == pytest.approx((values["F12"], values["F23"]), rel=1e-15)
-
-
 def test_mean_torque_agrees_with_quadrature():
     assert filemon.mean_torque_error(range(3, 101, 7), 1.0) < 1e-12
     for ratio in (0.0, 0.3, 100.0):

@@ -1,7 +1,6 @@
 """Kinds of mechanism: which kinds an option belongs to, in any order of the words typed."""
 
 import argparse
-import math
 import sys
 import types
 from dataclasses import dataclass, field
@@ -107,26 +106,6 @@ def test_a_study_says_to_which_kind_a_key_belongs(second_kind):
     study["mechanism"] = {"kind": "cam-drive", "slots": 4}
     with pytest.raises(InvalidValue, match=r"'slots' .* of kind 'geneva'"):
         parse_plan(study)
-
-
-TWELVE = ["gear-driven", "--stations", "12", "--curve", "epicycloid"]
-
-
-def test_gear_driven_report(report):
-    """Figure 7 of Dijksman, and the same geometry in every solution."""
-    record = report("mechanism", *TWELVE, "--lobes", "5")
-    (solution,) = record.pop("solutions")
-    del record["inputs"]
-    assert record == solution
-    assert record["stations"] == record["slots"] == 12
-    assert record["gear_ratio"] == -2.0
-    assert record["alpha_deg"] == record["follower_step_deg"] == 30.0
-    assert record["motion_ratio"] == pytest.approx(1.0 / 6.0, rel=1e-15)
-    assert record["cell_angle_deg"] == 180.0
-    for key in ("arm_over_fixed", "entry_radius_over_fixed"):
-        assert record[key] == pytest.approx(math.sqrt(0.75), rel=1e-15)
-    assert record["carrier_over_fixed"] == 1.5
-    assert record["closest_radius_over_fixed"] == pytest.approx(1.5 - math.sqrt(0.75), rel=1e-15)
 
 
 def test_gear_driven_solutions(command, report, tmp_path):

@@ -6,8 +6,6 @@ from collections import defaultdict
 import numpy as np
 import pytest
 
-from escapement.base.errors import InvalidValue
-from escapement.base.units import INCH_POUND
 from escapement.mechanisms import Geneva
 from escapement.mechanisms.protocol import Mechanism
 from escapement.sources import meyer
@@ -139,16 +137,3 @@ def test_torque_drives_and_friction_brakes(rows, column):
         rise, period = (_series(rows, column, "friction", it) for it in ("rise_time", "period"))
         settling = [a / b for a, b in zip(rise, period, strict=True) if len(a) == 4]
         assert all(periods[-1] < periods[0] for periods in settling)
-
-
-def test_units_change_the_inputs_and_no_answer(rows):
-    si = meyer.appendix_e("SI")
-    assert si[0]["torque"] == pytest.approx(0.03 * INCH_POUND, rel=1e-15)
-    assert si[0]["driver_inertia"] == pytest.approx(6e-6 * INCH_POUND, rel=1e-15)
-    assert rows[0]["torque"] == rows[0]["torque_inlbf"] == si[0]["torque_inlbf"] == 0.03
-    assert all(a[column] == b[column] for a, b in zip(si, rows, strict=True) for column in COLUMNS)
-    with pytest.raises(InvalidValue, match="units must be one of"):
-        meyer.appendix_e("cgs")
-    for slots in (5, 2, "4", None):
-        with pytest.raises(InvalidValue, match="slots must be"):
-            meyer.PublishedCell(slots)

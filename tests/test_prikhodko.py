@@ -9,7 +9,6 @@ from scipy.special import gammaincc
 
 import escapement as esc
 from escapement.base.errors import InvalidValue
-from escapement.base.units import INCH
 from escapement.measurement import sturges
 from escapement.outlines.gears import EllipticalOutline
 from escapement.plots import planetary
@@ -19,7 +18,6 @@ from escapement.study.parse import parse_plan
 from figure_tools import by_id
 
 PAPER = esc.EllipticalPlanetary(sun_radius=0.016, planet_radius=0.009)
-DRIVE = ("elliptical-planetary", "--sun-radius", 0.016, "--planet-radius", 0.009)
 
 
 # --- numbers ------------------------------------------------------------------------------
@@ -132,24 +130,6 @@ def test_output_turns_in_the_drawing_as_it_should():
 
 
 # --- command line -------------------------------------------------------------------------
-
-
-def test_mechanism(command, report, tmp_path):
-    record = report("mechanism", *DRIVE)
-    assert (record["stations"], record["motion_ratio"]) == (16, 1.0)
-    assert record["cell_angle_deg"] == record["stop_interval_deg"] == 202.5
-    assert record["follower_step_deg"] == -record["output_per_stop_deg"] == 157.5
-    assert record["eccentricity"] == pytest.approx(0.28)
-    assert [rest["tolerance_deg"] for rest in record["dwell_within"]] == [0.01, 0.1, 1.0]
-    shares = [rest["share"] for rest in record["dwell_within"]]
-    assert shares == sorted(shares)
-    inches = [*DRIVE[:2], 0.016 / INCH, DRIVE[3], 0.009 / INCH, "--units", "in-lbf-s"]
-    other = report("mechanism", *inches)
-    assert other["centre_distance"] * INCH == pytest.approx(record["centre_distance"])
-    assert other["eccentricity"] == pytest.approx(record["eccentricity"])
-    out = command("mechanism", *DRIVE, "--plot", "drive.svg", "--angle", "30")[1]
-    assert "stop interval" in out
-    assert (tmp_path / "drive.svg").stat().st_size > 1000
 
 
 def test_a_study_names_the_loss_of_its_mechanism():

@@ -134,18 +134,8 @@ def test_a_constant_torque_must_be_told_how_far():
 
 def test_the_command(tmp_path, capsys):
     table, picture = tmp_path / "run.csv", tmp_path / "run.png"
-    model = [
-        "--torque",
-        "0.0113",
-        "--friction",
-        "0.35",
-        "--driver-inertia",
-        "3.389e-7",
-        "--follower-inertia",
-        "5.649e-6",
-        "--spring-rate",
-        "1.8e-6",
-    ]
+    model = ["--torque", "0.0113", "--friction", "0.35", "--driver-inertia", "3.389e-7"]
+    model += ["--follower-inertia", "5.649e-6", "--spring-rate", "1.8e-6"]
     assert main(["rundown", *model, "--turns", "5", "-o", str(table), "--plot", str(picture)]) == 0
     assert "rate error percent" in capsys.readouterr().out
     assert picture.stat().st_size > 0

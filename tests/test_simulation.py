@@ -309,3 +309,12 @@ def test_an_engagement_is_never_solved_less_accurately_than_the_help_says():
     ]
     assert found[0] == found[1] == found[2] != found[3]
     assert found[0] == pytest.approx(found[-1], rel=LOOSEST)
+
+
+@pytest.mark.parametrize("piece", [-1, 9, [0, 9], 0.5, True, "first"])
+def test_a_piece_that_is_not_there_is_refused(piece):
+    motion = esc.simulate(drive(), engagements=3)
+    assert motion.trajectory.start.size == 9
+    with pytest.raises(InvalidValue, match="piece must be whole and from 0 to 8, got"):
+        motion.within(piece, np.zeros(2))
+    assert motion.within(8, motion.end_time).theta_dot == motion.at(motion.end_time).theta_dot
