@@ -59,6 +59,7 @@ WRONG = {
     "flag with value": ("RUN --json=3", 2, "--json", "'3'"),
     "two kinds": ("RUN geneva geneva", 2, "unrecognized arguments: geneva"),
     "unknown kind": ("RUN genva", 2, "KIND", "'genva'", "did you mean 'geneva'?"),
+    "wide pin": ("RUN --crank-radius .4 --pin-radius .2", 2, "less than 0.117157 in, where"),
     "unknown method": ("RUN --engine ivp --method RK54", 2, "method", "'RK45'?"),
     "method of another engine": ("RUN --method RK45", 2, "method", "'RK45'", "ivp"),
     "step of another engine": ("RUN --max-step 1e-3", 2, "max_step must", "ivp"),

@@ -343,19 +343,6 @@ def test_stiffness_of_a_line_contact_is_that_of_its_stresses():
         esc.contact_stiffness(1e7, **numbers)
 
 
-@pytest.mark.parametrize(
-    ("other", "match"),
-    [
-        ({"stiffness": 100.0}, "stiffness must be at least 1e"),
-        ({"restitution": 0.3}, "restitution must be 0 with linear walls"),
-        ({"contact_law": "hunt-crossley", "damping": 0.0}, "restitution must be greater than 0"),
-    ],
-)
-def test_what_is_not_there_is_refused_in_one_line(other, match):
-    with pytest.raises(esc.errors.InvalidValue, match=match):
-        esc.simulate(timer(**other))
-
-
 def test_a_load_that_the_drive_cannot_carry_stalls():
     assert esc.simulate(timer(load_torque=2.0 * TORQUE, stiffness=1e4)).status is Status.STALL
 

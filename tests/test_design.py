@@ -34,6 +34,7 @@ def test_nothing_on_a_front_is_dominated_and_all_else_is():
     assert {*costs[front].argmin(axis=0)} <= {*some.tolist()}
 
 
+@pytest.mark.slow
 def test_the_thirty_second_timer_is_found(thirty):
     designs, requirement = thirty.designs, thirty.requirement
     assert len(designs) >= 20
@@ -58,6 +59,7 @@ def test_a_wish_for_whole_turns(turns):
     assert esc.rundown(one.timer, turns=turns).time_of(turns) == pytest.approx(0.2 * turns)
 
 
+@pytest.mark.slow
 def test_what_is_promised_is_simulated_by_the_other_engine(thirty):
     """Period, scatter, force and thickness of one design, each found another way."""
     one = thirty.designs[len(thirty.designs) // 2]

@@ -60,7 +60,7 @@ def test_no_solution_is_missed():
 
 def test_follower_turns_by_a_station_from_rest_to_rest_and_never_back():
     assert len(chart()) > 4000
-    for wheel in (*chart(), *(wheel.cognate for wheel in chart()[::3])):
+    for wheel in (*chart()[::3], *(wheel.cognate for wheel in chart()[1::9])):
         ends = np.array([wheel.breaks[0], wheel.breaks[-1]])
         assert 0.0 <= wheel.transmission(ends).g.min() <= wheel.transmission(ends).g.max() < 1e-13
         turned = np.diff(wheel.follower_angle(ends))[0]
@@ -188,21 +188,3 @@ def test_through_the_centre(n, curve, sign):
     assert turned == pytest.approx(step if sign < 0.0 else 2.0 * math.pi - step, rel=1e-14)
     with pytest.raises(InvalidValue, match="passes through the wheel's centre"):
         Escapement(wheel, Inertia(1.0, 1.0), 1.0, 0.1)
-
-
-IMPOSSIBLE = {
-    "division by zero": ((4, "1/0", "epicycloid"), "lobes must be a rational"),
-    "too many lobes": ((6, 2), "lobes must be below stations/2 - 1 = 2 for a hypocycloid.*'2'"),
-    "beyond the limit": ((5, 1), "no mechanism corresponds to stations 5, lobes 1.*alpha <= pi"),
-    "too many pins": ((4, 1, "epicycloid", 9), "pins must be at most 8, .*0.119282"),
-    "slot in the way": ((6, "1/2", "epicycloid", 1, 1), "unused_lobes .*where lobe 1 passes"),
-    "dwell at full speed": ((12, 4, "hypocycloid", 1, 2), "unused_lobes must be 0 .*jump"),
-    "second of one": ((4, 1, "epicycloid", 1, 0, 2), "solution must be at most 1 here, got 2"),
-}
-
-
-@pytest.mark.parametrize(("arguments", "words"), IMPOSSIBLE.values(), ids=IMPOSSIBLE)
-def test_what_cannot_be_is_one_line(arguments, words):
-    with pytest.raises(InvalidValue, match=words) as caught:
-        GearDriven(*arguments)
-    assert "\n" not in str(caught.value)

@@ -8,7 +8,6 @@ import pytest
 from matplotlib.path import Path
 
 from escapement import GearDriven
-from escapement.base.errors import InvalidValue
 from escapement.mechanisms.gear_equation import CURVES
 from escapement.outlines.gears import GearDrivenOutline
 from escapement.plots import drawing, gear_driven
@@ -74,13 +73,3 @@ def test_rings_of_slots_do_not_cross():
         assert np.all(np.abs(np.diff(steps)) < 0.9 * math.pi)
         turned, pitch = abs(steps[-1] - steps[0]), 2.0 * math.pi / wheel.slots
         assert turned == pytest.approx(2.0 * math.pi, abs=pitch)
-
-
-def test_what_cannot_be_drawn_is_refused():
-    for said, *given in (
-        ("theta must be a finite", WHEELS[0], math.nan),
-        ("slots must be at most 200 in a drawing, got 203", GearDriven(203, 0)),
-        ("lobes of the whole path must be at most 200", GearDriven(4, 1001, "epicycloid")),
-    ):
-        with pytest.raises(InvalidValue, match=said):
-            gear_driven.plot_gear_driven(*given)

@@ -286,31 +286,8 @@ def test_a_pin_that_misses_its_slot_is_named(errors, words):
             ask()
 
 
-@pytest.mark.parametrize(
-    ("make", "words"),
-    [
-        (lambda: esc.Geneva(4, slot_angle_errors=(0, 1e-3)), "as long as there are slots, 4"),
-        (lambda: esc.Geneva(4, slot_offsets=(0, 0, 0, 1e-5)), "without a length"),
-        (lambda: esc.Geneva(4, pin_angle_errors=1e-3), "a list of numbers"),
-        (lambda: esc.Geneva(4, centre_distance_error=1e-5), "without a length"),
-        (lambda: esc.synthetic_readings(late(), seed=1), "without errors of its parts"),
-        (lambda: drive_torque(), "without errors of its parts"),
-        (lambda: esc.sweep(timer(), slot_angle_errors_factor=[1, 2]), "that are not all 0"),
-        (lambda: esc.sweep(timer(), pin_angle_errors=[0.0]), "its factor is 'pin_angle_errors_f"),
-    ],
-)
-def test_what_cannot_be_is_refused_in_one_line(make, words):
-    with pytest.raises(esc.errors.InvalidValue, match=words) as caught:
-        make()
-    assert "\n" not in str(caught.value)
-
-
 def late():
     return esc.Geneva(4, pin_angle_errors=(1e-3, 0, 0, 0))
-
-
-def drive_torque():
-    return esc.drive_torque(late(), speed=1.0, load_torque=1.0, follower_inertia=1e-6)
 
 
 def test_a_sample_draws_each_pin_and_slot_alone(tmp_path):

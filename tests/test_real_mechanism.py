@@ -126,22 +126,6 @@ def test_a_pin_with_width_parts_the_limits_of_existence_and_of_uniqueness():
     assert beyond.status is Status.PAINLEVE
 
 
-@pytest.mark.parametrize(
-    ("make", "words"),
-    [
-        (lambda: esc.Geneva(4, pin_radius=1e-3), "mechanism without a length"),
-        (lambda: timer({"pin_radius": 0.4 * CRANK}), "where neighbouring slots meet"),
-        (lambda: timer({"roller_radius": 0.1 * CRANK}), "greater than pin_radius"),
-        (lambda: geared(driver_bearing_radius=1e-3), "0 for a gear-driven wheel"),
-        (lambda: meshed(follower_bearing_radius=1e-3), "0 for a mechanism without a slot"),
-    ],
-)
-def test_what_a_mechanism_cannot_have_is_refused_in_one_line(make, words):
-    with pytest.raises(esc.errors.InvalidValue, match=words) as caught:
-        make()
-    assert "\n" not in str(caught.value)
-
-
 def geared(**numbers):
     wheel = esc.GearDriven(6, "1/2", fixed_radius=CRANK)
     return esc.Escapement(wheel, INERTIA, torque=TORQUE, **numbers)

@@ -177,29 +177,6 @@ def test_run_tells_what_is_there_and_nothing_that_is_absent(command):
     assert "uniqueness friction" not in command(*RUN)[1]
 
 
-GEARS = ["gear-driven", "--stations", "6", "--lobes", "1/2", "--curve", "hypocycloid"]
-REFUSED = {
-    "--follower-bearing-radius .02": "must come with --follower-bearing-friction",
-    "--crank-radius .4 --pin-radius .2": "pin_radius must be less than 0.117157 in, where",
-    " ".join([*GEARS, "--driver-bearing-friction .1"]): "must come with --driver-bearing-radius",
-}
-
-
-@pytest.mark.parametrize("options", REFUSED)
-def test_what_cannot_be_is_refused_in_one_line(options, refusal):
-    told = refusal(2, "run", *options.split(), *MODEL, "--units", "in-lbf-s")
-    assert REFUSED[options] in told
-    assert ", got " in told
-    assert "; " in told
-
-
-def test_torque_at_constant_speed_is_that_of_thin_pins():
-    wheel = esc.Geneva(4, crank_radius=CRANK, pin_radius=1e-4)
-    assert esc.drive_torque(wheel, 10.0, 0.1, 1e-6).torque_max > 0.0
-    with pytest.raises(InvalidValue, match="pin_radius must be 0 with friction"):
-        esc.drive_torque(wheel, 10.0, 0.1, 1e-6, friction=0.1)
-
-
 @pytest.mark.parametrize("slots", [4, 5])
 def test_a_motion_file_keeps_reactions_and_losses(slots, tmp_path):
     motion = esc.simulate(everything(slots=slots, friction=0.2), 3)

@@ -9,7 +9,6 @@ import numpy as np
 import pytest
 
 import escapement as esc
-from escapement.base.errors import InvalidValue
 from escapement.cli import main
 
 INERTIA = esc.Inertia(3.389e-7, 5.649e-6)
@@ -86,19 +85,6 @@ def test_a_duration_ends_it():
     assert whole.times[: run.times.size] == pytest.approx(run.times, rel=1e-12)
 
 
-@pytest.mark.parametrize(
-    ("changes", "message"),
-    [
-        ({"turns": 0.0}, "turns must be greater than 0"),
-        ({"turns": 1.0, "duration": 1.0}, "duration must be left out with turns"),
-        ({"turns": 1e9}, "turns must be at most 2.5e"),
-    ],
-)
-def test_refusals(changes, message):
-    with pytest.raises(InvalidValue, match=message):
-        esc.rundown(TIMER, **changes)
-
-
 @pytest.mark.parametrize("angles", [(0.0, 1e-3, -2e-3, 0.0), ()])
 def test_imperfect_parts_run_down(angles):
     """A turn takes them, pin by pin, through cells of different lengths."""
@@ -122,14 +108,6 @@ def test_a_pin_that_misses_its_slot_runs_nowhere():
     run = esc.rundown(replace(TIMER, mechanism=wheel))
     assert (run.status.label, run.times.size, run.end_time) == ("invalid", 0, 0.0)
     assert run.message.startswith("pin 1 cannot drive slot 1")
-
-
-def test_a_constant_torque_must_be_told_how_far():
-    with pytest.raises(InvalidValue, match="turns must be given"):
-        esc.rundown(replace(TIMER, spring_rate=0.0))
-    run = esc.rundown(TIMER, turns=1.0)
-    with pytest.raises(InvalidValue, match="turns must be at most 1"):
-        run.time_of(1.5)
 
 
 def test_the_command(tmp_path, capsys):

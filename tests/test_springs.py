@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 
 import escapement as esc
 from both_engines import agree
-from escapement.base.errors import InputFileError, InvalidValue
+from escapement.base.errors import InputFileError
 from escapement.base.status import Status
 from escapement.base.units import INCH_POUND
 from random_drives import drives, very_few
@@ -218,39 +218,10 @@ def test_a_study_reads_a_curve_beside_it_and_keeps_its_points(command, tmp_path)
     assert found["inputs"]["torque"]["in-lbf-s"] == pytest.approx([0.1, 0.09, 0.04])
 
 
-@pytest.mark.parametrize(
-    ("angle", "torque", "periodic", "words"),
-    [
-        ([0.0], [1.0], False, "2 to 1000 angles"),
-        ([0.0, 1.0], [1.0], False, "2 angles and 1 torques"),
-        ([1.0, 2.0], [1.0, 1.0], False, "ascending from 0"),
-        ([0.0, 1.0, 1.0], [1.0, 1.0, 1.0], False, "ascending from 0"),
-        ([0.0, 1.0], [1.0, -1.0], False, "at least 0"),
-        ([0.0, 1.0], [0.0, 0.0], False, "not all 0"),
-        ([0.0, 1.0], [1.0, 0.9], True, "the same at both ends"),
-        ([0.0, math.nan], [1.0, 0.9], False, "finite"),
-        ([0.0, 1.0], [1.0, 0.9], "yes", "true or false"),
-    ],
-)
-def test_a_curve_that_breaks_a_rule_is_refused(angle, torque, periodic, words):
-    with pytest.raises(InvalidValue, match=words):
-        esc.TorqueCurve(angle, torque, periodic)
-
-
-def test_what_does_not_go_together_is_refused(tmp_path):
-    with pytest.raises(InvalidValue, match="spring_rate must be 0 with a torque curve"):
-        timer(torque=CAM, spring_rate=1.0)
-    dense = esc.TorqueCurve(np.linspace(0.0, 1.0, 900), np.ones(900))
-    with pytest.raises(InvalidValue, match="at most 256 points in a cell, got 900"):
-        timer(torque=dense)
-    with pytest.raises(InvalidValue, match=r"torque must be a curve or in \[sweep\], got both"):
-        esc.sweep(timer(torque=CAM), torque=[1.0])
+def test_a_file_in_degrees_says_so(tmp_path):
     (tmp_path / "bad.csv").write_text("0,1\n2,-1\n")
     with pytest.raises(InputFileError, match="at least 0"):
         esc.TorqueCurve.from_csv(tmp_path / "bad.csv")
-
-
-def test_a_file_in_degrees_says_so(tmp_path):
     (tmp_path / "curve.csv").write_text("angle_deg;torque\n0;2\n180;1\n")
     found = esc.TorqueCurve.from_csv(tmp_path / "curve.csv")
     assert found.angle == pytest.approx((0.0, math.pi), rel=1e-15)

@@ -63,16 +63,6 @@ def test_a_corner_between_two_edges_is_refused():
     assert transmission(broken, 0.3).dg == pytest.approx(1.0, abs=5e-13)  # rounding times 17^2
 
 
-def test_each_loss_has_its_mechanism():
-    with pytest.raises(InvalidValue, match="friction must be 0 for a mechanism without a slot"):
-        timer(friction=0.1)
-    with pytest.raises(InvalidValue, match="efficiency must be 1 for a slotted mechanism"):
-        esc.Escapement(esc.Geneva(4), esc.Inertia(1.0, 1.0), 1.0, efficiency=0.9)
-    for value in (0.0, -1.0, 1.1, np.nan, 1e-9):
-        with pytest.raises(InvalidValue, match="efficiency must be"):
-            timer(efficiency=value)
-
-
 def moved_by(table):
     return esc.Escapement(table, INERTIA, torque=0.0113, efficiency=0.9)
 

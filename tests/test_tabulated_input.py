@@ -55,40 +55,6 @@ def test_tables_that_cannot_be_read(tmp_path, text, words):
     assert all(word in str(caught.value) for word in words)
 
 
-LINE = np.linspace(0.0, 1.0, 20)
-
-
-@pytest.mark.parametrize(
-    ("make", "words"),
-    [
-        (lambda: esc.Tabulated([0, 1, 2], [0, 1, 2]), ["theta", "at least 12 rows", "3"]),
-        (lambda: esc.Tabulated(LINE, LINE[:-1]), ["phi", "as long as theta, 20", "19"]),
-        (lambda: esc.Tabulated(LINE, np.where(LINE > 0.9, np.nan, LINE)), ["phi", "finite"]),
-        (lambda: esc.Tabulated(LINE[::-1], LINE), ["must ascend", "got 0.9", "sort the table"]),
-        (lambda: esc.Tabulated(LINE, 0.0 * LINE), ["follower_step", "greater than 0", "turned on"]),
-        (lambda: esc.Tabulated(LINE, LINE, cell_angle=1.0), ["must come with", "both"]),
-        (lambda: esc.Tabulated(np.arange(7e2), np.arange(7e2)), ["at most 601 rows", "700"]),
-        (
-            lambda: esc.Tabulated(LINE % 0.5, LINE, cell_angle=0.5, follower_step=1.0).spline,
-            ["theta must differ", "measured"],
-        ),
-        (
-            lambda: esc.Tabulated(LINE, 0.8 * LINE, follower_step=1.0),
-            ["follower_step", "the cell, 0.8 rad or 45.83662 degrees, got 1.0", "step out"],
-        ),
-        (
-            lambda: esc.Tabulated(LINE, 0.4 * LINE, measured=True, follower_step=1.0),
-            ["follower_step", "0.4 rad", "got 1.0"],
-        ),
-    ],
-)  # fmt: skip
-def test_tables_that_cannot_be(make, words):
-    with pytest.raises(InvalidValue) as caught:
-        make()
-    assert "\n" not in str(caught.value)
-    assert all(word in str(caught.value) for word in words)
-
-
 # --- printed to a few decimals ------------------------------------------------------------
 
 CELL, STEP = 0.5 * np.pi, np.pi / 3.0
