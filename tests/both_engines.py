@@ -5,6 +5,11 @@ import pytest
 
 import escapement as esc
 
+each_engine = pytest.mark.parametrize(
+    "engine", ["energy", pytest.param("ivp", marks=pytest.mark.slow)]
+)
+"""For a law of motions on which `agree` compares the engines as well."""
+
 
 def agree(real, engagements, rtol=1e-10, *, events=True, speed=0.0, **judged):
     """Both engines find one motion, and the energy of the fast one balances; returns theirs.

@@ -19,9 +19,7 @@ def between_stops(motion, drive):
     return place[np.abs(place - np.rint(place)) > 1e-9]
 
 
-@pytest.mark.parametrize(
-    ("ratio", "efficiency", "load"), [(16 / 9, 0.9, 0.0), (16 / 9, 0.6, 0.3), (3.0, 0.8, 0.1)]
-)
+@pytest.mark.parametrize(("ratio", "efficiency", "load"), [(16 / 9, 0.9, 0.0), (3.0, 0.8, 0.1)])
 def test_both_engines_agree(ratio, efficiency, load):
     timer = esc.Escapement(
         esc.EllipticalPlanetary(ratio, 1.0), INERTIA, TORQUE,

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import escapement as esc
+from both_engines import each_engine
 from escapement.base.status import Status
 from escapement.dynamics import figures_of_merit as metrics
 from random_drives import drive
@@ -60,7 +61,7 @@ def test_the_search_for_a_cycle_does_not_stall_on_its_way(mu, load, speed, engin
         assert figures.status is Status.OK
 
 
-@pytest.mark.parametrize("engine", BOTH)
+@each_engine
 def test_a_stall_on_the_way_to_the_cycle_is_told_as_it_happens(engine):
     scene = drive(rho=1.0, mu=0.1, load=1.5)
     motion = esc.simulate(scene, 40, initial_speed=100.0)

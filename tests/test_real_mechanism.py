@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import escapement as esc
-from both_engines import agree
+from both_engines import agree, each_engine
 from escapement.base.status import Status
 from escapement.base.units import INCH_POUND
 from escapement.dynamics.painleve import friction_limits
@@ -59,7 +59,7 @@ def everything(**changes):
     return timer({"pin_radius": 0.05 * CRANK}, **JOURNALS | DRAG | OIL | changes)
 
 
-@pytest.mark.parametrize("engine", ["energy", "ivp"])
+@each_engine
 @pytest.mark.parametrize("name", EXAMPLES)
 def test_printed_examples(name, engine):
     wheel, numbers, (period, fastest, slowest) = EXAMPLES[name]

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import escapement as esc
+from both_engines import each_engine
 from escapement import plots
 from escapement.base.errors import InvalidValue
 from escapement.base.units import INCH, INCH_POUND, POUND_FORCE
@@ -49,7 +50,7 @@ def test_every_figure_is_what_terminal_says(drive):
     assert_as_alone(plan, study.results)
 
 
-@pytest.mark.parametrize("engine", ["energy", "ivp"])
+@each_engine
 def test_results_are_in_the_units_of_the_study(engine):
     names = ["contact_moment_max", "contact_force_max", "acceleration_max", "jam_margin"]
     study = esc.run_plan(parse_plan(INCHES | {"results": names, "solver": {"engine": engine}}))

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import escapement as esc
+from both_engines import each_engine
 from escapement.base.status import Status
 from escapement.base.units import INCH_POUND
 from escapement.dynamics.figure_table import TRANSIENT
@@ -113,7 +114,7 @@ def test_no_time_of_the_start_jumps_with_an_error_nobody_could_make(seed):
     )
 
 
-@pytest.mark.parametrize("engine", ["energy", "ivp"])
+@each_engine
 def test_a_motion_that_starts_at_its_terminal_speed_has_risen(engine):
     start = esc.terminal(MEYER, engine=engine).handoff_velocity
     cycle = esc.terminal(MEYER, engine=engine, initial_speed=start)

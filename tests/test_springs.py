@@ -13,7 +13,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import escapement as esc
-from both_engines import agree
+from both_engines import agree, each_engine
 from escapement.base.errors import InputFileError
 from escapement.base.status import Status
 from escapement.base.units import INCH_POUND
@@ -25,7 +25,7 @@ WOUND = timer(spring_rate=0.02 * TORQUE / TURN)
 CAM = esc.TorqueCurve([0.0, 0.5, 2.0, 2.9], [0.8, 1.0, 0.5, 0.8], periodic=True)
 
 
-@pytest.mark.parametrize("engine", ["energy", "ivp"])
+@each_engine
 def test_printed_examples(engine):
     motion = esc.simulate(WOUND, 40, engine=engine)
     expected = {1: (0.0448624775, 85.9124488), 10: (0.423356269, 84.0330840)}

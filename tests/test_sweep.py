@@ -9,6 +9,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from both_engines import each_engine
 from escapement.base import progress
 from escapement.base.errors import InvalidValue, StorageError
 from escapement.base.progress import Progress, duration
@@ -52,7 +53,7 @@ def quick(monkeypatch):
     monkeypatch.setattr(simulation, "terminal", fake)
 
 
-@pytest.mark.parametrize("engine", ["energy", "ivp"])
+@each_engine
 def test_a_case_is_what_terminal_says(engine):
     grid = sweep(TIMER, engine=engine, torque=[TIMER.torque, 4 * TIMER.torque], friction=[0.35])
     alone = simulation.terminal(TIMER, engine=engine)

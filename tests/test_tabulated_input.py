@@ -124,6 +124,7 @@ def test_rows_as_far_apart_as_the_message_says_are_taken():
     table(int(2.0 / least) + 1)
 
 
+@pytest.mark.slow
 def test_the_step_of_a_measured_cell_is_no_two_rows_difference():
     """As known as the angle of a curve through the rows, with no kink where its ends meet."""
     theta, noise = np.linspace(*DRIVE.breaks, 2001), np.radians(1.3)

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import escapement as esc
-from both_engines import agree
+from both_engines import agree, each_engine
 from clearance_bodies import TwoBodies
 from escapement.engines.contact.rigid.impact import CHATTER
 
@@ -35,7 +35,7 @@ def same_by_hand(mine):
     )
 
 
-@pytest.mark.parametrize("engine", ["energy", "ivp"])
+@each_engine
 @pytest.mark.parametrize("rate", [0.0, 2e-4])
 def test_a_lossless_train_is_a_change_of_numbers(engine, rate):
     mine = timer(spring_rate=rate)
@@ -139,7 +139,7 @@ def worked(barrel=0.8, train=0.9, **numbers):
     )  # fmt: skip
 
 
-@pytest.mark.parametrize("engine", ["energy", "ivp"])
+@each_engine
 def test_the_worked_example_with_losses(engine):
     """Reference: two methods of others, who agree to 3e-9, gave these numbers."""
     found = esc.terminal(worked(), engine=engine)
