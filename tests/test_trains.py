@@ -170,9 +170,11 @@ def test_engines_agree_where_power_turns_back():
 def test_every_train_takes_its_share():
     """At each instant a mesh passes eta of what reaches it, forwards or backwards."""
     timer = worked(barrel=0.7, train=0.8)
+    timer = replace(timer, barrel=esc.Train(5.0, 0.7, 30.0 * timer.barrel.inertia))
     motion = esc.simulate(timer, 6)
     state = motion.at(np.linspace(0.02, 0.98, 301) * motion.end_time)
     reaches = timer.torque / 5.0 - timer.barrel.inertia / 25.0 * state.theta_ddot
+    assert reaches.min() < 0.0 < reaches.max()
     taken = np.where(reaches > 0.0, 0.3, 1.0 / 0.7 - 1.0) * np.abs(reaches) * state.theta_dot
     np.testing.assert_allclose(state.power_lost["barrel"], taken, rtol=1e-9)
     asked = 3.0 * timer.load_torque + 9.0 * timer.load_train.inertia * state.phi_ddot
