@@ -7,13 +7,12 @@ the Ishigami function. The share of seeds whose interval contains the true value
 ``results/budget_coverage.csv``; 200 seeds of a true 95 % give 90.5 to 98.5 % in 99 of 100 runs.
 """
 
-import csv
 import math
 import sys
 from functools import partial
-from pathlib import Path
 
 import numpy as np
+from common import write_rows
 from scipy.stats import norm
 
 import escapement as esc
@@ -23,7 +22,6 @@ from escapement.tolerance import intervals
 from escapement.tolerance.indices import sobol_indices
 from escapement.tolerance.scatter import LEVELS
 
-RESULTS = Path(__file__).resolve().parent / "results" / "budget_coverage.csv"
 SIGMA, HYPERCUBES = 0.1, 20
 SIZE = 51 * HYPERCUBES
 """With this size no quantile is at the edge of a stratum, where hypercubes have no error."""
@@ -88,9 +86,7 @@ def main():
     """Count, print and write."""
     seeds = int((sys.argv[1:] or ["200"])[0])
     rows = [(*key, share) for key, share in (of_log_normal(seeds) | of_ishigami(seeds)).items()]
-    with RESULTS.open("w", newline="", encoding="utf-8") as file:
-        writer = csv.writer(file, lineterminator="\n")
-        writer.writerows([("case", "statistic", "share_of_seeds"), *rows])
+    write_rows("budget_coverage", rows, ("case", "statistic", "share_of_seeds"))
     for row in rows:
         print(*row)
 

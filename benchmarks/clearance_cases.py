@@ -11,17 +11,15 @@ load behind trains that lose up to half of the power; the rows go to
 """
 
 import argparse
-import csv
 import time
 from collections import Counter
-from pathlib import Path
 
 import numpy as np
+from common import random_journals, random_losses, write_rows
 
 import escapement as esc
 from escapement.dynamics.painleve import friction_limits
 
-RESULTS = Path(__file__).resolve().parent / "results"
 RADIUS, FOLLOWER, TORQUE = 0.01, 5e-6, 0.01
 
 
@@ -29,19 +27,9 @@ def case(seed, trains=False):
     """A random escapement, if wanted with trains that lose power."""
     random = np.random.default_rng(seed)
     internal, slots = bool(random.random() < 0.25), int(random.integers(3, 13))
-    clock = (FOLLOWER / TORQUE) ** 0.5
     model = {"restitution": random.uniform(0.0, 0.6)}
-    for name, most in {
-        "load_torque": 0.1 * TORQUE, "driver_bearing_torque": 0.1 * TORQUE,
-        "driver_drag": 0.02 * FOLLOWER, "follower_drag": 0.02 * FOLLOWER,
-        "driver_viscous": 0.02 * FOLLOWER / clock, "follower_viscous": 0.02 * FOLLOWER / clock,
-    }.items():  # fmt: skip
-        if random.random() < 0.3:
-            model[name] = most * random.random()
-    for body in ("driver", "follower"):
-        if random.random() < 0.3:
-            model[f"{body}_bearing_friction"] = 0.2 * random.random()
-            model[f"{body}_bearing_radius"] = 0.05 * RADIUS
+    model |= random_losses(random, 0.3, TORQUE, FOLLOWER)
+    model |= random_journals(random, 0.3, 0.05 * RADIUS)
     wheel = esc.Geneva(
         slots, 1 if internal else None, internal, RADIUS,
         pin_radius=RADIUS * random.choice([0.0, random.uniform(0.01, 0.08)]),
@@ -94,22 +82,18 @@ def main():
         figures = esc.terminal(own)
         end = time.process_time()
         deep = beyond(motion) if motion.end_time > 0.0 else 0.0
-        states = time.process_time() - end
-        rows.append((
-            seed, f"{own.friction:.4f}", f"{own.restitution:.3f}", motion.status.label,
-            figures.status.label, f"{middle - begin:.4f}", f"{end - middle:.4f}", f"{states:.4f}",
-            f"{deep:.1e}", f"{motion.ledger.residual:.1e}",
-        ))  # fmt: skip
-    header = ("seed", "friction", "restitution", "motion", "terminal", "motion_seconds",
-              "terminal_seconds", "states_seconds", "beyond_wall", "residual")  # fmt: skip
-    name = "clearance_cases_trains.csv" if asked.trains else "clearance_cases.csv"
-    with (RESULTS / name).open("w", newline="", encoding="utf-8") as file:
-        csv.writer(file, lineterminator="\n").writerows([header, *rows])
-    print(Counter(row[3] for row in rows), Counter(row[4] for row in rows))
-    for place, name in ((5, "motion"), (6, "terminal"), (7, "states")):
-        print(f"slowest {name}: {max(float(row[place]) for row in rows):.3f} s")
-    print(f"farthest beyond a wall: {max(float(row[8]) for row in rows):.1e} crank radii")
-    print(f"greatest residual: {max(abs(float(row[9])) for row in rows):.1e}")
+        rows.append({
+            "seed": seed, "friction": f"{own.friction:.4f}",
+            "restitution": f"{own.restitution:.3f}",
+            "motion": motion.status.label, "terminal": figures.status.label,
+            "motion_seconds": f"{middle - begin:.4f}", "terminal_seconds": f"{end - middle:.4f}",
+            "states_seconds": f"{time.process_time() - end:.4f}", "beyond_wall": f"{deep:.1e}",
+            "residual": f"{motion.ledger.residual:.1e}",
+        })  # fmt: skip
+    write_rows("clearance_cases_trains" if asked.trains else "clearance_cases", rows)
+    print(Counter(row["motion"] for row in rows), Counter(row["terminal"] for row in rows))
+    for name in ("motion_seconds", "terminal_seconds", "states_seconds", "beyond_wall", "residual"):
+        print(f"greatest {name}: {max(abs(float(row[name])) for row in rows):.1e}")
 
 
 if __name__ == "__main__":

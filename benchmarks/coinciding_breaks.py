@@ -11,11 +11,11 @@ from pathlib import Path
 from time import process_time
 
 import numpy as np
+from common import write_rows
 
 import escapement as esc
 
 HERE = Path(__file__).parent
-RESULT = HERE / "results" / "coinciding_breaks.csv"
 sys.path.append(str(HERE.parent / "tests"))
 from coinciding import STATES, counts, curve_scene, differences, spring_scene  # noqa: E402
 
@@ -38,7 +38,7 @@ def compare(escapement, engagements):
 def main(scenes=500, first=0):
     """Compare so many scenes of either family; the table goes to the results."""
     compare(spring_scene(np.random.default_rng(first)), 1)  # compiled and imported before it counts
-    rows = [",".join(["family", "scenes", "break a bar", *BARS])]
+    rows = []
     for kind in (curve_scene, spring_scene):
         bad, worst = 0, dict.fromkeys(BARS, 0.0)
         for seed in range(first, first + scenes):
@@ -48,10 +48,9 @@ def main(scenes=500, first=0):
                 bad += 1
                 print(kind.__name__, seed, *counted, {k: f"{found[k]:.1e}" for k in broken})
             worst = {name: max(worst[name], found[name]) for name in BARS}
-        greatest = (f"{value:.1e}" for value in worst.values())
-        rows.append(",".join([kind.__name__, str(scenes), str(bad), *greatest]))
-        print(rows[-1], flush=True)
-    RESULT.write_text("\n".join([*rows, ""]), encoding="utf-8")
+        rows.append([kind.__name__, scenes, bad, *(f"{value:.1e}" for value in worst.values())])
+        print(*rows[-1], flush=True)
+    write_rows("coinciding_breaks", rows, ["family", "scenes", "break a bar", *BARS])
 
 
 if __name__ == "__main__":

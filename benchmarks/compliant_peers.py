@@ -15,20 +15,18 @@ The runs of the solvers alternate; times are medians of processor time. The last
 fastest run of each solver with an error below 1e-6, its time divided by ours.
 """
 
-import csv
 import math
 import time
 from collections.abc import Callable
-from pathlib import Path
 
 import numba
 import numpy as np
+from common import write_rows
 from peers import with_exudyn
 from scipy.integrate import solve_ivp
 
 import escapement as esc
 
-RESULT = Path(__file__).parent / "results" / "compliant_peers.csv"
 RADIUS, TORQUE, DRIVER, FOLLOWER = 0.01, 0.1, 3e-6, 50e-6
 CLOCK, UNIT = math.sqrt(FOLLOWER / TORQUE), TORQUE / RADIUS**2
 SPEED, TURNS, OURS = 86.0, 7, 20
@@ -164,10 +162,8 @@ def main() -> None:
         ratio = f"{medians[i] / medians[best['escapement']]:.3g}" if best.get(name) == i else ""
         rows.append((name, size, f"{errors[i]:.1e}", f"{medians[i]:.4g}", ratio))
         print(*rows[-1], flush=True)
-    with RESULT.open("w", newline="") as file:
-        writer = csv.writer(file)
-        writer.writerow(["solver", "rtol or steps", "error", "milliseconds", "times ours"])
-        writer.writerows(rows)
+    head = ["solver", "rtol or steps", "error", "milliseconds", "times ours"]
+    write_rows("compliant_peers", rows, head)
 
 
 if __name__ == "__main__":

@@ -7,19 +7,18 @@ all bounds and are better than a design of the front by more than one per cent i
 Results go to ``results/design_grid.csv``.
 """
 
-import csv
 import sys
 import time
 from pathlib import Path
 
 import numpy as np
+from common import write_rows
 
 import escapement as esc
 from escapement.inverse_design.similarity import wheels_for
 from escapement.inverse_design.timer_search import misses
 
 ROOT = Path(__file__).resolve().parents[1]
-RESULTS = ROOT / "benchmarks" / "results" / "design_grid.csv"
 
 
 def of_wheel(wheel, requirement, points):
@@ -54,8 +53,7 @@ def main():
     rows = [("seconds", f"{took:.2f}"), ("designs", len(front)), ("grid", tried),
             ("within_bounds", good), ("better_by_one_per_cent", better),
             ("greatest_gain", f"{most:.2g}")]  # fmt: skip
-    with RESULTS.open("w", newline="", encoding="utf-8") as file:
-        csv.writer(file, lineterminator="\n").writerows([("figure", "value"), *rows])
+    write_rows("design_grid", rows, ("figure", "value"))
     for row in rows:
         print(*row)
 

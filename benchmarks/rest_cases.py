@@ -16,19 +16,17 @@ without clearance 1e-8: there a stop is placed to 1e-12 rad, and a motion may st
 """
 
 import argparse
-import csv
 import time
 from collections import Counter
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
+from common import random_journals, random_losses, write_rows
 
 import escapement as esc
 from escapement.base.status import Status
 from escapement.dynamics.painleve import friction_limits
 
-RESULTS = Path(__file__).resolve().parent / "results"
 RADIUS, FOLLOWER, TORQUE = 0.01, 5e-6, 0.01
 CLOCK = (FOLLOWER / TORQUE) ** 0.5
 ENGAGEMENTS, REST = 400, 1e-6
@@ -45,7 +43,8 @@ def case(seed, undriven, contact):
         pin_radius=RADIUS * random.choice([0.0, random.uniform(0.01, 0.08)]),
         clearance=2.0 * RADIUS * play,
     )  # fmt: skip
-    model = losses(random)
+    model = random_losses(random, 0.33, TORQUE, FOLLOWER)
+    model |= random_journals(random, 0.33, 0.05 * RADIUS)
     if contact == "rigid" and random.random() < 0.5:
         model["restitution"] = random.uniform(0.0, 0.6)
     if contact == "compliant":
@@ -56,23 +55,6 @@ def case(seed, undriven, contact):
     friction = random.uniform(0.02, 0.95) * min(friction_limits(smooth)[0], 1.2)
     speed = random.choice([0.0, random.uniform(0.0, 2.0)]) / CLOCK
     return replace(smooth, friction=friction), float(speed)
-
-
-def losses(random):
-    """Load, bearings and drags, each with a probability of a third."""
-    model = {}
-    for name, most in {
-        "load_torque": 0.1 * TORQUE, "driver_bearing_torque": 0.1 * TORQUE,
-        "driver_drag": 0.02 * FOLLOWER, "follower_drag": 0.02 * FOLLOWER,
-        "driver_viscous": 0.02 * FOLLOWER / CLOCK, "follower_viscous": 0.02 * FOLLOWER / CLOCK,
-    }.items():  # fmt: skip
-        if random.random() < 0.33:
-            model[name] = most * random.random()
-    for body in ("driver", "follower"):
-        if random.random() < 0.33:
-            model[f"{body}_bearing_friction"] = 0.2 * random.random()
-            model[f"{body}_bearing_radius"] = 0.05 * RADIUS
-    return model
 
 
 def drive(random, undriven, cell):
@@ -179,10 +161,7 @@ def main():
         rows.append(row_of(seed, *kinds(asked.part, seed)))
         if rows[-1]["wrong"]:
             print(rows[-1], flush=True)
-    with (RESULTS / f"rest_{asked.part}.csv").open("w", newline="", encoding="utf-8") as file:
-        writer = csv.DictWriter(file, list(rows[0]), lineterminator="\n")
-        writer.writeheader()
-        writer.writerows(rows)
+    write_rows(f"rest_{asked.part}", rows)
     print(Counter((row["kind"], row["contact"], row["status"]) for row in rows))
     print("wrong:", sum(bool(row["wrong"]) for row in rows))
     print(f"slowest: {max(float(row['seconds']) for row in rows):.2f} s")

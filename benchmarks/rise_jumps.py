@@ -11,6 +11,8 @@ from collections import Counter
 from dataclasses import replace
 from pathlib import Path
 
+from common import write_rows
+
 import escapement as esc
 from escapement.base.status import Status
 from escapement.dynamics.figure_table import TRANSIENT
@@ -18,8 +20,6 @@ from escapement.dynamics.figure_table import TRANSIENT
 HERE = Path(__file__).parent
 sys.path.append(str(HERE.parent / "tests"))
 from nearly_perfect import random_timer, slight_errors  # noqa: E402
-
-RESULT = HERE / "results" / "rise_jumps.csv"
 
 
 def main(timers=300, first=0):
@@ -38,10 +38,9 @@ def main(timers=300, first=0):
                 one, two = getattr(perfect, name), getattr(found, name)
                 both_missing = one != one and two != two
                 jumps[name] += not (abs(one - two) <= 1e-4 * perfect.period or both_missing)
-    rows = [f"timers,compared,{','.join(TRANSIENT)}"]
-    rows.append(f"{timers},{compared},{','.join(str(jumps[name]) for name in TRANSIENT)}")
-    RESULT.write_text("\n".join(rows) + "\n", encoding="utf-8")
-    print(*rows, sep="\n")
+    row = {"timers": timers, "compared": compared} | {name: jumps[name] for name in TRANSIENT}
+    write_rows("rise_jumps", [row])
+    print(row)
 
 
 if __name__ == "__main__":

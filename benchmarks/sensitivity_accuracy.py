@@ -9,30 +9,19 @@ share of the derivative, or of the figure over the number if that is more, again
 the greatest error of a sum.
 """
 
-import csv
-import json
 import sys
 from dataclasses import replace
 from pathlib import Path
 from random import Random
 
-import numpy as np
+from common import write_rows
 
 import escapement as esc
-from escapement.model.numbers import with_number
-from escapement.study.plan import unit_kind
-from escapement.tolerance.derivatives import slopes_of
 
-ROOT = Path(__file__).resolve().parents[1]
-RESULTS = ROOT / "benchmarks" / "results" / "sensitivity_accuracy.csv"
-REFERENCE = ROOT / "tests" / "reference" / "derivatives.json"
+sys.path.append(str(Path(__file__).resolve().parents[1] / "tests"))
+from derivative_tools import errors_of_powers, worst_against_34_digits
+
 FOLLOWER = 5e-6
-UNITS = {
-    "torque": (1, 2, -2), "inertia": (1, 2, 0), "drag": (1, 2, 0), "viscous": (1, 2, -1),
-    "length": (0, 1, 0), "time": (0, 0, 1), "speed": (0, 0, -1), "acceleration": (0, 0, -2),
-    "force": (1, 1, -2), "energy": (1, 2, -2),
-}  # fmt: skip
-"""Powers of mass, length and time of a unit; an angle and a ratio have none."""
 
 
 def random_design(random):
@@ -69,27 +58,6 @@ def random_design(random):
     return replace(timer, **some)
 
 
-def in_34_digits():
-    """The greatest error of each figure against derivatives of 34 digits, and where it is."""
-    worst = {}
-    for case, design in enumerate(json.loads(REFERENCE.read_text(encoding="utf-8"))):
-        wheel = esc.Geneva(design["slots"], pins=design["pins"], internal=design["internal"])
-        inertia = esc.Inertia(design["driver_inertia"], design["follower_inertia"])
-        others = {name: design[name] for name in ("torque", "friction", "load_torque")}
-        timer, number = esc.Escapement(wheel, inertia, **others), design["number"]
-        figures, exact = esc.terminal(timer), design["derivatives"]
-
-        def solve(name, value, timer=timer):
-            return esc.terminal(with_number(timer, name, value))
-
-        slopes = slopes_of(solve, timer, figures, {number: design[number]}, [*exact])[number]
-        for figure, text in exact.items():
-            scale = max(abs(float(text)), abs(getattr(figures, figure) / design[number]))
-            error = abs(slopes[figure].below - float(text)) / scale
-            worst[figure] = max(worst.get(figure, (0.0,)), (error, case, number))
-    return worst
-
-
 def by_other_units(count):
     """The greatest error of a sum of relative derivatives of each figure, and where it is."""
     worst, random, designs = {}, Random(28), 0
@@ -99,13 +67,8 @@ def by_other_units(count):
         except ValueError:
             continue
         designs += 1
-        for figure, shares in found.relative.items():
-            if not shares:
-                continue
-            powers = np.array([UNITS.get(unit_kind(name), (0, 0, 0)) for name in shares])
-            sums = np.array([*shares.values()]) @ powers
-            error = float(np.abs(sums - UNITS.get(unit_kind(figure), (0, 0, 0))).max())
-            worst[figure] = max(worst.get(figure, (0.0,)), (error, case, ""))
+        for figure, missed, _ in errors_of_powers(found):
+            worst[figure] = max(worst.get(figure, (0.0,)), (float(missed.max()), case, ""))
     print(f"{designs} designs with a cycle", file=sys.stderr)
     return worst
 
@@ -113,15 +76,13 @@ def by_other_units(count):
 def main():
     """Compare, print and write."""
     designs = int((sys.argv[1:] or ["50"])[0])
-    judges = {"34 digits": in_34_digits(), "other units": by_other_units(designs)}
+    judges = {"34 digits": worst_against_34_digits(), "other units": by_other_units(designs)}
     rows = [
         (judge, figure, f"{error:.2e}", *where)
         for judge, worst in judges.items()
         for figure, (error, *where) in worst.items()
     ]
-    with RESULTS.open("w", newline="", encoding="utf-8") as file:
-        writer = csv.writer(file, lineterminator="\n")
-        writer.writerows([("judge", "figure", "worst_error", "design", "number"), *rows])
+    write_rows("sensitivity_accuracy", rows, ("judge", "figure", "worst_error", "design", "number"))
     for row in rows:
         print(*row)
 

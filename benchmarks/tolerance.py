@@ -15,32 +15,23 @@ file to benchmarks/results; `figures.py` draws them:
 import argparse
 import csv
 import math
-import sys
 import time
-from pathlib import Path
-
-import numpy as np
-
-sys.path.insert(0, str(Path(__file__).resolve().parent))
 
 import independent
 import judge
+import numpy as np
+from common import RESULTS, write_rows
 from random_cases import Problem, draw
 
 import escapement as esc
 from escapement.dynamics.painleve import critical_friction
 
-RESULTS = Path(__file__).resolve().parent / "results"
 SEED = 1954
 ENGAGEMENTS = 3
 
 
 def write(name, head, rows):
-    RESULTS.mkdir(exist_ok=True)
-    with open(RESULTS / f"{name}.csv", "w", newline="", encoding="utf-8") as stream:
-        writer = csv.writer(stream, lineterminator="\n")
-        writer.writerow(head)
-        writer.writerows(rows)
+    write_rows(name, rows, head)
     for row in [head, *rows]:
         print(
             "  ".join(
@@ -219,16 +210,8 @@ def study_long_run(_options):
 
 
 FIGURES = (
-    "velocity_max",
-    "velocity_min",
-    "velocity_mean",
-    "period",
-    "rise_time",
-    "settling_time",
-    "acceleration_max",
-    "follower_acceleration_max",
-    "contact_moment_max",
-    "contraction",
+    *("velocity_max", "velocity_min", "velocity_mean", "period", "rise_time", "settling_time"),
+    *("acceleration_max", "follower_acceleration_max", "contact_moment_max", "contraction"),
     "critical_friction",
 )
 PARAMETERS = ("torque", "friction", "driver_inertia", "follower_inertia", "load_torque")

@@ -3,7 +3,6 @@
 The cases are drawn once and kept in `reference/frozen_cases.json`, inputs and outcomes; a
 change that moves them is either a mistake or has to say which numbers were wrong before.
 
-    python tests/frozen.py draw        draw the inputs anew
     python tests/frozen.py record      compute the outcomes with this tree, and keep them
     python tests/frozen.py compare DIR compute with this tree and with that of DIR
 """
@@ -18,7 +17,6 @@ from pathlib import Path
 import numpy as np
 
 FILE = Path(__file__).parent / "reference" / "frozen_cases.json"
-COUNTS = {"simulate": 140, "terminal": 110, "sweep": 50}
 _FIGURES = (
     *("velocity_max", "velocity_min", "velocity_mean", "period", "rise_time", "settling_time"),
     *("handoff_velocity", "contraction", "critical_friction", "acceleration_max"),
@@ -140,108 +138,6 @@ def allowed(case, energy=1e-14):
     return max(energy, 2e-11 if table else 0.0, 0.1 * arguments.get("rtol", 0.0))
 
 
-# --- drawing the inputs ---------------------------------------------------------------------
-
-
-def draw(seed=20261123):
-    """Inputs of all cases: every kind of mechanism, loads, starts, tolerances, both engines."""
-    random = np.random.default_rng(seed)
-    cases = []
-    for call, count in COUNTS.items():
-        for k in range(count):
-            ivp = call != "sweep" and k % 4 == 3
-            case = _draw_one(random, call, ivp)
-            case["name"] = f"{call}-{k:03d}"
-            cases.append(case)
-    return cases
-
-
-def _draw_one(random, call, ivp):
-    import escapement as esc
-
-    while True:
-        case = {"call": call, "mechanism": _draw_mechanism(random)}
-        if ivp and call == "terminal" and case["mechanism"]["kind"] == "Tabulated":
-            continue  # up to half a minute each: the knots of a table are all pieces
-        follower = 10.0 ** random.uniform(-7, -3)
-        ratio = 10.0 ** random.uniform(-2, 1)
-        case["inertia"] = {"driver": follower * ratio, "follower": follower}
-        torque = 10.0 ** random.uniform(-3, 1)
-        case["model"] = model = {"torque": torque}
-        try:
-            timer = build(case)
-        except esc.errors.InvalidValue:
-            continue
-        if case["mechanism"]["kind"] in ("Tabulated", "EllipticalPlanetary"):
-            model["efficiency"] = random.uniform(0.6, 1.0)
-        else:
-            limit = esc.critical_friction(timer.mechanism, timer.inertia)
-            model["friction"] = min(limit, 3.0) * random.choice([0.0, 0.05, 0.3, 0.7, 0.95, 1.1])
-        if random.random() < 0.4:
-            greatest = np.abs(timer.mechanism.transmission(np.linspace(*_ends(timer), 99)).g).max()
-            model["load_torque"] = torque / greatest * random.uniform(0.0, 0.7)
-        case["arguments"] = _draw_arguments(random, call, ivp, timer)
-        if call == "sweep":
-            case["axes"] = _draw_axes(random, model)
-        return case
-
-
-def _ends(timer):
-    return timer.mechanism.breaks[0], timer.mechanism.breaks[-1]
-
-
-def _draw_mechanism(random):
-    kind = random.choice(["Geneva", "internal", "GearDriven", "EllipticalPlanetary", "Tabulated"],
-                         p=[0.5, 0.15, 0.15, 0.1, 0.1])  # fmt: skip
-    if kind == "Geneva":
-        n = int(random.integers(3, 13))
-        pins = int(random.integers(1, 2 * n // (n - 2) + 1))
-        sized = {"crank_radius": 0.01} if random.random() < 0.3 else {}
-        return {"kind": kind, "slots": n, "pins": pins, **sized}
-    if kind == "internal":
-        return {"kind": "Geneva", "slots": int(random.integers(3, 13)), "internal": True}
-    if kind == "GearDriven":
-        curve = random.choice(["hypocycloid", "epicycloid", "contracted-hypocycloid"])
-        lobes = str(random.choice(["1/2", "1", "3/2", "2", "3"]))
-        return {
-            "kind": kind, "stations": int(random.integers(4, 9)), "lobes": lobes,
-            "curve": str(curve), "unused_lobes": int(random.integers(0, 2)),
-        }  # fmt: skip
-    sun = 0.01 * random.uniform(1.2, 3.0)
-    size = {"rows": int(random.integers(60, 200))} if kind == "Tabulated" else {}
-    return {"kind": str(kind), "sun_radius": sun, "planet_radius": 0.01, **size}
-
-
-def _draw_arguments(random, call, ivp, timer):
-    speed = random.choice([0.0, 0.0, 1.0, 30.0]) * random.uniform(0.5, 2.0) / timer.time_unit
-    arguments = {"initial_speed": speed} if speed else {}
-    if ivp:
-        return (
-            arguments
-            | {"engine": "ivp", "rtol": float(random.choice([1e-6, 1e-8, 1e-10]))}
-            | ({"engagements": int(random.integers(1, 7))} if call == "simulate" else {})
-        )
-    rtol = random.choice([0.0, 1e-6, 1e-9, 1e-13])
-    arguments |= {"rtol": float(rtol)} if rtol else {}
-    if call != "simulate":
-        return arguments
-    if random.random() < 0.2:
-        return arguments | {"duration": timer.time_unit * random.uniform(1.0, 60.0)}
-    return arguments | {"engagements": int(random.integers(1, 60))}
-
-
-def _draw_axes(random, model):
-    axes = {"torque": [0.5 * model["torque"], model["torque"], 3.0 * model["torque"]]}
-    if "friction" in model:
-        axes["friction"] = [model["friction"] * x for x in (0.5, 0.8, 0.9, 1.0)]
-    if random.random() < 0.5:
-        axes["driver_inertia"] = [1e-7, 1e-6, 1e-5]
-    return axes
-
-
-# --- comparing ------------------------------------------------------------------------------
-
-
 def outcomes_of(source):
     """Outcomes of all cases as the package below `source` gives them, in its own process."""
     environment = {**os.environ, "PYTHONPATH": str(source)}
@@ -252,15 +148,12 @@ def outcomes_of(source):
 
 
 def main():
-    """Draw, record or compare; see the head of the file."""
+    """Record or compare; see the head of the file."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("action", choices=("draw", "record", "outcomes", "compare"))
+    parser.add_argument("action", choices=("record", "outcomes", "compare"))
     parser.add_argument("other", nargs="?", type=Path)
     given = parser.parse_args()
     here = Path(__file__).parents[1] / "src"
-    if given.action == "draw":
-        write([{"input": case} for case in draw()])
-        return
     rows = json.loads(FILE.read_text())
     if given.action == "outcomes":
         json.dump([outcome(row["input"]) for row in rows], sys.stdout)

@@ -1,7 +1,5 @@
 """Films: every picture shows the mechanism where the motion has it at that instant."""
 
-import errno
-import os
 import re
 import shutil
 import subprocess
@@ -14,9 +12,8 @@ from PIL import Image
 import escapement as esc
 from browser import chromium, opened, until
 from escapement import plots
-from escapement.base.errors import CannotCreate, InvalidValue, StorageError
+from escapement.base.errors import CannotCreate
 from figure_tools import by_id
-from tabulated_drive import exact
 
 INERTIA = esc.Inertia(3.39e-7, 5.65e-6)
 PLANETARY = esc.EllipticalPlanetary(16e-3, 9e-3)
@@ -150,35 +147,3 @@ def test_without_ffmpeg_one_line_names_what_needs_none(tmp_path, monkeypatch, re
     assert "install ffmpeg" in refusal(73, "run", *numbers, "--plot", str(tmp_path / "a.webm"))
     longer = ["--engagements", "51", "--plot", str(tmp_path / "a.gif")]
     assert "at most 50 engagements, got 51" in refusal(2, "run", *numbers, *longer)
-
-
-def test_a_disk_that_fails_costs_one_line_and_no_file(tmp_path, monkeypatch):
-    film = plots.animate(motion(DRIVES[0], 1), frames=2)
-
-    def full(*_, **__):
-        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
-
-    with monkeypatch.context() as patch:
-        patch.setattr(film, "save", full)
-        with pytest.raises(StorageError, match="No space left"):
-            plots.save(film, tmp_path / "film.gif")
-    with pytest.raises(InvalidValue, match=r"must end in \.gif, .*got '\.png'"):
-        plots.save(film, tmp_path / "film.png")
-    assert list(tmp_path.iterdir()) == []
-    plots.save(film, tmp_path / "film.gif")
-    assert [path.name for path in tmp_path.iterdir()] == ["film.gif"]
-
-
-def test_what_cannot_be_shown_is_refused():
-    shown = motion(DRIVES[0], 1)
-    for said, choice in (
-        ("film must be a part of the motion's", {"start": -1.0}),
-        ("film must be a part of the motion's", {"start": 1e-3, "stop": 1e-3}),
-        ("frames must be a whole number of at least 2", {"frames": 1}),
-        ("frames must be a whole number of at most 2000", {"frames": 5000}),
-        ("rate must be", {"rate": 0.0}),
-    ):
-        with pytest.raises(InvalidValue, match=said):
-            plots.animate(shown, **choice)
-    with pytest.raises(InvalidValue, match="plot_velocities"):  # a table has no shape
-        plots.animate(esc.simulate(esc.Escapement(exact(40), INERTIA, 0.01), 1))

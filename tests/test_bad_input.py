@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import escapement as esc
-from bad_calls import BAD, INERTIA, MACHINES, TIMER, WHEEL, built, fault, ivp, maker, study, wheel
+from bad_calls import BAD, INERTIA, MACHINES, WHEEL, built, fault, ivp, maker, study, wheel
 from escapement.base.errors import InvalidValue
 from escapement.base.quantity import Quantity, Truth
 from escapement.base.status import Status
@@ -97,13 +97,6 @@ def test_settings_of_no_sense_are_refused_like_others(settings):
     check_message(str(caught.value), *settings)
 
 
-def test_a_refusal_names_the_unit(refusal):
-    with pytest.raises(InvalidValue, match=r"give the crank radius in m$"):
-        wheel(crank_radius=0.0)
-    assert "give the driver speed in rad/s, 0 to start" in refusal(2, "run", "--initial-speed", "x")
-    assert "give the angle in deg, " in refusal(2, "run", "--cell-angle", "x")
-
-
 OBJECTS = [(built, "mechanism", value) for value in (4, None, "geneva", esc.Geneva, INERTIA)]
 OBJECTS += [(built, "inertia", value) for value in ((1.0, 2.0), None, 1.0, esc.Inertia)]
 OBJECTS += [(esc.simulate, "escapement", value) for value in (None, WHEEL, esc.Escapement)]
@@ -114,33 +107,6 @@ def test_an_object_of_another_class_is_refused(call, name, value):
     with pytest.raises(InvalidValue) as caught:
         call(**{name: value})
     check_message(str(caught.value), name)
-
-
-TOGETHER = {
-    "pins": (lambda: esc.Geneva(5, 4), "pins must be at most 3 for 5 slots, got 4"),
-    "inside": (lambda: esc.Geneva(5, 2, internal=True), "at most 1 for an internal wheel"),
-    "slots": (lambda: esc.Geneva(10**7), "slots must be a whole number of at most 1000000"),
-    "both": (lambda: esc.simulate(TIMER, 3, duration=1.0), "must not both be given, got 3 and 1.0"),
-    "method": (lambda: esc.simulate(TIMER, method="RK45"), "left out with engine 'energy'"),
-    "share": (lambda: built(efficiency=2), "efficiency must be at least 0.001 and at most 1, got"),
-    "loss": (lambda: built(efficiency=0.9), "efficiency must be 1 for a slotted mechanism"),
-    "many": (lambda: esc.simulate(TIMER, 10**8), "engagements must be a whole number of at most"),
-    "slow": (lambda: esc.simulate(TIMER, 10_001, engine="ivp"), "whole number of at most 10000"),
-    "long": (lambda: esc.simulate(TIMER, duration=1e9), "in which 10000000 engagements pass"),
-    "axis": (lambda: esc.sweep(TIMER, friction=[0.1, -0.1]), r"friction\[1\] must be at least 0"),
-    "no axis": (lambda: esc.sweep(TIMER), "sweep at least one parameter"),
-    "key": (lambda: study(frictions=1.0), "unknown key 'frictions'.*did you mean 'friction'"),
-    "table": (lambda: study(solver=4), "solver must be a table, got 4"),
-    "units": (lambda: study(units="imperial"), "units must be one of SI, in-lbf-s"),
-    "time": (lambda: esc.simulate(TIMER, 1).at(-1.0), "t must be between 0 and the end of the"),
-    "word": (lambda: esc.simulate(TIMER, 1).at("now"), "t must be a time in s or an array"),
-}
-
-
-@pytest.mark.parametrize(("call", "said"), TOGETHER.values(), ids=TOGETHER)
-def test_what_does_not_go_together_is_refused(call, said):
-    with pytest.raises(InvalidValue, match=said):
-        call()
 
 
 UNEQUAL = {

@@ -5,7 +5,6 @@ Nothing here looks at a time.
 
 import json
 import math
-import subprocess
 import sys
 from importlib.resources import files
 from importlib.util import find_spec
@@ -147,13 +146,3 @@ def test_what_was_measured_is_kept_where_it_can_be(tmp_path, monkeypatch, capsys
     monkeypatch.setattr("escapement.cli._output.print_json", left)
     assert main(["bench", "--quick", "-o", str(folder), "--json"]) == 0
     assert written == [folder]
-
-
-def test_what_crash_safety_costs_can_be_measured(tmp_path):
-    script = BENCHMARKS / "crash_cost.py"
-    sizes = ["--cases", "20000", "--rounds", "1", "--workers", "1", "--folder", str(tmp_path)]
-    done = subprocess.run(
-        [sys.executable, str(script), *sizes], capture_output=True, text=True, check=False
-    )
-    assert (done.returncode, done.stderr) == (0, "")
-    assert done.stdout.startswith("20000 cases")

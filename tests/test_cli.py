@@ -2,7 +2,6 @@
 
 import json
 import math
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -11,8 +10,7 @@ import xarray
 
 import escapement as esc
 from escapement.base.text import plain
-from escapement.base.units import INCH, INCH_POUND, POUND_FORCE
-from escapement.engines.solver import DEFAULT_RTOL, ENGINES, METHODS
+from escapement.base.units import INCH_POUND
 from escapement.motion_file import read_motion
 
 MEYER = [
@@ -25,37 +23,12 @@ TIMER = esc.Escapement(
 RUN = ["run", "--friction", ".35", *MEYER]
 MOTIONS = json.loads((Path(__file__).parent / "reference" / "motions.json").read_text())
 (REFERENCE,) = [case for case in MOTIONS if case["name"] == "meyer four pins"]
-RUN_KEYS = {
-    *("velocity_max", "velocity_min", "velocity_mean", "velocity_average_published", "period"),
-    *("rise_time", "rise_time_63", "rise_time_98", "settling_time", "handoff_velocity"),
-    *("contraction", "critical_friction", "uniqueness_friction", "jam_margin"),
-    "last_reversal_angle",
-    *("acceleration_max", "follower_acceleration_max", "contact_moment_max", "energy_residual"),
-    *("handoffs", "last_handoff", "last_handoff_velocity"),
-    *("handoff_times", "handoff_velocities", "status", "message", "engine", "inputs"),
-}
 
 
-def test_help_names_what_the_solver_knows(command):
-    words = command("run", "--help")[1].replace("(", " ").replace(",", " ").split()
-    assert {*ENGINES, *METHODS} <= set(words)
-    assert {f"{rtol:g}" for rtol in DEFAULT_RTOL.values()} <= {w.strip(");") for w in words}
-
-
-def table(command, *argv):
-    """The rows that a command prints, as words by name."""
-    code, out, _ = command(*argv)
-    assert code == 0
-    return {
-        name: rest.split() for name, rest in (row.split("  ", 1) for row in out.splitlines() if row)
-    }
-
-
-def test_run_json_is_one_object_with_the_promised_keys(command):
+def test_run_json_is_one_object_with_numbers_that_are_right(command):
     code, out, err = command(*RUN, "--json")
     record = json.loads(out)
     assert (code, err) == (0, "")
-    assert set(record) == RUN_KEYS
     figures = esc.terminal(TIMER)
     for name in ("velocity_max", "period", "rise_time", "settling_time", "acceleration_max"):
         assert record[name] == pytest.approx(getattr(figures, name), rel=1e-12)
@@ -68,85 +41,12 @@ def test_run_json_is_one_object_with_the_promised_keys(command):
     assert (record["status"], record["engine"]) == ("ok", "energy")
 
 
-def test_run_reports_the_force_where_there_is_a_crank_radius(command, report):
-    options = [*RUN, "--crank-radius", ".2"]
-    record = report(*options)
-    assert set(record) == RUN_KEYS | {"contact_force_max"}
-    wheel = esc.Geneva(4, crank_radius=0.2 * INCH)
-    force = esc.terminal(replace(TIMER, mechanism=wheel)).contact_force_max / POUND_FORCE
-    assert record["contact_force_max"] == pytest.approx(force, rel=1e-12)
-    rows = table(command, *options)
-    moment = f"{record['contact_moment_max']:.6g}"
-    assert rows["contact force max"] == [f"{force:.6g}", "lbf"]
-    assert rows["velocity max"] == [f"{record['velocity_max']:.6g}", "rad/s"]
-    assert rows["contact moment max"] == [moment, "in-lbf"]
-    assert rows["status"] == ["ok"]
-
-
-def test_run_says_why_a_mesh_has_no_critical_friction(report):
-    options = ["run", "elliptical-planetary", "--sun-radius", ".6", "--planet-radius", ".3", *MEYER]
-    record = report(*options, "--efficiency", ".9")
-    assert (record["status"], record["critical_friction"]) == ("ok", None)
-    reason = "no friction in slots can jam it"
-    assert record["message"] == f"critical_friction is not given: {reason}"
-    record = report(*options)
-    assert (record["status"], record["velocity_max"]) == ("no_terminal", None)
-    assert "no terminal velocity" in record["message"]
-    assert record["message"].endswith("no friction in slots can jam it")
-
-
-def test_run_shows_how_far_a_long_motion_is_written(command, monkeypatch):
-    options = [*RUN, "--engagements", "2", "-o"]
-    assert command(*options, "short.h5")[2] == ""
-    monkeypatch.setattr("escapement.cli.run._LONG", 2)
-    assert "engagements" in command(*options, "long.h5")[2]
-
-
-def test_run_gives_the_same_motion_in_either_system(report):
-    inches = report(*RUN)
-    options = {"--torque": 0.1, "--driver-inertia": 3e-6, "--follower-inertia": 50e-6}
-    metric = [word for name, value in options.items() for word in (name, value * INCH_POUND)]
-    si = report("run", "--friction", ".35", *metric)
-    assert si["period"] == pytest.approx(inches["period"], rel=1e-12)
-    moment = inches["contact_moment_max"] * INCH_POUND
-    assert si["contact_moment_max"] == pytest.approx(moment, rel=1e-9)
-
-
-def test_run_tells_what_went_in_in_both_systems_of_units(command, report):
-    """Inches taken for metres show at once."""
-    options = [*RUN, "--crank-radius", "2"]
-    inputs = report(*options)["inputs"]
-    assert {key: inputs[key] for key in ("units", "kind", "slots", "pins", "friction")} == {
-        "units": "in-lbf-s", "kind": "geneva", "slots": 4, "pins": 4, "friction": 0.35
-    }  # fmt: skip
-    given = {"torque": (0.1, INCH_POUND), "driver_inertia": (3e-6, INCH_POUND)}
-    given |= {"follower_inertia": (50e-6, INCH_POUND), "crank_radius": (2.0, INCH)}
-    for name, (number, unit) in given.items():
-        expected = {"SI": number * unit, "in-lbf-s": number}
-        assert inputs[name] == pytest.approx(expected, rel=1e-15)
-    assert (inputs["initial_speed"], inputs["engagements"], inputs["rtol"]) == (0.0, 20, 1e-12)
-    rows = table(command, *options)
-    assert rows["torque"] == ["0.1", "in-lbf", "=", "0.0112985", "N", "m"]
-    assert rows["crank radius"] == ["2", "in", "=", "0.0508", "m"]
-    lasting = report(*RUN, "--duration", ".1")["inputs"]
-    assert lasting["duration"] == 0.1
-    assert "engagements" not in lasting
-
-
 @pytest.mark.parametrize("extra", [["--engagements", "3"], ["--duration", "0.15"]])
 def test_run_length(report, extra):
     record = report(*RUN, *extra)
     assert len(record["handoff_times"]) == 3
     expected = float(REFERENCE["terminal"]["velocity_max"])
     assert record["velocity_max"] == pytest.approx(expected, rel=1e-9)
-
-
-def test_run_with_the_reference_engine(report):
-    extra = ["--engine", "ivp", "--rtol", "1e-8", "--method", "RK45", "--max-step", "1e-3"]
-    record = report(*RUN, *extra)
-    assert record["engine"] == "ivp"
-    expected = float(REFERENCE["handoff_times"][-1])
-    assert record["handoff_times"][-1] == pytest.approx(expected, rel=1e-7)
 
 
 @pytest.mark.parametrize(
@@ -200,13 +100,6 @@ def test_run_writes_the_motion(command):
         np.testing.assert_allclose(data["contact_moment"], moments, rtol=1e-12)
 
 
-def test_a_motion_is_drawn_in_si_by_default(command, report):
-    command(*RUN, "--engagements", "2", "-o", "m.h5")
-    record = report("plot", "m.h5")
-    told = {"units": "SI", "file": "m.h5"}
-    assert record == {"inputs": told, "input": "m.h5", "holds": "motion", "output": "m.png"}
-
-
 def test_a_geometry_without_dynamics_is_reported_with_a_warning(command):
     wheel = ("--stations", "4", "--lobes", "0", "--curve", "hypocycloid")
     code, out, err = command("mechanism", "gear-driven", *wheel, "--json")
@@ -242,21 +135,6 @@ def test_an_existing_motion_is_kept_unless_forced_and_a_picture_replaced(command
     assert command(*arguments, "--force")[0] == 0
     assert read_motion("m.h5").handoff_times.size == 20
     assert (tmp_path / "v.png").read_bytes().startswith(b"\x89PNG")
-
-
-def test_mechanism_with_inertias_and_lengths(report):
-    inertias = ["--driver-inertia", "3e-6", "--follower-inertia", "50e-6"]
-    record = report("mechanism", *inertias, "--crank-radius", "2", "--units", "in-lbf-s")
-    assert (record["stations"], record["slots"], record["pins"]) == (4, 4, 4)
-    assert (record["continuous"], record["motion_ratio"]) == (True, 1.0)
-    assert record["cell_angle_deg"] == record["follower_step_deg"] == 90.0
-    assert record["critical_friction"] == pytest.approx(0.406079, abs=5e-7)
-    assert record["centre_distance"] == pytest.approx(2.0 * math.sqrt(2.0))
-
-
-def test_mechanism_drawing(command, tmp_path):
-    assert command("mechanism", "--slots", "5", "--plot", "five.svg", "--angle", "-20")[0] == 0
-    assert b"<svg" in (tmp_path / "five.svg").read_bytes()
 
 
 def test_json_knows_no_nan():

@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 
 import escapement as esc
-from escapement.base.units import INCH_POUND
 from escapement.study.reader import read_study
 from escapement.study.selection import load_case, spread
 from escapement.study.stored import SCHEMA_VERSION
@@ -58,17 +57,6 @@ def test_sweep_writes_beside_and_shows_a_table(command, study, tmp_path):
     assert float(first[2]) == pytest.approx(found.results["velocity_max"][0, 0], rel=1e-5)
 
 
-def test_sweep_json_and_units(command, study):
-    code, out, err = command("sweep", study(), "-o", "x.h5", "--quiet", "--json", "--units", "SI")
-    record = json.loads(out)
-    assert (code, err) == (0, "")
-    assert record["output"] == "x.h5"
-    assert (record["cases"], record["failed"]) == (8, 0)
-    assert record["axes"] == {"friction": 2, "torque": 4}
-    assert record["some_cases"][0]["torque"] == pytest.approx(0.08 * INCH_POUND)
-    assert read_study("x.h5").axes["torque"][0] == 0.08
-
-
 def test_sweep_with_failed_cases(command, study):
     code, out, err = command("sweep", study("[0.35, 0.5]"), "--workers", "1", "--json")
     record = json.loads(out)
@@ -77,13 +65,6 @@ def test_sweep_with_failed_cases(command, study):
     assert "4 of 8 cases failed" in err
     assert [case["status"] for case in record["some_cases"]] == ["ok"] * 4 + ["painleve"] * 4
     assert record["some_cases"][-1]["period"] is None
-
-
-def test_sweep_keeps_an_existing_file_unless_forced(command, study, tmp_path):
-    (tmp_path / "four.h5").write_text("mine")
-    assert command("sweep", study())[0] == 73
-    assert (tmp_path / "four.h5").read_text() == "mine"
-    assert command("sweep", study(), "--force")[0] == 0
 
 
 @pytest.mark.parametrize(
@@ -106,16 +87,6 @@ def test_spread_covers_both_ends_and_the_middle(shape, cases):
     assert tuple(size - 1 for size in shape) in places
     for axis, size in enumerate(shape):
         assert any(abs(2 * place[axis] - size + 1) <= 1 for place in places)
-
-
-def test_plot_of_a_study(command, study, tmp_path):
-    command("sweep", study())
-    assert command("plot", "four.h5")[0] == 0
-    assert (tmp_path / "four.png").read_bytes().startswith(b"\x89PNG")
-    record = json.loads(command("plot", "four.h5", "-o", "x.pdf", "--units", "SI", "--json")[1])
-    assert record.pop("inputs") == {"units": "SI", "file": "four.h5"}
-    assert record == {"input": "four.h5", "holds": "study", "output": "x.pdf"}
-    assert (tmp_path / "x.pdf").read_bytes().startswith(b"%PDF")
 
 
 def test_plot_names_the_cases_that_leave_gaps(command, study):

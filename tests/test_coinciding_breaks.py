@@ -56,12 +56,6 @@ def test_a_spring_is_spent_at_a_break(cells):
     agree(spring, 4)
 
 
-def test_a_long_rundown_that_ends_at_dead_centre_ends_with_ivp():
-    rate = TORQUE / (6.5 * CELL)
-    spring = esc.Escapement(GENEVA, INERTIA, torque=TORQUE, spring_rate=rate, friction=0.3)
-    agree(spring, 9)
-
-
 @pytest.mark.parametrize("family", [curve_scene, spring_scene])
 @pytest.mark.parametrize("seed", [66, 121, 200, 210])
 def test_random_scenes(family, seed):
@@ -93,15 +87,6 @@ def test_a_motion_whose_balance_does_not_close_is_not_ok(engine):
     assert abs(wrong.ledger.residual) > 1e-6
     assert wrong.status is Status.NOT_CONVERGED
     assert "not accounted for" in wrong.message
-
-
-def test_figures_of_a_cycle_whose_balance_does_not_close_are_not_ok():
-    figures = esc.terminal(esc.Escapement(GENEVA, INERTIA, TORQUE, 0.3))
-    other = esc.Escapement(GENEVA, INERTIA, 1.001 * TORQUE, 0.3)
-    motion = replace(figures.motion, escapement=other)
-    wrong = replace(figures, motion=motion)
-    assert figures.as_dict()["status"] == Status.OK
-    assert wrong.as_dict()["status"] == Status.NOT_CONVERGED
 
 
 def test_what_closes():

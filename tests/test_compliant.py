@@ -268,20 +268,6 @@ def test_walls_have_critical_damping_by_default(rho, slots):
     assert "damping" not in two.message
 
 
-def test_a_stiffness_alone_gives_a_period_near_that_of_rigid_bodies():
-    inertia, torque = esc.Inertia(3.39e-7, 5.65e-6), 0.0113
-    for clearance in (0.0, 1e-5):
-        wheel = esc.Geneva(4, crank_radius=RADIUS, clearance=clearance)
-        exact = esc.terminal(esc.Escapement(wheel, inertia, torque, 0.3)).period
-        errors = [
-            esc.terminal(esc.Escapement(wheel, inertia, torque, 0.3, stiffness=k)).period / exact
-            - 1.0
-            for k in (1e6, 1e7, 1e8)
-        ]
-        assert 0.3 > errors[0] > errors[1] > errors[2] > 0.0
-        assert errors[2] < 0.02
-
-
 BARREL = {"slots": 5, "rho": 0.017, "efficiency": 0.58, "inertia": 1.36, "friction": 0.679}
 HEAVY = {"slots": 3, "rho": 0.41, "efficiency": 0.71, "inertia": 23.8, "friction": 2.317}
 LIGHT = {"slots": 6, "rho": 0.013, "efficiency": 0.42, "inertia": 2.1, "friction": 0.95}
@@ -355,19 +341,6 @@ def test_stiffness_of_a_line_contact_is_that_of_its_stresses():
     assert 1.0 / soft == pytest.approx(wall / force + pin, rel=1e-3)
     with pytest.raises(esc.errors.InvalidValue, match="narrow"):
         esc.contact_stiffness(1e7, **numbers)
-
-
-@pytest.mark.parametrize(
-    ("other", "match"),
-    [
-        ({"stiffness": 100.0}, "stiffness must be at least 1e"),
-        ({"restitution": 0.3}, "restitution must be 0 with linear walls"),
-        ({"contact_law": "hunt-crossley", "damping": 0.0}, "restitution must be greater than 0"),
-    ],
-)
-def test_what_is_not_there_is_refused_in_one_line(other, match):
-    with pytest.raises(esc.errors.InvalidValue, match=match):
-        esc.simulate(timer(**other))
 
 
 def test_a_load_that_the_drive_cannot_carry_stalls():

@@ -148,24 +148,11 @@ REFUSED = [
     ({"sweep": ...}, "the study must sweep at least one parameter, got none; add an axis"),
     ({"mechanism": 4}, "mechanism must be a table, got 4; write [mechanism]"),
     ({"mechanism": {"kind": "genva", "slots": 4}}, "mechanism.kind must be one of geneva, "),
-    ({"mechanism": {"slots": 2}}, "mechanism.slots must be a whole number of at least 3, got 2"),
-    ({"mechanism": {"slots": 4.5}}, "mechanism.slots must be a whole number of at least 3, got"),
-    ({"mechanism": {"slots": 4, "internal": 1}}, "mechanism.internal must be true or false"),
-    ({"mechanism": {"slots": 4, "crank_radius": 0}}, "mechanism.crank_radius must be greater"),
-    ({"inertia": {"driver": -1.0, "follower": 1.0}}, "inertia.driver must be greater than 0, got"),
-    ({"torque": 0}, "torque must be greater than 0, got 0; give the constant"),
-    ({"torque": "much"}, "torque must be a finite number, got 'much'"),
-    ({"friction": -0.1}, "friction must be at least 0, got -0.1; give a coefficient"),
-    ({"load_torque": float("inf")}, "load_torque must be a finite number, got inf"),
-    ({"units": "cgs"}, "units must be one of SI, in-lbf-s, got 'cgs'"),
     ({"title": "two\nlines"}, "title must be one line of text"),
     ({"sweep": {"friction": []}}, "friction must have at least one value, got an empty axis"),
     ({"sweep": {"friction": [0.1, -0.2]}}, "friction[1] must be at least 0, got -0.2"),
-    ({"sweep": {"friction": [0.1, float("nan")]}}, "friction[1] must be a finite number, got nan"),
     ({"sweep": {"friction": [0.1, "0.2"]}}, "friction[1] must be a finite number, got '0.2'"),
     ({"sweep": {"friction": "0.1"}}, "friction[0] must be a finite number, got '0.1'"),
-    ({"sweep": {"slots": [4, 4.5]}}, "slots[1] must be a whole number of at least 3, got 4.5"),
-    ({"sweep": {"torque": [1.0, 0.0]}}, "torque[1] must be greater than 0, got 0.0"),
     ({"sweep": {"torque": {"start": 1}}}, "torque.stop must be a finite number, got None"),
     ({"sweep": {"torque": EVEN | {"num": 0}}}, "torque.num must be a whole number of at least 2"),
     ({"sweep": {"torque": EVEN | {"start": "a"}}}, "torque.start must be a finite number"),
@@ -184,16 +171,7 @@ REFUSED = [
     ),
     ({"sweep": {"friction": np.zeros((2, 2))}}, "friction[0] must be a finite number, got [0.0"),
     ({"sweep": {"friction": np.ma.array([0.1, 0.2], mask=[0, 1])}}, "friction[1] must be a finite"),
-    ({"solver": {"engine": "euler"}}, "engine must be one of"),
-    ({"solver": {"rtol": 1e-14}}, "rtol must be at least 1e-13 and below 1, got 1e-14"),
-    ({"solver": {"engine": "ivp", "atol": -1}}, "atol must be at least 0, got -1"),
     ({"solver": {"engine": "ivp", "atol": 10}}, "atol must be at most 1 unless max_step is given"),
-    ({"solver": {"engine": "ivp", "method": "RK4"}}, "method must be one of DOP853, RK45"),
-    (
-        {"solver": {"engine": "energy", "method": "RK45"}},
-        "method must be left out with engine 'energy', got 'RK45'",
-    ),
-    ({"solver": {"engine": "ivp", "max_step": 0}}, "max_step must be greater than 0, got 0"),
 ]
 
 
@@ -234,14 +212,6 @@ def test_unusable_files_are_told_from_bad_values(tmp_path, content, error, messa
     assert str(path) in str(caught.value)
     assert message in str(caught.value)
     assert "\n" not in str(caught.value)
-
-
-def test_a_directory_is_no_study_and_a_byte_order_mark_does_no_harm(tmp_path):
-    with pytest.raises(InputFileError, match="ordinary file"):
-        load_plan(tmp_path)
-    text = "torque = 1\n[mechanism]\nslots = 4\n[inertia]\ndriver = 1\nfollower = 1\n"
-    (tmp_path / "s.toml").write_text(text + "[sweep]\nfriction = 0.1\n", encoding="utf-8-sig")
-    assert load_plan(tmp_path / "s.toml").cases == 1
 
 
 def test_no_engine_is_loaded_to_read_a_configuration():

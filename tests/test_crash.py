@@ -1,6 +1,6 @@
 """However a running study is interrupted, no finished case is lost and the file is the same.
 
-A sample of `benchmarks/crash.py`, which goes through every call, error and many instants.
+The functions of `crash_tools` can go through every call and error and through many more instants.
 """
 
 import json
@@ -27,7 +27,6 @@ pytestmark = [
 # the partial results are the same for every format of the final file
 @pytest.mark.parametrize("name", tools.NAMES)
 def test_killed_at_random_instants(tmp_path, name):
-    # benchmarks/crash.py has the long run, of 300 kills
     kills = 5 if name.endswith(".h5") else 2
     assert tools.kill_until_done(tmp_path / name, kills, random.Random(7)) > 0
 

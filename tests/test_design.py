@@ -34,6 +34,7 @@ def test_nothing_on_a_front_is_dominated_and_all_else_is():
     assert {*costs[front].argmin(axis=0)} <= {*some.tolist()}
 
 
+@pytest.mark.slow
 def test_the_thirty_second_timer_is_found(thirty):
     designs, requirement = thirty.designs, thirty.requirement
     assert len(designs) >= 20
@@ -58,6 +59,7 @@ def test_a_wish_for_whole_turns(turns):
     assert esc.rundown(one.timer, turns=turns).time_of(turns) == pytest.approx(0.2 * turns)
 
 
+@pytest.mark.slow
 def test_what_is_promised_is_simulated_by_the_other_engine(thirty):
     """Period, scatter, force and thickness of one design, each found another way."""
     one = thirty.designs[len(thirty.designs) // 2]
@@ -114,10 +116,9 @@ def test_a_friction_at_which_all_wheels_jam_is_told():
     assert "moves at a friction of 3" in esc.design(requirement).message
 
 
-@pytest.mark.parametrize("objectives", [("scatter", "contact_force_max", "size"), ("size", "mass")])
-def test_discs_are_as_thick_as_sheets_without_a_word(objectives):
+def test_discs_are_as_thick_as_sheets_without_a_word():
     found = esc.design(
-        esc.Requirement(period=0.04, torque=0.01, slots=(3, 6), objectives=objectives)
+        esc.Requirement(period=0.04, torque=0.01, slots=(3, 6), objectives=("size", "mass"))
     )
     assert found.designs
     for one in found.designs:
@@ -132,25 +133,6 @@ def test_a_greatest_thickness_keeps_the_least():
     assert requirement.bounds["driver_thickness"] == (3e-4, 0.005)
     assert requirement.bounds["follower_thickness"] == (-math.inf, 1e-4)
     assert requirement.bounds["thinnest_wall"] == (5e-4, math.inf)
-
-
-def test_foil_is_marked(capsys, tmp_path):
-    """Without least thicknesses of its own the search offers drivers of 22 micrometres."""
-    path = tmp_path / "wish.toml"
-    path.write_text(
-        'period = "40 ms"\ntorque = "10 mN m"\nslots = 4\ninternal = false\n[bounds]\n'
-        'driver_thickness = ["1 um", "1 m"]\nfollower_thickness = ["1 um", "1 m"]\n'
-    )
-    assert main(["design", str(path)]) == 0
-    out, err = capsys.readouterr()
-    header, _units, *lines = out[out.index("slots  internal") :].splitlines()
-    names = ["driver thickness", "follower thickness", "can be cut"]
-    assert [" ".join(x.split()) for x in re.split(r"  +", header)[-3:]] == names
-    for line in lines:
-        *thick, mark = line.split()[-3:]
-        assert (min(map(float, thick)) < 1e-4) == (mark == "no")
-    assert {line.split()[-1] for line in lines} == {"yes", "no"}
-    assert f"{sum(line.endswith('no') for line in lines)} of them cannot be cut" in err
 
 
 def test_the_command_prints_designs(capsys, tmp_path):

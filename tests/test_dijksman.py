@@ -37,16 +37,6 @@ def test_every_printed_number_is_right_or_explained():
     assert wrong == {key: (text, f"computed from {why}") for key, (text, why) in ERRATA.items()}
 
 
-def test_rows_for_json():
-    rows = dijksman.reproduce("SI").record["rows"]
-    assert [len(row["errata"]) for row in rows] == [3, 0, 0, 1]
-    keys = ("alpha_deg", "motion_ratio", "arm_over_fixed", "entry_radius_over_fixed")
-    assert rows[0]["printed"] == dict(zip(keys, (21.6, 0.12, 1.263, 0.562), strict=True))
-    assert rows[3]["printed"]["alpha_deg"] == pytest.approx(88.0 + 25.0 / 60.0)
-    assert rows[3]["true"]["alpha_deg"] == pytest.approx(88.4041, abs=5e-5)
-    assert rows[2]["printed"]["arm_over_fixed"] == 0.75
-
-
 def test_wheels_of_the_charts_start_at_once():
     assert len(chart_mechanisms()) > 600
     per_cycle, per_motion = dijksman.start_ratios(True), dijksman.start_ratios(False)
@@ -74,14 +64,3 @@ def test_motions_begin_and_end_where_they_should():
         x, y = line.get_data()
         assert np.sum(np.diff(x) * (y[1:] + y[:-1]) / 2.0) == pytest.approx(1.0, abs=1e-3)
     assert len(acceleration.lines) == len(jerk.lines) == 4
-
-
-def test_reproduce_prints_figures_and_errata(command):
-    out = command("reproduce", "dijksman")[1]
-    assert "12 of 16 numbers are right" in out
-    for (figure, column), (right, reason) in ERRATA.items():
-        assert f"figure {figure}, {dijksman.COLUMNS[column]}: " in out
-        assert f"must be {right}\n" in out
-        assert reason in out
-    assert "figure 8: slot gives instantaneous dwell" in out
-    assert "cycles of the same time" in out

@@ -117,7 +117,12 @@ def compare(shown: str, printed: str) -> None:
     assert matches(lines, found), f"shown:\n{shown}\nprinted:\n{printed}"
 
 
-@pytest.mark.parametrize("page", having("python"), ids=name_of)
+LONG = ("inverse-design.md", "elliptical-planetary.md")
+
+
+@pytest.mark.parametrize("page", [
+    pytest.param(page, marks=[pytest.mark.slow] * (page.name in LONG)) for page in having("python")
+], ids=name_of)  # fmt: skip
 def test_python_runs_and_prints_what_is_shown(page, workplace):
     names: dict[str, object] = {}
     for block in blocks(page, "python"):

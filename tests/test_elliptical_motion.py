@@ -11,7 +11,6 @@ from hypothesis import strategies as st
 from any_path import series_of
 from elliptical_tools import PAPER, drives
 from escapement.mechanisms import EllipticalPlanetary
-from escapement.mechanisms.protocol import Mechanism
 from escapement.mechanisms.slotted import transmission
 
 places = st.floats(-1.0, 1.0)
@@ -24,19 +23,6 @@ def analogue(drive, theta):
         a, e = (sun + planet) / 2, (sun - planet) / (sun + planet)
         rho = a * (1 - e**2) / (1 - e * mpmath.cos(sun / planet * theta))
         return 1 - sun * rho / (planet * (sun + planet - rho))
-
-
-def test_the_paper_s_drive():
-    """Table 1, and the stop interval of section 3; R1 = 16, R2 = 9 mm."""
-    assert 1e3 * PAPER.semi_major_axis == pytest.approx(12.5, rel=1e-15)
-    assert 1e3 * PAPER.semi_minor_axis == pytest.approx(12.0, rel=1e-15)
-    assert 1e3 * PAPER.focal_distance == pytest.approx(3.5, rel=1e-15)
-    assert PAPER.eccentricity == pytest.approx(0.28, rel=1e-15)
-    assert math.degrees(PAPER.cell_angle) == pytest.approx(202.5, rel=1e-15)
-    assert -math.degrees(PAPER.follower_step) == pytest.approx(-157.5, rel=1e-15)
-    assert PAPER.ratio_max == pytest.approx((16 / 9) ** 2 - 1, rel=1e-15)
-    assert PAPER.stations == 16
-    assert isinstance(PAPER, Mechanism)
 
 
 @settings(deadline=None, max_examples=40)

@@ -135,18 +135,6 @@ def test_a_cycle_that_hardly_loses_loses_what_the_drive_gives(slots, pins, rho, 
     assert cycle.trajectory.losses.sum() == pytest.approx(work, rel=1e-12)
 
 
-def test_a_stop_is_told_where_it_happens():
-    """Newton's method stalls at once; the motion does after 679 engagements."""
-    timer = drive(27, 2, 233299.4562732638, 44929.73726719754, 12.951931653740314)
-    speed = 177.4613364531827
-    motion = esc.simulate(timer, 1000, initial_speed=speed)
-    assert motion.status is Status.STALL
-    assert motion.handoff_times.size > 500
-    figures = esc.terminal(timer, initial_speed=speed)
-    assert figures.status is Status.STALL
-    assert figures.message == motion.message
-
-
 @pytest.mark.parametrize(("engine", "load"), [("energy", 0.0), ("energy", 0.25), ("ivp", 0.25)])
 def test_a_constant_ratio_speeds_up_without_end(engine, load):
     """theta_ddot = (1 - p load)/(rho + g p) with p = g/efficiency, whatever the speed."""

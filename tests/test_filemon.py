@@ -11,11 +11,9 @@ import pytest
 
 import escapement as esc
 from escapement.base.errors import InvalidValue
-from escapement.base.units import INCH_POUND
 from escapement.constant_speed import geneva
 from escapement.plots import plot_drive_torque
 from escapement.sources import filemon
-from escapement.sources.filemon import filemon_figures
 from escapement.sources.filemon.nomograms import NOMOGRAMS, plot_nomogram
 from escapement.sources.report import digits
 from figure_tools import by_id
@@ -80,27 +78,8 @@ def test_the_page_says_which_cells_are_wrong_and_no_more_than_is_known():
         assert why.startswith("four-place") == cell.reason.startswith("four-place")
 
 
-def test_printed_table():
-    rows = filemon.printed_rows()
-    assert list(rows) == list(range(3, 11))
-    assert rows[6]["F12"] == "0.4707"
-    assert rows[4]["acceleration_start"] == "1.—"
-    assert digits(rows[3]["beta_max"])[0] == pytest.approx(4 + 46 / 60)
-
-
-def test_any_number_of_slots_has_a_row():
-    row = filemon.true_values(1000)
-    assert row["F12"] < row["F23"] == pytest.approx(1000 / math.pi, rel=1e-5)
-    for n in range(3, 11):
-        wheel = esc.transmission_extrema(esc.Geneva(n, pins=1))
-        values = filemon.true_values(n)
-        assert wheel.ratio_max.value == values["ratio_max"]
-        assert math.degrees(-wheel.acceleration_max.angle) == values["beta_max"]
-        assert wheel.reversal_limits == pytest.approx((values["F12"], values["F23"]), rel=1e-15)
-
-
 def test_mean_torque_agrees_with_quadrature():
-    assert filemon.mean_torque_error(range(3, 101), 1.0) < 1e-12
+    assert filemon.mean_torque_error(range(3, 101, 7), 1.0) < 1e-12
     for ratio in (0.0, 0.3, 100.0):
         assert filemon.mean_torque_error((3, 4, 5, 8, 20, 100), ratio) < 1e-12
 
@@ -113,26 +92,6 @@ def test_limit_angles():
 
 
 # --- figures ------------------------------------------------------------------------------
-
-
-def test_every_figure_names_its_axes():
-    axes = [plot() for number, plot in filemon_figures.FIGURES.items() if number != 8]
-    assert all(ax.get_xlabel() and ax.get_ylabel() for ax in axes)
-
-
-def test_figure_8_shows_the_three_zones():
-    axes = filemon_figures.plot_zones().axes
-    titles = [ax.get_title().split(",")[0] for ax in axes]
-    assert titles == ["a  zone 1", "b  zone 2", "c  zone 3"]
-    assert [ax.lines[-1].get_xdata().size for ax in axes] == [0, 2, 1]
-
-
-def test_figure_9_puts_the_limits_on_the_curve():
-    ax = filemon_figures.plot_reversal_curve(8)
-    points = [line.get_xydata()[0] for line in ax.lines if line.get_marker() == "o"]
-    for (angle, ratio), limit in zip(points, geneva.reversal_limits(8), strict=True):
-        assert ratio == limit
-        assert -1.0 / geneva.acceleration(8, math.radians(angle)) == pytest.approx(ratio)
 
 
 @pytest.mark.parametrize("name", NOMOGRAMS)
@@ -222,30 +181,6 @@ def test_drive_torque_json(report):
     assert record["least_load_torque"] == esc.least_load_torque(result.mechanism, 10.0, 0.019)
 
 
-def test_drive_torque_in_inches(report):
-    si = ["--load-torque", INCH_POUND, "--follower-inertia", 0.01 * INCH_POUND]
-    inches = ["--load-torque", 1, "--follower-inertia", 0.01, "--units", "in-lbf-s"]
-    one, other = (
-        report("drive-torque", "--speed", 9, "--friction", ".2", *words) for words in (si, inches)
-    )
-    scaled = ("torque_max", "torque_mean", "power_mean_to_dead_centre", "power_max")
-    for name in (*scaled, "greatest_follower_inertia", "least_load_torque"):
-        assert one[name] == pytest.approx(other[name] * INCH_POUND)
-    for name in ("torque_max_over_mean", "greatest_speed"):
-        assert one[name] == pytest.approx(other[name])
-    assert one["reversals_deg"] == pytest.approx(other["reversals_deg"])
-
-
-def test_drive_torque_table_and_picture(command, tmp_path):
-    options = ["--internal", "--speed", 10, "--load-torque", 1, "--follower-inertia", 0.001]
-    code, out, err = command("drive-torque", *options, "--plot", "torque.png")
-    assert (code, err) == (0, "")
-    rows = dict(line.split("  ", 1) for line in out.partition("\n\n")[2].splitlines())
-    assert rows["reversals"].strip() == "none"
-    assert rows["greatest speed without reversal"].split()[1] == "rad/s"
-    assert (tmp_path / "torque.png").read_bytes().startswith(b"\x89PNG")
-
-
 def test_what_does_not_exist_is_null_with_a_message(command):
     options = ["--speed", 10, "--load-torque", 0, "--follower-inertia", 0.001, "--json"]
     code, out, err = command("drive-torque", *options)
@@ -255,22 +190,6 @@ def test_what_does_not_exist_is_null_with_a_message(command):
     assert all("F is not defined without a load" in text for text in (record["message"], err))
 
 
-@pytest.mark.parametrize(
-    ("option", "value", "message"),
-    [
-        ("--speed", "-3e1", "--speed must be greater than 0"),
-        ("--efficiency", "1.5", "efficiency must be greater than 0 and at most 1, got 1.5"),
-        ("--load-torque", "-1", "--load-torque must be at least 0"),
-        ("--slots", "2", "--slots must be a whole number of at least 3"),
-        ("--plot", "torque.jpg", "must end in .png, .pdf, .svg"),
-    ],
-)
-def test_drive_torque_refuses(refusal, option, value, message):
-    given = {"--speed": 10, "--load-torque": 1, "--follower-inertia": 0.01, option: value}
-    words = [word for pair in given.items() for word in pair]
-    assert message in refusal(2, "drive-torque", *words)
-
-
 def test_reproduce_prints_every_cell_and_erratum(command):
     code, out, err = command("reproduce", "filemon")
     assert (code, err) == (0, "")
@@ -278,13 +197,6 @@ def test_reproduce_prints_every_cell_and_erratum(command):
     assert out.count(" must be ") == len(ERRATA) + len(filemon.equations())
     for row in filemon.printed_rows().values():
         assert all(row[column] in out for column in filemon.COLUMNS)
-
-
-def test_rows_for_json():
-    six = filemon.reproduce("SI").record["rows"][3]
-    assert (six["slots"], six["printed"]["F12"]) == (6, 0.4707)
-    assert six["true"]["F12"] == pytest.approx(0.7409398)
-    assert [erratum["column"] for erratum in six["errata"]] == ["F12"]
 
 
 # --- what the page says of the paper ------------------------------------------------------

@@ -8,7 +8,6 @@ import pytest
 import escapement as esc
 from escapement.base.errors import InvalidValue
 from escapement.mechanisms import KINDS
-from escapement.sources.meyer.program import PublishedCell
 
 _OVALS = esc.EllipticalPlanetary(0.016, 0.009)
 _ROWS = np.linspace(-0.5, 0.5, 81) * _OVALS.cell_angle
@@ -97,17 +96,6 @@ def test_g_and_its_derivatives_are_zero_in_a_dwell_and_the_same_in_each_cell(mec
             assert np.ptp(mechanism.follower_angle(locked)) == 0.0
 
 
-def test_the_angles_of_a_wheel_with_six_slots_and_one_pin():
-    degrees = np.array([60.0, 90.0, 180.0, 240.0, 300.0, 360.0, 420.0, 1234123.456])
-    phi = np.degrees(esc.Geneva(6, pins=1).follower_angle(np.radians(degrees)))
-    # 3428 turns of 60 degrees lead to 43.456 degrees, where by the sides of a triangle with the
-    # axes 2 apart the wheel stands at atan(sin/(2 - cos))
-    local = math.radians(1234123.456 - 3428 * 360.0)
-    last = 3428 * 60.0 + math.degrees(math.atan2(math.sin(local), 2.0 - math.cos(local)))
-    assert last == pytest.approx(205708.361554, abs=1e-6)
-    assert phi == pytest.approx([30.0, 30.0, 30.0, 30.0, 30.0, 60.0, 90.0, last], abs=1e-8)
-
-
 @pytest.mark.parametrize("seed", range(3))
 def test_errors_of_parts_act(seed):
     """It is what `Motion.at` gives, which reads the pattern of pins and slots."""
@@ -129,12 +117,3 @@ def test_errors_of_parts_act(seed):
     assert float(wheel.follower_angle(1.0)) == wheel.follower_angle([1.0])[0]
     with pytest.raises(InvalidValue, match="mechanism must be without errors of its parts here"):
         wheel.jerk(0.0)
-
-
-def test_a_published_cell_goes_on_with_its_own_step():
-    cell = PublishedCell(3)
-    theta = np.linspace(*cell.breaks[::2], 50)
-    for turns in (1, -4):
-        moved = cell.follower_angle(theta[1:-1] + turns * cell.cell_angle)
-        grown = cell.follower_angle(theta[1:-1]) + turns * cell.follower_step
-        np.testing.assert_allclose(moved, grown, rtol=0.0, atol=1e-13)

@@ -11,7 +11,14 @@ ROWS = json.loads(frozen.FILE.read_text())
 _ROUNDING = 1e-12
 
 
-@pytest.mark.parametrize("row", ROWS, ids=lambda row: row["input"]["name"])
+def takes_long(given):
+    return given["arguments"].get("engine") == "ivp"
+
+
+@pytest.mark.parametrize("row", [
+    pytest.param(row, id=row["input"]["name"], marks=[pytest.mark.slow] * takes_long(row["input"]))
+    for row in ROWS
+])  # fmt: skip
 def test_outcome_is_what_it_was(row):
     """`python tests/frozen.py compare` asks for 1e-14, of two trees on one machine."""
     apart, name = frozen.difference(frozen.outcome(row["input"]), row["outcome"])

@@ -60,7 +60,7 @@ def test_no_solution_is_missed():
 
 def test_follower_turns_by_a_station_from_rest_to_rest_and_never_back():
     assert len(chart()) > 4000
-    for wheel in (*chart(), *(wheel.cognate for wheel in chart()[::3])):
+    for wheel in (*chart()[::3], *(wheel.cognate for wheel in chart()[1::9])):
         ends = np.array([wheel.breaks[0], wheel.breaks[-1]])
         assert 0.0 <= wheel.transmission(ends).g.min() <= wheel.transmission(ends).g.max() < 1e-13
         turned = np.diff(wheel.follower_angle(ends))[0]
@@ -188,31 +188,3 @@ def test_through_the_centre(n, curve, sign):
     assert turned == pytest.approx(step if sign < 0.0 else 2.0 * math.pi - step, rel=1e-14)
     with pytest.raises(InvalidValue, match="passes through the wheel's centre"):
         Escapement(wheel, Inertia(1.0, 1.0), 1.0, 0.1)
-
-
-IMPOSSIBLE = {
-    "two stations": ((2, 0), "stations must be .* at least 3, got 2"),
-    "negative lobes": ((4, -1, "epicycloid"), "lobes must be a rational number of at least 0.*-1"),
-    "irrational": ((4, math.sqrt(2.0), "epicycloid"), "lobes must be a rational number.*1.414"),
-    "lobes in words": ((4, "one", "epicycloid"), "lobes must be a rational number.*'one'"),
-    "division by zero": ((4, "1/0", "epicycloid"), "lobes must be a rational"),
-    "truth": ((4, True, "epicycloid"), "lobes must be a rational number.*True"),
-    "too many lobes": ((6, 2), "lobes must be below stations/2 - 1 = 2 for a hypocycloid.*'2'"),
-    "beyond the limit": ((5, 1), "no mechanism corresponds to stations 5, lobes 1.*alpha <= pi"),
-    "unknown curve": ((5, 1, "epicycle"), "curve must be .*did you mean 'epicycloid'"),
-    "too many pins": ((4, 1, "epicycloid", 9), "pins must be at most 8, .*0.119282"),
-    "negative lobe": ((4, 1, "epicycloid", 1, -1), "unused_lobes must be .* at least 0"),
-    "slot in the way": ((6, "1/2", "epicycloid", 1, 1), "unused_lobes .*where lobe 1 passes"),
-    "dwell at full speed": ((12, 4, "hypocycloid", 1, 2), "unused_lobes must be 0 .*jump"),
-    "lobes without end": ((4, 100_001, "epicycloid"), "lobes must be at most 100000, got '100001'"),
-    "unused ones without end": ((4, 1, "epicycloid", 1, 10**6), "unused_lobes must be .*100000"),
-    "second of one": ((4, 1, "epicycloid", 1, 0, 2), "solution must be at most 1 here, got 2"),
-    "no radius": ((4, 1, "epicycloid", 1, 0, 1, 0.0), "fixed_radius must be greater than 0"),
-}
-
-
-@pytest.mark.parametrize(("arguments", "words"), IMPOSSIBLE.values(), ids=IMPOSSIBLE)
-def test_what_cannot_be_is_one_line(arguments, words):
-    with pytest.raises(InvalidValue, match=words) as caught:
-        GearDriven(*arguments)
-    assert "\n" not in str(caught.value)

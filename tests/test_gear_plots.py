@@ -1,7 +1,6 @@
 """Drawings of gear-driven wheels: the pin stands in a slot, gears touch, paths close."""
 
 import math
-from fractions import Fraction
 from itertools import product
 
 import numpy as np
@@ -9,7 +8,6 @@ import pytest
 from matplotlib.path import Path
 
 from escapement import GearDriven
-from escapement.base.errors import InvalidValue
 from escapement.mechanisms.gear_equation import CURVES
 from escapement.outlines.gears import GearDrivenOutline
 from escapement.plots import drawing, gear_driven
@@ -56,40 +54,6 @@ def test_the_path_closes_and_gears_touch(wheel):
     assert {"follower", "fixed-gear", "planet", "carrier", "path", "pin-0"} <= ids
 
 
-@pytest.mark.parametrize("unused", [1, 2, 3])
-@pytest.mark.parametrize("curve", CURVES)
-@pytest.mark.parametrize(
-    ("n", "m", "pins"), [(12, 0, 1), (11, "1/3", 1), (14, "1/2", 2), (12, "1/2", 1), (6, "1/2", 1)]
-)
-def test_unused_lobes_stay_clear_of_slots(curve, n, m, pins, unused):
-    """Where a mechanism is refused a lobe does sweep over a slot; else none does.
-
-    The wheel is locked meanwhile, half a step beyond dead centre.
-    """
-    try:
-        wheel = GearDriven(n, m, curve, pins)
-    except InvalidValue:
-        return  # too many pins
-    sense = 1 if wheel.turns_with_driver else -1
-    spacing = (unused + 1) / (pins * abs(wheel.gear_ratio)) - Fraction(sense, n)
-    slots = spacing.denominator
-    pitch, swept = 2.0 * math.pi / slots, []
-    for lobe in range(1, unused + 1):
-        place = np.linspace(-0.5, 0.5, 41) * wheel.alpha
-        # every pin passes in the same way: the one that comes at this lobe
-        at = np.exp(1j * lobe * wheel.cell_angle) * GearDrivenOutline(wheel).pin_at(place, 0)
-        turned = np.unwrap(np.angle(at * np.exp(-0.5j * sense * wheel.follower_step)))
-        low, high = turned.min() - 1e-9, turned.max() + 1e-9
-        swept.append(math.floor(high / pitch) >= math.ceil(low / pitch))
-    if any(swept):
-        with pytest.raises(InvalidValue, match="unused_lobes must let the pin"):
-            GearDriven(n, m, curve, pins, unused)
-    else:
-        shapes = GearDrivenOutline(GearDriven(n, m, curve, pins, unused))
-        assert shapes.mechanism.slots == slots
-        assert len(shapes.reliefs(0.0)) == unused * slots
-
-
 @pytest.mark.parametrize("curve", CURVES)
 def test_the_wheel_is_cut_away_where_unused_lobes_pass(curve):
     m, unused = ("1/2", 1) if "hypo" in curve else (0, 2)
@@ -109,18 +73,3 @@ def test_rings_of_slots_do_not_cross():
         assert np.all(np.abs(np.diff(steps)) < 0.9 * math.pi)
         turned, pitch = abs(steps[-1] - steps[0]), 2.0 * math.pi / wheel.slots
         assert turned == pytest.approx(2.0 * math.pi, abs=pitch)
-
-
-def test_what_cannot_be_drawn_is_refused():
-    for said, *given in (
-        ("theta must be a finite", WHEELS[0], math.nan),
-        ("slots must be at most 200 in a drawing, got 203", GearDriven(203, 0)),
-        ("lobes of the whole path must be at most 200", GearDriven(4, 1001, "epicycloid")),
-    ):
-        with pytest.raises(InvalidValue, match=said):
-            gear_driven.plot_gear_driven(*given)
-
-
-def test_sheets():
-    for sheet in (gear_driven.plot_gear_driven_examples, gear_driven.plot_curves):
-        assert len(sheet().axes) == 4

@@ -128,11 +128,3 @@ def test_painleve_limit_of_a_very_light_driver(rho, internal):
         assert limit == pytest.approx(2.0 * math.sqrt(rho) / math.tan(math.pi / n), rel=1e-9)
     model = Escapement(Geneva(4, internal=internal), Inertia(rho, 1.0), 1.0, friction=0.3)
     assert f"Painleve limit {2.0 * math.sqrt(rho):.6g}, first met" in simulate(model).message
-
-
-@pytest.mark.parametrize(
-    ("n", "rho", "limit"),
-    [(3, 0.6, 0.4 * math.sqrt(2)), (4, 0.06, 0.406079), (6, 0.075, 0.824379), (4, 0.6, 1.106078)],
-)
-def test_painleve_limit_of_known_drives(n, rho, limit):
-    assert critical_friction(Geneva(n), Inertia(rho, 1.0)) == pytest.approx(limit, abs=5e-7)

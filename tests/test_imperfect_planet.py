@@ -130,9 +130,8 @@ def test_the_law_and_the_blow_follow_from_the_power_that_is_lost(curve):
         assert left_by_impact(scene._replace(edges=edges)) == pytest.approx(float(left), rel=1e-12)
 
 
-@pytest.mark.parametrize("curve", [CURVES[2], CURVES[4]])
-def test_engines_agree(curve):
-    wheel = imperfect(np.random.default_rng(3), *curve)
+def test_engines_agree():
+    wheel = imperfect(np.random.default_rng(3), *CURVES[2])
     drive = esc.Escapement(wheel, esc.Inertia(5e-6, 5e-6), 0.01, 0.0)
     friction = 0.5 * min(*friction_limits(drive), 0.8)
     drive = esc.Escapement(wheel, drive.inertia, 0.01, friction)
@@ -145,29 +144,7 @@ def test_engines_agree(curve):
     assert abs(fast.energy_residual) < 1e-12
 
 
-def test_a_study_draws_the_errors_of_a_planet():
-    wheel = imperfect(np.random.default_rng(5), *CURVES[2], pin_radius=0.0)
-    drive = esc.Escapement(wheel, esc.Inertia(5e-6, 5e-6), 0.01, 0.05)
-    sample = {"method": "latin-hypercube", "size": 3, "seed": 1}
-    spread = {"slot_offsets": {"tolerance": 1e-6}, "centre_distance_error": {"tolerance": 1e-6}}
-    study = esc.sweep(drive, sample=sample | spread, results=("period", "blow_max"))
-    for case in range(3):
-        offsets = tuple(study.sampled[f"slot_offsets_{i}"][case] for i in range(wheel.slots))
-        distance = float(study.sampled["centre_distance_error"][case])
-        changed = imperfect(
-            np.random.default_rng(5), *CURVES[2], pin_radius=0.0, slot_offsets=offsets,
-            centre_distance_error=distance,
-        )  # fmt: skip
-        cycle = esc.terminal(esc.Escapement(changed, drive.inertia, 0.01, 0.05))
-        assert study.results["period"][case] == pytest.approx(cycle.period, rel=1e-10)
-        assert study.results["blow_max"][case] == pytest.approx(cycle.blow_max, rel=1e-8)
-
-
-def test_errors_that_a_planet_cannot_have_are_refused():
-    with pytest.raises(esc.errors.InvalidValue, match="as long as there are slots, 7"):
-        esc.GearDriven(7, 1, fixed_radius=FIXED, slot_offsets=(1e-5,))
-    with pytest.raises(esc.errors.InvalidValue, match="without a length"):
-        esc.GearDriven(7, 1, centre_distance_error=1e-5)
+def test_a_pin_that_misses_its_slot_ends_in_a_status():
     wheel = esc.GearDriven(7, 1, fixed_radius=FIXED, centre_distance_error=-0.9 * FIXED)
     cycle = esc.terminal(esc.Escapement(wheel, esc.Inertia(5e-6, 5e-6), 0.01, 0.0))
     assert cycle.status is Status.INVALID

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import escapement as esc
+from both_engines import each_engine
 from escapement.base.status import Status
 from escapement.base.units import INCH_POUND
 from escapement.engines.energy import batch, cycle
@@ -53,7 +54,7 @@ def test_the_status_of_figures_waits_for_the_balance_of_the_cycle(lossy, timer):
     assert replace(esc.terminal(timer), period=1.0).status is Status.NOT_CONVERGED
 
 
-@pytest.mark.parametrize("engine", ["energy", "ivp"])
+@each_engine
 def test_a_motion_whose_balance_closes_is_ok(engine):
     for timer in (TIMER, UNEVEN):
         assert esc.simulate(timer, 3, engine=engine).status is Status.OK

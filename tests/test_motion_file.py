@@ -7,8 +7,11 @@ import pytest
 import escapement as esc
 from escapement.base.errors import InputFileError
 from escapement.motion_file import read_motion, write_motion
+from tabulated_drive import exact, measured
 
 LIGHT, MEYER = esc.Inertia(3e-8, 1e-5), esc.Inertia(3.39e-7, 5.65e-6)
+CAM = esc.TorqueCurve([0.0, 0.5, 2.0, 2.9], [0.01, 0.012, 0.006, 0.01], periodic=True)
+UNEVEN = esc.Geneva(4, crank_radius=0.01, pin_angle_errors=(1e-3, 0.0, -1e-3, 0.0))
 # a light driver's speed peaks between two of a hundred samples an engagement
 SCENES = {
     "dwell": esc.Escapement(esc.Geneva(3, pins=1), LIGHT, 0.01, friction=0.02),
@@ -16,7 +19,15 @@ SCENES = {
     "mesh": esc.Escapement(esc.EllipticalPlanetary(0.016, 0.009), LIGHT, 0.01, efficiency=0.9),
     "meyer": esc.Escapement(esc.Geneva(4), MEYER, 0.0113, friction=0.35),
     "load": esc.Escapement(esc.Geneva(6), MEYER, 0.0113, friction=0.2, load_torque=0.004),
-}
+    "table": esc.Escapement(exact(24), LIGHT, 0.01, efficiency=0.9),
+    "measured table": esc.Escapement(measured(40, 0.005), LIGHT, 0.01, efficiency=0.9),
+    "errors": esc.Escapement(UNEVEN, MEYER, 0.0113, friction=0.2),
+    "trains": esc.Escapement(
+        esc.Geneva(4), MEYER, 0.0565, friction=0.25, load_torque=2e-4, spring_rate=1e-4,
+        barrel=esc.Train(5.0, 0.8, 8e-6), load_train=esc.Train(3.0, 0.9, 6e-8),
+    ),
+    "curve": esc.Escapement(esc.Geneva(4), MEYER, CAM, friction=0.2),
+}  # fmt: skip
 
 
 @pytest.mark.parametrize("engine", ["energy", "ivp"])
@@ -25,6 +36,7 @@ def test_every_state_is_that_of_the_motion_written(scene, engine, tmp_path):
     motion = esc.simulate(SCENES[scene], 4, engine=engine, initial_speed=3.0, rtol=1e-10)
     write_motion(motion, tmp_path / "motion.h5")
     again = read_motion(tmp_path / "motion.h5")
+    assert again.escapement == motion.escapement
     np.testing.assert_array_equal(again.handoff_velocities, motion.handoff_velocities)
     np.testing.assert_array_equal(again.extrema.theta_dot, motion.extrema.theta_dot)
     times = np.linspace(0.0, motion.end_time, 5001)

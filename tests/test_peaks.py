@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 import escapement as esc
+from both_engines import each_engine
 from escapement.dynamics.figures_of_merit import RISE_BAND, SETTLING_BAND
 
 SUN = 0.02
@@ -68,7 +69,7 @@ def test_the_greatest_force_goes_with_the_crank():
 UNEQUAL = {"slot_angle_errors": (2e-4, 1e-4, 5e-4, -3e-4, -2e-4), "centre_distance_error": 5e-6}
 
 
-@pytest.mark.parametrize("engine", ["energy", "ivp"])
+@each_engine
 @pytest.mark.parametrize("wheel", [{"slots": 6, "pins": 3}, {"slots": 5, **UNEQUAL}])
 def test_the_follower_bearing_rubs_one_way_up_to_the_ends_of_a_piece(wheel, engine):
     """At pin entry g is zero, where rounding must not choose the way of its friction."""

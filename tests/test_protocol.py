@@ -1,7 +1,5 @@
 """What is asked of a mechanism and of a trajectory: defaults, and classes of a user's own."""
 
-import subprocess
-import sys
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -123,23 +121,6 @@ def test_a_trajectory_of_ones_own_answers_what_a_motion_asks():
     np.testing.assert_array_equal(told.theta_dot, solved.theta_dot)
     assert told.ledger == solved.ledger
     np.testing.assert_array_equal(told.slide_changes.time, solved.slide_changes.time)
-
-
-_ALONE = """
-import sys
-import escapement as esc
-timer = esc.Escapement(esc.Geneva(4), esc.Inertia(3.39e-7, 5.65e-6), 0.0113, friction=0.35)
-esc.simulate(timer, duration=0.1, engine="ivp")
-esc.terminal(timer, engine="ivp")
-print(*(name for name in sys.modules if "engines.energy" in name or "engines.contact" in name))
-"""
-
-
-def test_the_reference_runs_no_other_engine():
-    found = subprocess.run(
-        [sys.executable, "-c", _ALONE], capture_output=True, text=True, timeout=300, check=True
-    )
-    assert found.stdout.strip() == ""
 
 
 @pytest.mark.parametrize("speed", [0.0, 300.0])

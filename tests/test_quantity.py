@@ -8,13 +8,12 @@ from pathlib import Path
 import pytest
 
 import escapement as esc
-from escapement.base.errors import EscapementError, InvalidValue, UnknownArgument
+from escapement.base.errors import EscapementError, UnknownArgument
 from escapement.base.quantity import declared, quantities
-from escapement.base.units import SYSTEMS, printed, unit_name
+from escapement.base.units import SYSTEMS, unit_name
 from escapement.cli._arguments import Parser, option
 from escapement.cli.run import configure
 from escapement.mechanisms import KINDS, kind_of
-from escapement.model.escapement import Run
 from escapement.model.train import train_numbers
 from escapement.study.parse import parse_plan
 from escapement.study.plan import settings_of
@@ -88,24 +87,6 @@ def test_every_number_of_a_kind_has_a_key_and_an_axis(kind):
         assert entry.name == name
     lost = {"friction", "efficiency"} - {*known}
     assert lost == {"friction" if build.meshed else "efficiency"}
-
-
-def test_units_are_printed_as_they_are_written():
-    assert [printed("inertia", system) for system in SYSTEMS] == ["kg m²", "in-lbf-s²"]
-    assert [printed("torque", system) for system in SYSTEMS] == ["N m", "in-lbf"]
-    assert printed("acceleration", "SI") == "rad/s²"
-    assert printed("ratio", "SI") == ""
-
-
-def test_what_is_required_is_what_has_no_default():
-    required = {name for name, entry in NUMBERS.items() if entry.required}
-    model = {"torque", "driver_inertia", "follower_inertia"}
-    assert required == model | {
-        *("slots", "stations", "lobes", "sun_radius", "planet_radius", "index_angle")
-    }
-    assert declared(Run)["initial_speed"].default == 0.0
-    with pytest.raises(InvalidValue, match="torque must be a finite number, got None"):
-        esc.Escapement(esc.Geneva(4), INERTIA, torque=None)
 
 
 def test_every_number_of_the_model_decides_of_a_scene():

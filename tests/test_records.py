@@ -10,7 +10,7 @@ import pytest
 import escapement as esc
 from escapement.base.records import Record
 from escapement.base.results import Result
-from escapement.base.units import INCH_POUND, SYSTEMS, printed
+from escapement.base.units import SYSTEMS, printed
 from escapement.constant_speed import DriveTorque
 from escapement.constant_speed.drive_record import DRIVE
 from escapement.dynamics.figure_record import record_of
@@ -18,7 +18,6 @@ from escapement.dynamics.figure_table import FIGURES
 from escapement.dynamics.figures_of_merit import Figures
 from escapement.dynamics.motor_figures import NAMES as MOTOR
 
-SIZE = {"SI": 1.0, "in-lbf-s": INCH_POUND}
 MODEL = ["--torque", "0.1", "--driver-inertia", "3e-6", "--follower-inertia", "5e-5"]
 RUN = ["run", *MODEL, "--friction", "0.3", "--engagements", "2"]
 DRIVEN = ["drive-torque", "--speed", "10", "--load-torque", "0.5", "--follower-inertia", "5e-5"]

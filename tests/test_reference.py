@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+import both_engines
 import escapement as esc
 from escapement.engines.ivp import terminal
 
@@ -88,7 +89,7 @@ def test_handoffs_reversals_and_extrema(case, engine):
         np.testing.assert_allclose(found.theta[places], theta, atol=close)
 
 
-@each_engine
+@both_engines.each_engine
 @each_case
 def test_terminal_cycle(case, engine, monkeypatch):
     # The tests below do not ask for the way there, which may take thousands of engagements.

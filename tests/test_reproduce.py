@@ -4,7 +4,6 @@ import contextlib
 import csv
 import io
 import json
-import re
 from xml.etree import ElementTree
 
 import pytest
@@ -14,7 +13,6 @@ from escapement.base.errors import StorageError
 from escapement.base.units import INCH_POUND
 from escapement.cli import main
 from escapement.sources.filemon.nomograms import NOMOGRAMS
-from escapement.sources.meyer import COLUMNS
 
 pytestmark = pytest.mark.slow
 
@@ -135,42 +133,8 @@ def test_what_is_null_has_its_reason_in_the_message(reproduced, source, list_key
     assert all(key in record["message"] for key in keys)
 
 
-def test_meyer_prints_rows_reasons_and_counts(command):
-    code, out, err = command("reproduce", "meyer")
-    inputs, _, told = out.partition("\n\n")
-    assert inputs.split() == ["source", "meyer"]
-    lines = told.splitlines()
-    assert (code, err) == (0, "")
-    meanings = [re.sub(" +", " ", line.strip()) for line in lines[2:6]]
-    assert meanings == [f"{title} {meaning}" for title, meaning in COLUMNS.values()]
-    first = ["1", "3", "0.20", "0.03", "printed", "83", "10", "0.101", "0.046"]
-    assert first in [line.split() for line in lines]
-    assert "the heading swaps the inertias" in out
-    assert "the program hard-codes a 90-degree cell" in out
-    table = [line.split() for line in lines]
-    assert ["as", "published", "49", "49", "44", "2.7", "%", "47"] in table
-    # rise time and limit of the four-pin mechanism with his own disc
-    assert ["disc", "4.5e-07", "4.5e-07", "3.34", "11.25", "1.414"] in table
-    assert lines[-2].strip() == "Appendix E, row 33: rise time 0.028 s"
-
-
 def test_reports_keep_to_100_columns(command):
     assert max(map(len, command("reproduce", "all")[1].splitlines())) <= 100
-
-
-def test_prikhodko(command, reproduced, tmp_path, monkeypatch):
-    # what the pictures show is drawn with those of all sources
-    monkeypatch.setattr(Figure, "savefig", lambda _, path, **_options: path.write_bytes(b"drawn"))
-    code, out, err = command("reproduce", "prikhodko", "-o", "there")
-    assert (code, err) == (0, "escapement: tables and figures in there\n")
-    assert all(number in out for number in ("26.9301", "202.5", "-157.5"))
-    made = {path.name for path in (tmp_path / "there").iterdir()}
-    assert made == {path.name for path in (reproduced[0] / "prikhodko").iterdir()}
-    text = (tmp_path / "there" / "prikhodko.csv").read_text(encoding="utf-8")
-    rows = list(csv.DictReader(text.splitlines()))
-    assert [row["true"] for row in rows if row["quantity"] == "half_width"] == ["3.34"]
-    record = reproduced[1]["prikhodko"]
-    assert (record["agreeing"], record["judged"]) == (8, 11)
 
 
 @pytest.mark.parametrize("source", ["prikhodko", "all"])

@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 
 import escapement as esc
+from both_engines import each_engine
 from escapement import plots
-from escapement.base.errors import CannotCreate, InvalidValue
+from escapement.base.errors import InvalidValue
 from escapement.base.units import INCH, INCH_POUND, POUND_FORCE
 from escapement.dynamics.figure_table import FIGURES
 from escapement.study.parse import parse_plan, plan_from
@@ -29,6 +30,11 @@ DRIVES = {
         replace(TIMER, mechanism=replace(WHEEL, pin_radius=1e-3)),
         {"load_torque": [0.0, 1e-3, 1.0]},
     ),
+    "clearance": (TIMER, {"clearance": [0.0, 2e-5], "friction": [0.2, 0.3]}),
+    "trains": (
+        replace(TIMER, torque=0.0565, barrel=esc.Train(5.0, 0.8, 8e-6), load_train=esc.Train(3.0)),
+        {"barrel_ratio": [4.0, 5.0], "load_train_inertia": [0.0, 6e-8]},
+    ),
     "a mesh": (
         esc.Escapement(esc.EllipticalPlanetary(0.02, 0.007), TIMER.inertia, 0.01, efficiency=0.9),
         {"initial_speed": [0.0, 100.0]},
@@ -44,7 +50,7 @@ def test_every_figure_is_what_terminal_says(drive):
     assert_as_alone(plan, study.results)
 
 
-@pytest.mark.parametrize("engine", ["energy", "ivp"])
+@each_engine
 def test_results_are_in_the_units_of_the_study(engine):
     names = ["contact_moment_max", "contact_force_max", "acceleration_max", "jam_margin"]
     study = esc.run_plan(parse_plan(INCHES | {"results": names, "solver": {"engine": engine}}))
@@ -85,25 +91,6 @@ def test_what_is_no_list_of_figures_is_refused_in_a_line(given):
     assert "\n" not in str(error.value)
     if isinstance(given, list) and given:
         assert all(name in str(error.value) for name in FIGURES)
-
-
-@pytest.mark.parametrize("complete", [True, False])
-def test_a_study_is_not_resumed_with_other_results(tmp_path, complete):
-    options = {"path": tmp_path / "a.h5", "friction": [0.2, 0.3]}
-    if complete:
-        esc.sweep(TIMER, **options)
-    else:
-        with pytest.raises(KeyboardInterrupt):
-            esc.sweep(TIMER, **options | {"friction": np.linspace(0.2, 0.3, 5000)}, progress=_stop)
-        options["friction"] = np.linspace(0.2, 0.3, 5000)
-    with pytest.raises(CannotCreate, match=r'results was not set and is \["period"\]'):
-        esc.sweep(TIMER, results=["period"], resume=True, **options)
-    assert esc.sweep(TIMER, resume=True, **options).failed == 0
-
-
-def _stop(done, total, failed):
-    if 0 < done < total:
-        raise KeyboardInterrupt
 
 
 def test_a_chosen_study_is_written_read_and_drawn(tmp_path):

@@ -18,8 +18,7 @@ from escapement.engines import simulate as simulation
 from escapement.study import running
 from escapement.study.parse import plan_from
 from escapement.study.reader import read_study
-from escapement.study.running import sweep, write_plan
-from escapement.study.stored import SCHEMA_VERSION
+from escapement.study.running import write_plan
 from escapement.study.writer import partial_path
 from study_tools import IVP_STUDY, TIMER, let_go, without_date
 
@@ -244,16 +243,6 @@ def test_a_folder_that_became_read_only(tmp_path):
         tools.write(tmp_path / "a.h5", tools.small_study(), resume=True)
     tmp_path.chmod(0o700)
     assert len(tools.missing(tmp_path / "a.h5")) <= 5
-
-
-def test_resume_in_python(tmp_path, solved):
-    arguments = {"friction": np.linspace(0.1, 0.3, 40), "engine": "ivp", "path": tmp_path / "a.h5"}
-    with pytest.raises(KeyboardInterrupt):
-        sweep(TIMER, **arguments)
-    study = sweep(TIMER, resume=True, **arguments)
-    np.testing.assert_array_equal(study.results["period"], study.axes["friction"])
-    assert study.attributes["schema_version"] == SCHEMA_VERSION
-    assert len(solved) < 22 + 40
 
 
 def test_resume_on_the_command_line(tmp_path, solved, monkeypatch, capsys):

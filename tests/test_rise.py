@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import escapement as esc
+from both_engines import each_engine
 from escapement.base.status import Status
 from escapement.base.units import INCH_POUND
 from escapement.dynamics.figure_table import TRANSIENT
@@ -37,8 +38,9 @@ def read_off(handoffs, terminal, share):
     raise AssertionError("the motion is too short")
 
 
-@pytest.mark.parametrize("engine", ["energy", "ivp"])
-@pytest.mark.parametrize("case", CASES)
+@pytest.mark.parametrize(
+    ("case", "engine"), [*((case, "energy") for case in CASES), ("from above", "ivp")]
+)
 def test_they_are_read_off_the_handoffs(case, engine):
     timer, start = CASES[case]
     cycle = esc.terminal(timer, engine=engine, initial_speed=start)
@@ -69,8 +71,9 @@ IMPERFECT = {
 }
 
 
-@pytest.mark.parametrize("engine", ["energy", "ivp"])
-@pytest.mark.parametrize("wheel", IMPERFECT)
+@pytest.mark.parametrize(
+    ("wheel", "engine"), [("four pins", "energy"), ("two pins", "energy"), ("four pins", "ivp")]
+)
 def test_with_imperfect_parts_each_handoff_has_its_own_terminal_speed(wheel, engine):
     timer = replace(MEYER, mechanism=IMPERFECT[wheel], friction=0.15)
     cycle, motion = esc.terminal(timer, engine=engine), esc.simulate(timer, 60)
@@ -94,20 +97,6 @@ ERRORS = [
 ]
 
 
-@pytest.mark.parametrize("pins", [1, 2, 3])
-@pytest.mark.parametrize("friction", [0.05, 0.25])
-def test_times_of_the_start_pass_smoothly_to_imperfect_parts(pins, friction):
-    """An impact takes a share that grows with the root of an error, some 1e-7 here."""
-    wheel = esc.Geneva(5, pins, crank_radius=0.01, pin_radius=5e-4)
-    perfect = esc.terminal(replace(MEYER, mechanism=wheel, friction=friction))
-    for error in ERRORS:
-        changed = replace(wheel, **error)
-        found = esc.terminal(replace(MEYER, mechanism=changed, friction=friction))
-        for name in ("rise_time", "settling_time", "rise_time_63", "rise_time_98"):
-            expected = pytest.approx(getattr(perfect, name), rel=1e-5)
-            assert getattr(found, name) == expected, (name, error)
-
-
 @pytest.mark.parametrize("seed", [1, 4, 9, 152, 173, 191, 260, 297])
 def test_no_time_of_the_start_jumps_with_an_error_nobody_could_make(seed):
     timer, start, rng = random_timer(seed)
@@ -125,7 +114,7 @@ def test_no_time_of_the_start_jumps_with_an_error_nobody_could_make(seed):
     )
 
 
-@pytest.mark.parametrize("engine", ["energy", "ivp"])
+@each_engine
 def test_a_motion_that_starts_at_its_terminal_speed_has_risen(engine):
     start = esc.terminal(MEYER, engine=engine).handoff_velocity
     cycle = esc.terminal(MEYER, engine=engine, initial_speed=start)

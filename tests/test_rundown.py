@@ -9,24 +9,11 @@ import numpy as np
 import pytest
 
 import escapement as esc
-from escapement.base.errors import InvalidValue
 from escapement.cli import main
 
 INERTIA = esc.Inertia(3.389e-7, 5.649e-6)
 TIMER = esc.Escapement(esc.Geneva(4), INERTIA, 0.0113, 0.35, spring_rate=1.8e-6)
 CELL = TIMER.mechanism.cell_angle
-
-
-def test_it_is_what_single_engagements_give():
-    """Each begins with the speed and the torque that the one before left."""
-    run = esc.rundown(TIMER, turns=25.0)
-    assert run.times.size == 100
-    time, speed = 0.0, 0.0
-    for k in range(100):
-        timer = replace(TIMER, torque=TIMER.torque - TIMER.spring_rate * k * CELL)
-        one = esc.simulate(timer, 1, initial_speed=speed)
-        time, speed = time + one.end_time, float(one.handoff_velocities[0])
-        assert run.times[k] == pytest.approx(time, rel=1e-12)
 
 
 def test_the_rate_follows_the_root_of_the_torque():
@@ -52,18 +39,6 @@ def test_what_it_tells_of_each_engagement():
     assert run.time_of(5.0) == run.times[19]
     assert run.nominal_period == esc.terminal(replace(TIMER, spring_rate=0.0)).period
     assert len(repr(run)) <= 300
-
-
-def test_a_spent_spring_ends_it():
-    timer = replace(TIMER, spring_rate=TIMER.torque / (200.3 * CELL))
-    run = esc.rundown(timer)
-    assert run.status.label == "spent"
-    assert run.end_turns == pytest.approx(200.3 * CELL / (2.0 * pi), rel=1e-14)
-    assert run.times.size == 200
-    motion = esc.simulate(timer, 201)
-    assert motion.at([run.end_time]).theta[0] - motion.at([0.0]).theta[0] == pytest.approx(
-        200.3 * CELL, rel=1e-12
-    )
 
 
 def test_a_load_stalls_it():
@@ -102,37 +77,12 @@ def test_series_keep_to_the_error_of_single_engagements(seed):
     assert run.times[-1] == pytest.approx(time, rel=2e-12)
 
 
-def test_a_curve_that_ends_ends_it():
-    wound = esc.TorqueCurve((0.0, 30.0, 70.0), (0.012, 0.01, 0.0))
-    spent = esc.rundown(replace(TIMER, torque=wound, spring_rate=0.0))
-    assert spent.status.label == "spent"
-    assert spent.end_turns == pytest.approx(70.0 / (2.0 * pi), rel=1e-14)
-
-
 def test_a_duration_ends_it():
     run = esc.rundown(TIMER, duration=10.0)
     assert run.end_time == 10.0
     assert run.times[-1] < 10.0
     whole = esc.rundown(TIMER, turns=run.end_turns + 0.25)
     assert whole.times[: run.times.size] == pytest.approx(run.times, rel=1e-12)
-
-
-@pytest.mark.parametrize(
-    ("changes", "message"),
-    [
-        ({"turns": 0.0}, "turns must be greater than 0"),
-        ({"turns": 1.0, "duration": 1.0}, "duration must be left out with turns"),
-        ({"turns": 1e9}, "turns must be at most 2.5e"),
-    ],
-)
-def test_refusals(changes, message):
-    with pytest.raises(InvalidValue, match=message):
-        esc.rundown(TIMER, **changes)
-
-
-def test_a_mechanism_alone_does_not_run_down():
-    with pytest.raises(InvalidValue, match="escapement must be an Escapement"):
-        esc.rundown(esc.Geneva(4), turns=1.0)
 
 
 @pytest.mark.parametrize("angles", [(0.0, 1e-3, -2e-3, 0.0), ()])
@@ -160,28 +110,10 @@ def test_a_pin_that_misses_its_slot_runs_nowhere():
     assert run.message.startswith("pin 1 cannot drive slot 1")
 
 
-def test_a_constant_torque_must_be_told_how_far():
-    with pytest.raises(InvalidValue, match="turns must be given"):
-        esc.rundown(replace(TIMER, spring_rate=0.0))
-    run = esc.rundown(TIMER, turns=1.0)
-    with pytest.raises(InvalidValue, match="turns must be at most 1"):
-        run.time_of(1.5)
-
-
 def test_the_command(tmp_path, capsys):
     table, picture = tmp_path / "run.csv", tmp_path / "run.png"
-    model = [
-        "--torque",
-        "0.0113",
-        "--friction",
-        "0.35",
-        "--driver-inertia",
-        "3.389e-7",
-        "--follower-inertia",
-        "5.649e-6",
-        "--spring-rate",
-        "1.8e-6",
-    ]
+    model = ["--torque", "0.0113", "--friction", "0.35", "--driver-inertia", "3.389e-7"]
+    model += ["--follower-inertia", "5.649e-6", "--spring-rate", "1.8e-6"]
     assert main(["rundown", *model, "--turns", "5", "-o", str(table), "--plot", str(picture)]) == 0
     assert "rate error percent" in capsys.readouterr().out
     assert picture.stat().st_size > 0
@@ -226,7 +158,7 @@ def test_cells_that_do_not_divide_a_turn():
 
 def test_a_spring_that_is_spent_after_whole_turns():
     for slots, timer in DRIVES.items():
-        for turns in range(1, 40):
+        for turns in range(1, 40, 3):
             angle = 2.0 * pi * turns
             wound = esc.TorqueCurve((0.0, angle), (timer.torque, 0.0))
             for drive in (
@@ -237,9 +169,3 @@ def test_a_spring_that_is_spent_after_whole_turns():
                 assert run.status.label == "spent"
                 assert run.times.size == turns * DRIVES[slots].mechanism.pins
                 assert run.time_of(turns) == run.times[-1]
-
-
-@pytest.mark.parametrize("turns", [1e308, 1e7])
-def test_more_turns_than_can_be_run(turns):
-    with pytest.raises(InvalidValue, match=r"turns must be at most 2\.5e\+06, ten million"):
-        esc.rundown(TIMER, turns=turns)

@@ -118,8 +118,6 @@ REFUSED = [
     ),
     ({"size": 4, "seed": -1, "friction": EVEN}, "sample.seed must be a whole number of at least 0"),
     ({"sise": 4, "friction": EVEN}, "unknown key 'sise' in [sample]; did you mean 'size'?"),
-    ({"size": 4, "frction": EVEN}, "unknown key 'frction' in [sample]; did you mean 'friction'?"),
-    ({"size": 4, "friction": EVEN | {"hi": 1}}, "unknown key 'hi' in sample.friction; did you"),
     ({"size": 4, "friction": 0.1}, "sample.friction must be a table that says how it varies"),
     ({"size": 4, "friction": {"low": 0.3, "high": 0.2}}, "high must be greater than low = 0.3"),
     ({"size": 4, "friction": {"low": -0.1, "high": 0.2}}, "sample.friction.low must be at least 0"),
@@ -153,7 +151,6 @@ REFUSED = [
         "sample.torque must have as many values as friction, got 1 and 2",
     ),
     ({"method": "list", "slots": [3, 1000001]}, "slots[1] must be a whole number of at most"),
-    (7, "sample must be a table, got 7"),
 ]  # fmt: skip
 
 

@@ -172,24 +172,6 @@ def test_a_band_ends_where_times_are_not_given(grid):
     assert "cases: too many to draw" in first.get_legend().get_title().get_text()
 
 
-def test_one_axis_beside_a_sample_needs_no_legend_and_one_of_a_single_value_is_none(study):
-    figure = plots.plot_study(esc.sweep(TIMER, sample=DRAWN | {"size": 20}, slots=[4, 6, 8]))
-    assert figure.axes[0].get_title().startswith("Median and 5 % to 95 % of 20 cases")
-    alone = esc.sweep(TIMER, sample=DRAWN, load_torque=[0.0])
-    ours, theirs = plots.plot_study(alone), plots.plot_study(study)
-    for one, other in zip(ours.axes, theirs.axes, strict=True):
-        for line, same in zip(one.lines, other.lines, strict=True):
-            np.testing.assert_allclose(line.get_ydata(), same.get_ydata(), rtol=1e-12)
-
-
-def test_a_sample_of_whole_numbers_and_of_a_single_case():
-    lists = {"method": "list", "slots": [3, 4, 6, 8], "friction": [0.1, 0.1, 0.2, 0.2]}
-    assert len(plots.plot_study(esc.sweep(TIMER, sample=lists)).axes) == 9
-    single = esc.sweep(TIMER, sample={"method": "list", "friction": [0.2]})
-    with pytest.raises(InvalidValue, match="must vary at least one parameter"):
-        plots.plot_study(single)
-
-
 def test_what_cannot_be_drawn_is_refused(study, grid):
     nothing = {name: values * np.nan for name, values in study.results.items()}
     plain = esc.sweep(TIMER, friction=[0.2, 0.3])

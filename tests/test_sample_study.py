@@ -98,16 +98,6 @@ def interrupt(path):
     return path
 
 
-def test_an_interrupted_sample_is_continued(tmp_path):
-    path = interrupt(tmp_path / "a.h5")
-    with pytest.raises(CannotCreate, match=r"sample\.seed was 0 and is 1"):
-        write_plan(many(seed=1), path, resume=True)
-    tally = write_plan(many(), path, resume=True)
-    assert 0 < tally.resumed < 40_000
-    write_plan(many(), tmp_path / "b.h5")
-    assert without_date(path) == without_date(tmp_path / "b.h5")
-
-
 def test_numbers_drawn_otherwise_are_not_mixed(tmp_path, monkeypatch):
     """As another version of SciPy might draw them of the same seed."""
     path, draw = interrupt(tmp_path / "a.h5"), sample.unit_cube
@@ -159,21 +149,6 @@ def test_on_the_command_line(command, report, monkeypatch):
     assert again["period"] == pytest.approx(study.results["period"][11], rel=1e-11)
     code, _, err = command("plot", "s.h5", "--units", "SI")
     assert (code, err) == (0, "escapement: study drawn in s.png\n")
-
-
-@pytest.mark.parametrize(
-    ("selection", "message"),
-    [
-        ("", "--select must choose one of the 16 values of case in s.h5, got none; add case=0"),
-        ("case=16", "case must be a value of the study, got 16; the nearest is 15"),
-        ("case=1.5", "case must be a whole number, got 1.5"),
-        ("case=1,torque=0.1", "--select must name axes of s.h5, got 'torque'; it has case"),
-    ],
-)
-@pytest.mark.usefixtures("study_file")
-def test_a_selection_that_names_no_case(command, refusal, selection, message):
-    command("sweep", "s.toml", "--quiet")
-    assert message in refusal(2, "run", "--from", "s.h5", "--select", selection)
 
 
 def test_other_kinds_of_mechanism_scatter_alike():

@@ -13,10 +13,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import escapement as esc
-from escapement.base.errors import InputFileError, InvalidValue
+from both_engines import agree, each_engine
+from escapement.base.errors import InputFileError
 from escapement.base.status import Status
 from escapement.base.units import INCH_POUND
-from random_drives import drives, few, very_few
+from random_drives import drives, very_few
 from test_real_mechanism import TORQUE, everything, timer
 
 TURN = 2.0 * math.pi
@@ -24,7 +25,7 @@ WOUND = timer(spring_rate=0.02 * TORQUE / TURN)
 CAM = esc.TorqueCurve([0.0, 0.5, 2.0, 2.9], [0.8, 1.0, 0.5, 0.8], periodic=True)
 
 
-@pytest.mark.parametrize("engine", ["energy", "ivp"])
+@each_engine
 def test_printed_examples(engine):
     motion = esc.simulate(WOUND, 40, engine=engine)
     expected = {1: (0.0448624775, 85.9124488), 10: (0.423356269, 84.0330840)}
@@ -34,10 +35,9 @@ def test_printed_examples(engine):
         assert motion.handoff_velocities[count - 1] == pytest.approx(speed, abs=0.51e-7)
 
 
-@pytest.mark.parametrize("engine", ["energy", "ivp"])
-def test_a_load_stops_a_spring_that_still_pulls(engine):
+def test_a_load_stops_a_spring_that_still_pulls():
     loaded = timer(spring_rate=0.05 * TORQUE / TURN, load_torque=0.1 * TORQUE)
-    motion = esc.simulate(loaded, 200, engine=engine)
+    motion = esc.simulate(loaded, 200)
     assert motion.status is Status.STALL
     assert motion.handoff_times.size == 66
     assert motion.handoff_times[-1] == pytest.approx(4.76217552, abs=0.51e-8)
@@ -45,22 +45,6 @@ def test_a_load_stops_a_spring_that_still_pulls(engine):
     assert "9.010 degrees from dead centre of engagement 67" in motion.message
     left = loaded.curve(motion.at(motion.end_time).theta + math.pi / 4.0) / TORQUE
     assert left == pytest.approx(0.1674986, abs=0.51e-7)
-
-
-def agree(real, engagements, rtol=1e-10, **start):
-    """Both engines on one motion; returns that of the fast one."""
-    fast, slow = (
-        esc.simulate(real, engagements, engine=engine, **start) for engine in ("energy", "ivp")
-    )
-    assert fast.status is slow.status
-    np.testing.assert_allclose(fast.handoff_times, slow.handoff_times, rtol=rtol)
-    np.testing.assert_allclose(fast.handoff_velocities, slow.handoff_velocities, rtol=rtol)
-    assert fast.end_time == pytest.approx(slow.end_time, rel=100.0 * rtol)
-    np.testing.assert_allclose(fast.extrema.theta_dot, slow.extrema.theta_dot, rtol=100.0 * rtol)
-    assert fast.reversals.time.size == slow.reversals.time.size
-    assert abs(fast.ledger.residual) < 1e-12
-    assert fast.ledger.work == pytest.approx(slow.ledger.work, rel=rtol)
-    return fast
 
 
 @st.composite
@@ -90,7 +74,7 @@ def test_every_effect_goes_with_a_spring(slots):
 def test_a_spent_spring_has_given_its_energy_and_nothing_moves(slots):
     cell = esc.Geneva(slots).cell_angle
     real = timer(slots=slots, spring_rate=TORQUE / (6.4 * cell))
-    motion = agree(real, 100)
+    motion, _ = agree(real, 100)
     assert motion.status is Status.SPENT
     assert "the spring is spent" in motion.message
     assert motion.ledger.work == pytest.approx(0.5 * TORQUE * 6.4 * cell, rel=1e-12)
@@ -105,7 +89,7 @@ def test_a_spent_spring_has_given_its_energy_and_nothing_moves(slots):
 
 def test_a_load_stops_a_driver_behind_a_spent_spring():
     real = timer(driver_bearing_torque=1e-4 * TORQUE, spring_rate=TORQUE / 9.0)
-    motion = agree(real, 100, rtol=1e-9)
+    motion, _ = agree(real, 100, rtol=1e-9)
     assert motion.status is Status.SPENT
     assert motion.at(motion.end_time).theta_dot == pytest.approx(0.0, abs=1e-6)
 
@@ -119,8 +103,7 @@ def test_oil_behind_a_spent_spring_stops_a_driver_in_finite_time(slots, friction
     real = timer(
         slots=slots, friction=friction, driver_viscous=viscous, spring_rate=TORQUE / (3.3 * cell)
     )
-    motion = agree(real, 200, rtol=1e-9)
-    slow = esc.simulate(real, 200, engine="ivp")
+    motion, slow = agree(real, 200, rtol=1e-9)
     assert motion.status is slow.status is Status.SPENT
     assert slow.end_time == pytest.approx(motion.end_time, rel=1e-9)
     end, own = motion.at(motion.end_time), real.inertia
@@ -153,16 +136,6 @@ def test_a_weak_spring_rate_is_no_spring_and_a_rate_of_zero_leaves_every_bit():
         np.testing.assert_array_equal(zero.handoff_times, none.handoff_times)
     stiff = esc.simulate(timer(spring_rate=1e308), 30)
     assert (stiff.status, stiff.handoff_times.size) == (Status.SPENT, 0)
-
-
-@given(st.floats(0.01, 0.3), st.floats(0.1, 10.0))
-@few
-def test_speeds_go_with_the_root_of_the_torque(fall, factor):
-    rate = fall * TORQUE
-    one = esc.simulate(timer(spring_rate=rate), 6)
-    other = esc.simulate(timer(torque=factor * TORQUE, spring_rate=factor * rate), 6)
-    scaled = other.handoff_velocities / math.sqrt(factor)
-    np.testing.assert_allclose(scaled, one.handoff_velocities, rtol=1e-12)
 
 
 @pytest.mark.parametrize("torque", [CAM, esc.TorqueCurve([0.0, 2.0, 3.0], [1.0, 0.2, 0.4])])
@@ -205,17 +178,6 @@ def test_a_long_run_goes_by_series_as_by_engagements():
         assert one.handoff_velocities[0] == pytest.approx(speeds[k], rel=1e-12)
 
 
-def test_a_million_engagements_go_with_the_root_of_the_torque():
-    weak = timer(spring_rate=4e-6 * TORQUE / TURN)
-    times = esc.simulate(weak, 100_000).handoff_times
-    # quasi-static: the period goes with the root of the torque, at .2595 of the cell
-    period, cell = esc.terminal(weak).period, weak.mechanism.cell_angle
-    torque = weak.curve((np.array([50_000, 99_999]) + 0.2595) * cell) / TORQUE
-    np.testing.assert_allclose(
-        np.diff(times)[[49_999, 99_998]], period / np.sqrt(torque), rtol=1e-10
-    )
-
-
 FILE = """
 units = "in-lbf-s"
 torque = { file = "spring.csv" }
@@ -256,61 +218,10 @@ def test_a_study_reads_a_curve_beside_it_and_keeps_its_points(command, tmp_path)
     assert found["inputs"]["torque"]["in-lbf-s"] == pytest.approx([0.1, 0.09, 0.04])
 
 
-def test_the_command_runs_a_spring_to_its_end(command):
-    options = ["--torque", ".1", "--driver-inertia", "3e-6", "--follower-inertia", "50e-6"]
-    options += ["--friction", ".3", "--spring-rate", "0.02", "--units", "in-lbf-s"]
-    code, out, _ = command("run", *options, "--engagements", "50", "--json")
-    record = json.loads(out)
-    assert (code, record["status"]) == (0, "spent")
-    assert record["inputs"]["spring_rate"]["in-lbf-s"] == pytest.approx(0.02)
-    assert "the spring is spent" in record["message"]
-    assert "of the full spring" in record["message"]
-
-
-@pytest.mark.parametrize("real", [WOUND, timer(torque=CAM * TORQUE)])
-def test_a_motion_comes_back_from_its_file(real, tmp_path):
-    motion = esc.simulate(real, 8)
-    esc.write_motion(motion, tmp_path / "motion.h5")
-    back = esc.read_motion(tmp_path / "motion.h5")
-    assert back.escapement.curve == real.curve
-    times = np.linspace(0.0, motion.end_time, 99)
-    np.testing.assert_allclose(back.at(times).theta_ddot, motion.at(times).theta_ddot, rtol=1e-3)
-    assert back.ledger.work == pytest.approx(motion.ledger.work, rel=1e-12)
-
-
-@pytest.mark.parametrize(
-    ("angle", "torque", "periodic", "words"),
-    [
-        ([0.0], [1.0], False, "2 to 1000 angles"),
-        ([0.0, 1.0], [1.0], False, "2 angles and 1 torques"),
-        ([1.0, 2.0], [1.0, 1.0], False, "ascending from 0"),
-        ([0.0, 1.0, 1.0], [1.0, 1.0, 1.0], False, "ascending from 0"),
-        ([0.0, 1.0], [1.0, -1.0], False, "at least 0"),
-        ([0.0, 1.0], [0.0, 0.0], False, "not all 0"),
-        ([0.0, 1.0], [1.0, 0.9], True, "the same at both ends"),
-        ([0.0, math.nan], [1.0, 0.9], False, "finite"),
-        ([0.0, 1.0], [1.0, 0.9], "yes", "true or false"),
-    ],
-)
-def test_a_curve_that_breaks_a_rule_is_refused(angle, torque, periodic, words):
-    with pytest.raises(InvalidValue, match=words):
-        esc.TorqueCurve(angle, torque, periodic)
-
-
-def test_what_does_not_go_together_is_refused(tmp_path):
-    with pytest.raises(InvalidValue, match="spring_rate must be 0 with a torque curve"):
-        timer(torque=CAM, spring_rate=1.0)
-    dense = esc.TorqueCurve(np.linspace(0.0, 1.0, 900), np.ones(900))
-    with pytest.raises(InvalidValue, match="at most 256 points in a cell, got 900"):
-        timer(torque=dense)
-    with pytest.raises(InvalidValue, match=r"torque must be a curve or in \[sweep\], got both"):
-        esc.sweep(timer(torque=CAM), torque=[1.0])
+def test_a_file_in_degrees_says_so(tmp_path):
     (tmp_path / "bad.csv").write_text("0,1\n2,-1\n")
     with pytest.raises(InputFileError, match="at least 0"):
         esc.TorqueCurve.from_csv(tmp_path / "bad.csv")
-
-
-def test_a_file_in_degrees_says_so(tmp_path):
     (tmp_path / "curve.csv").write_text("angle_deg;torque\n0;2\n180;1\n")
     found = esc.TorqueCurve.from_csv(tmp_path / "curve.csv")
     assert found.angle == pytest.approx((0.0, math.pi), rel=1e-15)

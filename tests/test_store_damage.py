@@ -1,6 +1,5 @@
 """Disks that fail, and files that cannot be read: each gives one clear error."""
 
-import errno
 import os
 import subprocess
 import sys
@@ -8,57 +7,14 @@ import sys
 import h5py
 import pytest
 
-import crash_tools as tools
 import escapement as esc
-from escapement.base import files
-from escapement.base.errors import InputFileError, MissingInput, StorageError
+from escapement.base.errors import InputFileError, MissingInput
 from escapement.study.reader import read_study
 from escapement.study.stored import SCHEMA_VERSION
 from escapement.study.writer import write_study
-from study_tools import a_file, assert_same, read_whole, study, write_in_blocks
+from study_tools import assert_same, read_whole, study, write_in_blocks
 
 pytestmark = pytest.mark.slow
-
-
-def write_to_failing_disk(path, failing_call, code, monkeypatch):
-    """Message of the storage error, None where nothing failed."""
-    faults = tools.Faults(failing_call, code)
-
-    def faulty_open(*arguments, **options):
-        return tools.FaultyFile(open(*arguments, **options), faults)
-
-    with monkeypatch.context() as patch:
-        patch.setattr(files, "open", faulty_open, raising=False)
-        try:
-            write_study(study((2, 9_000)), path, force=True)
-        except StorageError as error:
-            return str(error)
-    return None
-
-
-def test_a_disk_that_fails_at_any_write_costs_one_clean_error(tmp_path, monkeypatch):
-    path = a_file(tmp_path)
-    codes = [errno.ENOSPC, errno.EIO, errno.EFBIG, errno.EDQUOT, errno.EPERM]
-    calls = [*range(0, 24), *range(24, 10_000, 101)]
-    for call in calls:
-        code = codes[call % len(codes)]
-        message = write_to_failing_disk(path, call, code, monkeypatch)
-        if message is None:
-            break
-        assert message.startswith(f"writing {path} failed: {os.strerror(code)}; ")
-        assert path.read_text() == "precious"
-        assert list(tmp_path.iterdir()) == [path]
-    assert call > 100
-    assert_same(read_study(path), study((2, 9_000)))
-
-
-@pytest.mark.skipif(sys.platform == "win32", reason="no resource limits")
-@pytest.mark.parametrize("limit", [100, 5_000, 300_000, 3_000_000])
-def test_a_full_disk_ends_the_process_in_peace(tmp_path, limit):
-    path = str(tmp_path / "a.h5")
-    told = tools.run_limited(limit, f"write_study(study((3, 70_000)), {path!r})")
-    assert told.startswith(f"writing {path} failed: File too large; nothing was left")
-    assert list(tmp_path.iterdir()) == []
 
 
 def not_ours(path, **attributes):

@@ -6,7 +6,6 @@ from dataclasses import replace
 import h5py
 import numpy as np
 import pytest
-import xarray
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -52,19 +51,6 @@ def test_layout(tmp_path):
         assert status["flag_values"].dtype == np.uint8
         assert list(status["flag_values"]) == [member.value for member in Status]
         assert status["flag_meanings"].split() == [member.label for member in Status]
-
-
-def test_xarray_opens_it_without_this_package(tmp_path):
-    whole = study()
-    write_study(whole, tmp_path / "a.h5")
-    with xarray.open_dataset(tmp_path / "a.h5", engine="h5netcdf") as dataset:
-        assert dataset.period.dims == ("friction", "torque")
-        assert dataset.torque.attrs["units"] == "in lbf"
-        assert dataset.attrs["title"] == ATTRIBUTES["title"]
-        for name in RESULTS:
-            np.testing.assert_array_equal(dataset[name], whole.results[name])
-        picked = dataset.period.sel(friction=0.25, method="nearest")
-        np.testing.assert_array_equal(picked, whole.results["period"][1])
 
 
 def test_bytes_do_not_depend_on_the_order_of_the_blocks(tmp_path):

@@ -11,7 +11,6 @@ from escapement import GearDriven, Geneva
 from escapement.base.errors import InvalidValue
 from escapement.constant_speed import transmission_extrema
 from escapement.synthesis import (
-    GearPair,
     find_mechanisms,
     follower_motion,
     gear_pairs,
@@ -198,15 +197,6 @@ def test_what_is_just_on_a_limit_is_found():
     assert len(again) == len(exact)
 
 
-def test_generous_limits_cost_nothing():
-    one, several = (find_mechanisms(6, 0.1, curves=c) for c in ("epicycloid", ["epicycloid"]))
-    assert one == several != []
-    few = find_mechanisms(6, 0.5, most_pins=60, most_unused=30)
-    assert find_mechanisms(6, 0.5, most_pins=10**12, most_unused=100_000) == few
-    wheel = GearDriven(12, 3)
-    assert gear_pairs(wheel, 0.05, 10**15) == gear_pairs(wheel, 0.05, 2000)
-
-
 def test_sizes_are_kept():
     wishes = {"largest_radius": 0.05, "shaft_radius": 0.004, "planet_radius": 0.006}
     found = find_mechanisms(6, dwell_ratio=0.9, most_slots=6, **wishes)
@@ -223,33 +213,11 @@ def test_sizes_are_kept():
         assert wheel.slots <= 6
 
 
-@pytest.mark.parametrize(
-    ("arguments", "words"),
-    [
-        ({}, "motion_ratio or dwell_ratio must be given"),
-        ({"motion_ratio": 1.3}, "motion_ratio must be at most 1"),
-        ({"dwell_ratio": -0.3}, "dwell_ratio must be at least 0"),
-        ({"motion_ratio": 0.3, "curves": "circle"}, "curves must be one of .*got 'circle'"),
-        ({"motion_ratio": 0.3, "finest": 10**4}, "most_lobes and finest must"),
-        ({"motion_ratio": 0.3, "most_unused": 10**6}, "most_unused must be .* at most 100000"),
-        ({"motion_ratio": 0.3, "largest_radius": 0.0}, "largest_radius must be greater than 0"),
-    ],
-)
-def test_impossible_wishes(arguments, words):
-    with pytest.raises(InvalidValue, match=words):
-        find_mechanisms(6, **arguments)
-
-
-@pytest.mark.parametrize("call", [gear_pairs, planet_inertia])
-def test_gears_are_those_of_a_gear_driven_wheel(call):
-    with pytest.raises(InvalidValue, match="mechanism must be gear-driven, got Geneva"):
-        call(Geneva(4), 0.05)
-
-
 @pytest.mark.parametrize("wheel", WHEELS[3:], ids=lambda w: f"{w.stations} {w.curve}")
 def test_gears_have_the_exact_ratio_and_touch(wheel):
     pairs = gear_pairs(wheel, 0.06)
     assert pairs
+    assert gear_pairs(wheel, 1e-3) == []
     for pair in pairs:
         assert Fraction(pair.fixed_teeth, pair.planet_teeth) == abs(wheel.gear_ratio)
         assert pair.reach <= 0.06 * (1.0 + 1e-12)
@@ -257,19 +225,6 @@ def test_gears_have_the_exact_ratio_and_touch(wheel):
         distance = abs(pair.fixed_radius + sense * pair.planet_radius)
         assert pair.carrier_length == pytest.approx(distance, rel=1e-12)
     assert [p.module for p in pairs] == sorted((p.module for p in pairs), reverse=True)
-
-
-def test_teeth_that_do_not_mesh():
-    wheel = GearDriven(12, 3)
-    with pytest.raises(InvalidValue, match=r"teeth must be in the ratio \|k\| = 3 .*60/21"):
-        GearPair(wheel, 60, 21, 1e-3)
-    with pytest.raises(InvalidValue, match=r"planet_teeth must be .* at least 17, got 16"):
-        GearPair(wheel, 48, 16, 1e-3)
-    with pytest.raises(InvalidValue, match=r"must differ by at least 10 .*use the epicycloid"):
-        GearPair(GearDriven(12, 0, "pericycloid"), 84, 91, 1e-3)
-    with pytest.raises(InvalidValue, match="module must be greater than 0"):
-        GearPair(wheel, 60, 20, 0.0)
-    assert gear_pairs(wheel, 1e-3) == []
 
 
 @pytest.mark.parametrize("wheel", [GearDriven(12, 5, "epicycloid", pins=6), GearDriven(12, 3)])

@@ -30,18 +30,13 @@ def error(table):
 @pytest.mark.parametrize("rows", [13, 25, 61])
 def test_both_ends_of_the_cell_may_be_given_with_its_angle(rows):
     """They miss the cell by rounding; the table is that without the options."""
-    for start in (2, 107, *range(-360, 361, 7)):
+    for start in (2, 107, *range(-360, 361, 31)):
         theta = np.radians(np.linspace(start, start + 360, rows))
         alone, told = esc.Tabulated(theta, wavy(theta)), esc.Tabulated(theta, wavy(theta), **CELL)
         np.testing.assert_allclose(
             told.transmission(ANGLES).g, alone.transmission(ANGLES).g, rtol=0.0, atol=1e-10
         )
         np.testing.assert_allclose(told.breaks, alone.breaks, rtol=0.0, atol=1e-10)
-
-
-def test_both_ends_of_the_cell_in_any_order():
-    theta = np.random.default_rng(4).permutation(np.linspace(0.3, 0.3 + TURN, 61))
-    assert error(esc.Tabulated(theta, wavy(theta), **CELL)) < 1e-6
 
 
 @pytest.mark.parametrize("off", [0.0, 1e-15, -1e-15, 1e-10, -1e-10])

@@ -56,21 +56,6 @@ def test_noise_is_found_and_its_effect_is_not_understated(rows, noise_deg):
     assert (mean > 0.01).all()
 
 
-def test_smooth_tables_follow_the_drive():
-    table = measured(1000, math.radians(0.05))
-    found = table.transmission(ANGLES)
-    assert np.abs(found.g - DRIVE.transmission(ANGLES).g).max() < 0.01
-    assert np.abs(table.follower_angle(ANGLES) - table.follower_angle(0.0)
-                  - DRIVE.follower_angle(ANGLES)).max() < math.radians(0.05)  # fmt: skip
-    # rows of any cells: the cell about zero that begins where the follower is slowest
-    assert table.breaks[0] <= 0.0 < table.breaks[1]
-    assert table.breaks[0] == pytest.approx(DRIVE.breaks[0], abs=0.1)
-    assert float(table.transmission(table.breaks[0]).g) < 0.01
-    assert exact(60).breaks == DRIVE.breaks
-    np.testing.assert_array_equal(exact(60).deviation([0.0, 1.0]).g, 0.0)
-    assert exact(60).noise == 0.0
-
-
 @pytest.mark.parametrize("sense", [-1.0, 1.0])
 def test_the_follower_angle_grows(sense):
     table = exact(60, sense)
@@ -108,18 +93,6 @@ def test_everything_else_takes_a_table(tmp_path):
     assert study.results["period"][1] == pytest.approx(esc.terminal(timer).period, rel=1e-9)
 
 
-@pytest.mark.parametrize("table", [exact(24), measured(40, 0.005)], ids=["exact", "measured"])
-def test_a_motion_of_a_table_is_written_and_read(table, tmp_path):
-    from escapement.motion_file import read_motion, write_motion
-
-    motion = esc.simulate(esc.Escapement(table, INERTIA, 0.01, efficiency=0.9), 3)
-    write_motion(motion, tmp_path / "motion.h5")
-    again = read_motion(tmp_path / "motion.h5")
-    assert again.escapement.mechanism == motion.escapement.mechanism
-    times = np.linspace(0.0, motion.end_time, 50)
-    np.testing.assert_allclose(again.at(times).theta_dot, motion.at(times).theta_dot, rtol=1e-9)
-
-
 def test_a_follower_that_turns_back_has_kinematics_and_no_motion():
     theta = np.linspace(0.0, 2.0 * math.pi, 61)
     table = esc.Tabulated(theta, theta + 2.0 * np.sin(theta))
@@ -151,17 +124,6 @@ def test_rows_at_random_are_not_warned_of_gaps():
     for seed in range(200):  # a warning would be an error
         theta = np.random.default_rng(seed).uniform(0.0, 1.0, 12 + seed)
         esc.Tabulated(theta, theta, measured=True, cell_angle=1.0, follower_step=1.0)
-
-
-def test_its_repr_is_short_and_tells_tables_apart():
-    table, other = exact(200), exact(201)
-    text = repr(esc.Escapement(table, esc.Inertia(1e-6, 1e-5), 0.01, efficiency=0.9))
-    assert repr(table) in text
-    assert len(text) < 350
-    assert repr(table).startswith("Tabulated(rows=201, checksum=")
-    moved = esc.Tabulated(table.theta, 1.0 + np.array(table.phi))
-    assert len({repr(table), repr(other), repr(moved)}) == 3
-    assert repr(esc.Tabulated(table.theta, table.phi)) == repr(table)
 
 
 def test_a_measured_table_is_drawn_with_its_doubt():

@@ -8,8 +8,7 @@ import pytest
 
 import escapement as esc
 from escapement.base.errors import InputFileError, InvalidValue
-from escapement.study.parse import parse_plan
-from tabulated_drive import ANGLES, DRIVE, INERTIA
+from tabulated_drive import DRIVE, INERTIA
 
 
 @pytest.mark.parametrize(
@@ -52,40 +51,6 @@ def test_tables_that_cannot_be_read(tmp_path, text, words):
     place.write_text(text)
     with pytest.raises(InputFileError) as caught:
         esc.Tabulated.from_csv(place)
-    assert "\n" not in str(caught.value)
-    assert all(word in str(caught.value) for word in words)
-
-
-LINE = np.linspace(0.0, 1.0, 20)
-
-
-@pytest.mark.parametrize(
-    ("make", "words"),
-    [
-        (lambda: esc.Tabulated([0, 1, 2], [0, 1, 2]), ["theta", "at least 12 rows", "3"]),
-        (lambda: esc.Tabulated(LINE, LINE[:-1]), ["phi", "as long as theta, 20", "19"]),
-        (lambda: esc.Tabulated(LINE, np.where(LINE > 0.9, np.nan, LINE)), ["phi", "finite"]),
-        (lambda: esc.Tabulated(LINE[::-1], LINE), ["must ascend", "got 0.9", "sort the table"]),
-        (lambda: esc.Tabulated(LINE, 0.0 * LINE), ["follower_step", "greater than 0", "turned on"]),
-        (lambda: esc.Tabulated(LINE, LINE, cell_angle=1.0), ["must come with", "both"]),
-        (lambda: esc.Tabulated(np.arange(7e2), np.arange(7e2)), ["at most 601 rows", "700"]),
-        (
-            lambda: esc.Tabulated(LINE % 0.5, LINE, cell_angle=0.5, follower_step=1.0).spline,
-            ["theta must differ", "measured"],
-        ),
-        (
-            lambda: esc.Tabulated(LINE, 0.8 * LINE, follower_step=1.0),
-            ["follower_step", "the cell, 0.8 rad or 45.83662 degrees, got 1.0", "step out"],
-        ),
-        (
-            lambda: esc.Tabulated(LINE, 0.4 * LINE, measured=True, follower_step=1.0),
-            ["follower_step", "0.4 rad", "got 1.0"],
-        ),
-    ],
-)  # fmt: skip
-def test_tables_that_cannot_be(make, words):
-    with pytest.raises(InvalidValue) as caught:
-        make()
     assert "\n" not in str(caught.value)
     assert all(word in str(caught.value) for word in words)
 
@@ -147,16 +112,6 @@ def test_a_rounded_table_is_refused_or_its_accelerations_are_right(rows, decimal
         assert np.abs(found - true).max() < 0.025 * greatest
 
 
-@pytest.mark.parametrize("ratio", [1.5, 1.0 / 3.0])
-@pytest.mark.parametrize("decimals", [4, 6, 8])
-def test_an_even_ratio_may_be_rounded(ratio, decimals):
-    theta = np.linspace(0.0, 2.0, 37)
-    table = esc.Tabulated(theta, np.radians(np.round(np.degrees(ratio * theta), decimals)))
-    found = table.transmission(np.linspace(0.0, 2.0, 501))
-    assert np.abs(found.g - ratio).max() < 1e-3 * ratio
-    assert np.abs(found.dg).max() < 0.02 * ratio
-
-
 def test_rows_as_far_apart_as_the_message_says_are_taken():
     def table(rows):
         theta = np.linspace(0.0, 2.0, rows)
@@ -169,15 +124,7 @@ def test_rows_as_far_apart_as_the_message_says_are_taken():
     table(int(2.0 / least) + 1)
 
 
-def test_it_does_not_matter_from_where_a_measured_follower_counts():
-    theta = np.linspace(*DRIVE.breaks, 400)
-    phi = DRIVE.follower_angle(theta) + 1e-5 * np.random.default_rng(1).standard_normal(400)
-    near, far = (esc.Tabulated(theta, phi + turns, measured=True) for turns in (0.0, 6283.0))
-    assert far.noise == pytest.approx(near.noise, rel=1e-4)
-    assert far.follower_step == pytest.approx(near.follower_step, rel=1e-9)
-    np.testing.assert_allclose(far.transmission(ANGLES).g, near.transmission(ANGLES).g, atol=1e-6)
-
-
+@pytest.mark.slow
 def test_the_step_of_a_measured_cell_is_no_two_rows_difference():
     """As known as the angle of a curve through the rows, with no kink where its ends meet."""
     theta, noise = np.linspace(*DRIVE.breaks, 2001), np.radians(1.3)
@@ -204,18 +151,6 @@ def test_a_step_that_measured_rows_do_not_turn_by_is_refused(wrong):
     assert esc.Tabulated(theta, phi, follower_step=STEP, **options).noise < 0.006
     with pytest.raises(InvalidValue, match="follower_step must be what phi turns"):
         esc.Tabulated(theta, phi, follower_step=wrong * STEP, **options)
-
-
-def test_a_study_holds_the_table():
-    plan = parse_plan(
-        {
-            "mechanism": {"kind": "tabulated", "theta": LINE.tolist(), "phi": LINE.tolist()},
-            "inertia": {"driver": 1.0, "follower": 1.0},
-            "torque": 1.0,
-            "sweep": {"efficiency": [0.5, 0.9]},
-        }
-    )
-    assert plan.escapement(1).mechanism == esc.Tabulated(LINE, LINE)
 
 
 # --- command line -------------------------------------------------------------------------
@@ -249,32 +184,3 @@ def test_commands_take_a_table(report, tmp_path):
     scattered = ("tabulated", "--table", "scattered.csv", "--measured")
     torque = report("drive-torque", *scattered, *constant)
     assert "the scatter of the table makes the contact moment uncertain by" in torque["message"]
-
-
-@pytest.mark.filterwarnings("always")
-@pytest.mark.usefixtures("table_file")
-def test_commands_warn_of_a_table_with_a_gap(command):
-    rows = np.loadtxt("table.csv", delimiter=",")
-    np.savetxt("gap.csv", rows[:41], delimiter=",")
-    readings = esc.synthetic_readings(DRIVE, seed=1, noise=0.01)
-    esc.write_readings(readings, "readings.csv")
-    kind = ("tabulated", "--table", "gap.csv", "--cell-angle", "202.5", "--follower-step", "157.5")
-    inertias = ("--driver-inertia", "1e-5", "--follower-inertia", "2e-5")
-    run = ("run", *kind, "--torque", ".01", "--efficiency", ".9", *inertias)
-    for words in (("mechanism", *kind), run, ("measure", "readings.csv", *kind)):
-        assert "warning: theta must have rows all over the cell" in command(*words)[2]
-
-
-@pytest.mark.parametrize(
-    ("line", "code", "words"),
-    [
-        ("", 2, ["--table", "required"]),
-        ("--table no.csv", 66, ["no.csv", "does not exist"]),
-        ("--table table.csv --slots 4", 2, ["--slots", "tabulated"]),
-        ("--table table.csv --cell-angle 100", 2, ["must come with", "give both"]),
-    ],
-)
-@pytest.mark.usefixtures("table_file")
-def test_wrong_use(refusal, line, code, words):
-    said = refusal(code, "mechanism", "tabulated", *line.split())
-    assert all(word in said for word in words)

@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 import escapement as esc
-from escapement.base.errors import InvalidValue
 from escapement.mechanisms.elliptical_teeth import PitchEllipse, fewest_teeth, tooth_module
 from escapement.outlines.gaps import gap, outside, segments_of
 from escapement.outlines.meshed import spur_teeth, toothed_gears
@@ -98,16 +97,3 @@ def test_parts_are_cut_and_their_mass_is_near_that_of_the_pitch_curve():
     # no ratio of whole numbers: spur gears stay pitch circles
     odd = esc.parts_of(esc.EllipticalPlanetary(0.016, 0.016 / math.pi))
     assert {part.name for part in odd if part.toothed} == {"sun", "planet"}
-
-
-@pytest.mark.parametrize(
-    ("mechanism", "fits", "words"),
-    [
-        (PAPER, {"teeth": 18}, "teeth must be at least 19"),
-        (PAPER, {"clearance": 0.003}, "leave tips"),
-        (esc.Geneva(4, crank_radius=0.02, pin_radius=0.001), {"teeth": 20}, "teeth must be 0"),
-    ],
-)
-def test_wrong_use(mechanism, fits, words):
-    with pytest.raises(InvalidValue, match=words):
-        esc.parts_of(mechanism, esc.Fits(**fits))

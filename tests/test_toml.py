@@ -80,14 +80,3 @@ def test_byte_order_marks_of_joined_files_are_left_out(tmp_path):
         read_toml(path, "study file")  # a mark within a line is an error
     path.write_text(STUDY.replace("\n[", "\n\ufeff["), encoding="utf-8")
     assert load_plan(path).cases == 3
-
-
-def test_another_encoding_is_told_with_its_line(tmp_path):
-    path = tmp_path / "study.toml"
-    path.write_bytes(STUDY.replace("units", 'title = "Räder"\nunits').encode("cp1252"))
-    with pytest.raises(InputFileError) as caught:
-        load_plan(path)
-    assert str(caught.value) == (
-        f"study file {path} must be valid TOML, which is UTF-8, got another encoding in line 1: "
-        'title = "Räder"; save the file as UTF-8'
-    )

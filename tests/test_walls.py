@@ -140,6 +140,11 @@ def test_walls_in_closed_form():
     # the two edges of a wedge meet in a corner, and leave no wall there
     wedge = chain([0.0, 5.0, 5.0 + 1.0j], [0.0] * 3)
     assert thinnest_wall([wedge]).width > 0.9
+    # a slit lies between the end of a notch and the edge below
+    notched = chain([0, 3, 3 + 2j, 1.51 + 2j, 1.51 + 1j, 1.49 + 1j, 1.49 + 2j, 2j], [0.0] * 8)
+    slit = chain([1.5 + 0.05j, 1.45 + 0.5j, 1.5 + 0.95j, 1.55 + 0.5j], [0.0] * 4)
+    assert thinnest_wall([notched]).width == pytest.approx(1.0, rel=1e-15)
+    assert thinnest_wall([notched, slit]).width == pytest.approx(1.45, rel=1e-15)
     ring = [Curve.circle(2.0), Curve.circle(1.5, 0.1j).reversed()]
     assert thinnest_wall(ring).width == pytest.approx(0.4, rel=1e-13)
 
