@@ -6,9 +6,8 @@ that are not SI. Only the module of the command is imported, and it imports noth
 its arguments are parsed, so that help appears at once.
 
 Each command is a file of its name: `run`, `rundown`, `sweep`, `budget`, `design`, `explore`,
-`plot`, `mechanism`, `export`, `index`, `drive_torque`, `measure`, `reproduce`, `compile` and
-`bench`. Read `run` as an
-example.
+`plot`, `mechanism`, `export`, `index`, `measure`, `reproduce`, `compile` and `bench`. Read `run`
+as an example.
 
 - `_arguments`: the parser, options that several commands share, and the objects they describe
 - `_inputs`, `_output`: what went in; JSON and tables, which are those of a `Record`, notes, files
@@ -39,7 +38,7 @@ COMMANDS = {
     "mechanism": "geometry, transmission, motion ratio and dwell",
     "export": "write parts as DXF or SVG, after a check of the motion",
     "index": "an indexing drive: torque, power, forces, impacts, ringing of its load",
-    "drive-torque": "torque and pin reversals at constant driver speed, a part of index",
+    "drive-torque": "the old name of index",
     "measure": "measured positions against theory, with statistics",
     "reproduce": "a source's printed numbers compared with computed ones",
     "compile": "compile the numerical code, so that all later work begins at once",
@@ -145,16 +144,19 @@ def _dispatch(argv: Sequence[str]) -> int:
     from escapement.base import spoken
     from escapement.base.units import SYSTEMS
     from escapement.cli import _log, _output, _waiting
-    from escapement.cli._arguments import parser_of, understand_command
+    from escapement.cli._arguments import OLD_NAMES, parser_of, understand_command
 
     try:
-        command, parser = parser_of(understand_command(argv, COMMANDS))
+        name = understand_command(argv, COMMANDS)
+        command, parser = parser_of(name)
         args = parser.understand(argv[1:])
         _output.check_files(args)
         if args.log is not None:
             _log.start(args.log, argv)
         with _waiting.shown(argv[0], quiet=getattr(args, "quiet", False)):
             code: int = command.execute(args)
+        if name in OLD_NAMES:
+            _output.note(f"{name} is the old name of {OLD_NAMES[name]}")
     except SystemExit:  # argparse ends so after help, or the version
         return 0
     finally:

@@ -28,8 +28,7 @@ def configure(parser: Parser) -> None:
 
 def execute(args: Arguments) -> int:
     """Print the figures; write and draw what was asked for."""
-    from escapement.constant_speed.drive_record import doubt_of
-    from escapement.constant_speed.index_record import record_of
+    from escapement.constant_speed.index_record import doubt_of, record_of
 
     _arguments.require(args, declared(IndexCase))
     mechanism = _arguments.read_mechanism(args)

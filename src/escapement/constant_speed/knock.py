@@ -26,7 +26,7 @@ from escapement.numerics.jit import inner_jit, jit
 
 _STEPS = 64  # between two angles, in which a first zero is looked for
 _HALVINGS = 50  # of a step, until a zero is known to rounding
-FRONT, REAR, NOWHERE = 1, -1, 0
+FRONT, REAR, NOWHERE = 1.0, -1.0, 0.0
 """Which wall the follower meets after its flight."""
 
 
@@ -58,10 +58,15 @@ class Knock(NamedTuple):
     entry_speed: float
     entry_distance: float
     lift_off: float
-    wall: int
+    wall: float
     reversal_angle: float
     reversal_speed: float
     reversal_distance: float
+
+
+_NAN = float("nan")
+NO_KNOCK = Knock(_NAN, _NAN, _NAN, _NAN, NOWHERE, _NAN, _NAN, _NAN)
+"""Of a drive whose pins fit their slots."""
 
 
 @inner_jit
