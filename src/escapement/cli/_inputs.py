@@ -77,10 +77,10 @@ def print_inputs(inputs: Iterable[Input], system: str) -> None:
 
 def of_plan(plan: "StudyPlan") -> Iterable[Input]:
     """The numbers of a study: those that are fixed, and the ends of those that vary."""
-    from escapement.study.plan import settings_of, unit_kind
+    from escapement.study.plan import unit_kind
 
     yield "kind", plan.build.kind, "ratio"
-    entries = settings_of(plan.build, plan.meshed) | plan.parameters
+    entries = plan.settings | plan.parameters
     varied = {name for along in plan.varied.values() for name in along}
     for name, value in plan.fixed_si.items():
         entry = entries.get(name)

@@ -1,12 +1,14 @@
 """What is told of an indexing drive, in the order in which the engineer of a machine reads it."""
 
 import math
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from escapement.base.records import Record
 from escapement.base.results import Result
 from escapement.base.spoken import as_spoken
-from escapement.constant_speed.indexing import IndexingDrive
+
+if TYPE_CHECKING:
+    from escapement.constant_speed.indexing import IndexingDrive
 
 
 def _sized(drive: Any) -> bool:
@@ -143,27 +145,25 @@ INDEX = {
 """Figures of an indexing drive by name. Those with "_deg" are angles in degrees."""
 
 
-def figure(drive: Any, name: str) -> Any:
-    """A figure of a drive, or of many, in SI; angles whose name ends in "_deg" in degrees."""
-    if name == "reversals_deg":
-        return [math.degrees(angle) for angle in drive.reversals.tolist()]
-    if not name.endswith("_deg"):
-        return getattr(drive, name)
-    return getattr(drive, name.removesuffix("_deg") + "_angle") * (180.0 / math.pi)
+def in_si(drive: Any, name: str) -> Any:
+    """A figure of a drive, or of many, in SI."""
+    return getattr(drive, name.removesuffix("_deg") + "_angle" if name.endswith("_deg") else name)
 
 
-def record_of(drive: IndexingDrive) -> Record:
+def record_of(drive: "IndexingDrive") -> Record:
     """The figures of a drive in SI; those that it cannot have are left out."""
-    found = {
-        name: figure(drive, name)
-        for name, result in INDEX.items()
-        if result.exists is None or result.exists(drive)
-    }
-    found["reversal_limits"] = [*found["reversal_limits"]]
-    return Record(found, INDEX)
+    import numpy as np
+
+    found: dict[str, Any] = {"reversals_deg": np.degrees(drive.reversals).tolist()}
+    found["reversal_limits"] = [*drive.reversal_limits]
+    for name, result in INDEX.items():
+        if name not in found and (result.exists is None or result.exists(drive)):
+            value = in_si(drive, name)
+            found[name] = math.degrees(value) if name.endswith("_deg") else value
+    return Record({name: found[name] for name in INDEX if name in found}, INDEX)
 
 
-def doubt_of(drive: IndexingDrive) -> str:
+def doubt_of(drive: "IndexingDrive") -> str:
     """What the scatter of a measured table makes uncertain; "" for other mechanisms."""
     if drive.moment_deviation == 0.0:
         return ""

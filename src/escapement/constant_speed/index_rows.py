@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from escapement.base.quantity import declared
 from escapement.constant_speed.cycle_figures import CycleFigures, figures_of
 from escapement.constant_speed.index_case import IndexCase
 from escapement.constant_speed.index_loads import IndexLoads
@@ -88,7 +89,8 @@ class IndexRows(IndexLoads):
     """
 
     def __init__(self, mechanism: Mechanism, numbers: Mapping[str, Any], count: int) -> None:
-        every = {name: x for name, x in numbers.items() if x is not None}
+        every = {name: entry.default for name, entry in declared(IndexCase).items()}
+        every |= {name: x for name, x in numbers.items() if x is not None}
         self.__dict__.update(every)
         self.mechanism, self.inertial = mechanism, every["follower_inertia"] * every["speed"] ** 2
         self.half = IndexCase.half.fget(self)  # type: ignore[attr-defined]

@@ -29,6 +29,7 @@ from escapement.model.scene import Scene
 from escapement.model.train import referred, train_numbers
 from escapement.study.checked import check_scenes
 from escapement.study.plan import StudyPlan
+from escapement.study.subject import ESCAPEMENT
 
 FOLLOWER = "follower_inertia"
 TORQUE, SPEED = "torque", "initial_speed"
@@ -239,6 +240,8 @@ def si_unit(kind: str, clock: Any, torque: Any) -> Any:
 
 def together(plan: StudyPlan) -> bool:
     """Whether many cases are solved at once; otherwise one by one."""
+    if plan.subject is not ESCAPEMENT:
+        return False
     if plan.solver.engine != "energy" or plan.perfect:
         return plan.solver.engine == "energy"
     varied = {name for along in plan.varied.values() for name in along}
