@@ -32,7 +32,7 @@ COMMANDS = {
     "rundown": "a timer whose spring runs down: rate, turns and stop",
     "sweep": "a study on a grid or a sample, to an HDF5 file",
     "budget": "effects of the tolerances of a drawing, and which to tighten",
-    "design": "find timers for a given period or run time, within bounds",
+    "design": "find timers or indexing drives for a task, within bounds",
     "explore": "write a page that computes a motion while numbers are dragged",
     "plot": "draw the figures that suit a file",
     "mechanism": "geometry, transmission, motion ratio and dwell",

@@ -47,6 +47,7 @@ _NO_LIMIT = "no finite value makes the pin reverse"
 INDEX = {
     "index_time": Result("time", "time in which the follower moves"),
     "dwell_time": Result("time", "time in which it rests"),
+    "cycle_time": Result("time", "time from one index to the next"),
     "motion_ratio": Result("ratio", "share of the cycle in which it moves"),
     "follower_velocity_max": Result("speed", "greatest speed of the follower"),
     "follower_acceleration_max": Result("acceleration", "greatest acceleration of the follower"),
@@ -54,9 +55,13 @@ INDEX = {
         "torque", "greatest moment on the follower", label="moment on the follower max"
     ),
     "torque_max": Result("torque", "greatest torque of the drive"),
-    "torque_max_deg": Result("degrees", "driver angle of it", label="torque max at"),
+    "torque_max_deg": Result(
+        "degrees", "driver angle of the greatest torque", label="torque max at"
+    ),
     "torque_min": Result("torque", "least torque; below zero the follower drives"),
-    "torque_min_deg": Result("degrees", "driver angle of it", label="torque min at"),
+    "torque_min_deg": Result(
+        "degrees", "driver angle of the least torque", label="torque min at"
+    ),
     "torque_mean_index": Result("torque", "mean while the follower moves"),
     "torque_mean_cycle": Result("torque", "mean over the cycle, dwell included"),
     "torque_rms": Result("torque", "root mean square over the cycle"),
@@ -67,7 +72,8 @@ INDEX = {
         label="force on the pin max",
     ),
     "contact_force_max_deg": Result(
-        "degrees", "driver angle of it", exists=_sized, label="force on the pin max at"
+        "degrees", "driver angle of the greatest force", exists=_sized,
+        label="force on the pin max at",
     ),
     "pressure_max": Result(
         "pressure", "greatest pressure between pin and wall", exists=_stressed, missing=_NO_PIN
@@ -85,19 +91,21 @@ INDEX = {
     "entry_impact_deg": Result(
         "degrees", "where the pin meets its slot", exists=_loose, label="entry impact at"
     ),
-    "entry_impact_speed": Result("slip", "speed of this impact", exists=_loose),
-    "entry_impact_energy": Result("energy", "energy lost in it", exists=_loose),
+    "entry_impact_speed": Result("slip", "speed at which the pin meets its slot", exists=_loose),
+    "entry_impact_energy": Result("energy", "energy lost when it does", exists=_loose),
     "lift_off_deg": Result(
         "degrees", "where the pin leaves the front wall", exists=_loose, label="lift off at"
     ),
     "reversal_flight_time": Result(
-        "time", "time until it meets a wall again", exists=_loose, missing=_NO_WALL
+        "time", "time until the pin meets a wall again", exists=_loose, missing=_NO_WALL
     ),
     "reversal_impact_deg": Result(
-        "degrees", "where it does", exists=_loose, label="reversal impact at"
+        "degrees", "where the pin meets a wall again", exists=_loose, label="reversal impact at"
     ),
-    "reversal_impact_speed": Result("slip", "speed of this impact", exists=_loose),
-    "reversal_impact_energy": Result("energy", "energy lost in it", exists=_loose),
+    "reversal_impact_speed": Result(
+        "slip", "speed at which the pin meets a wall again", exists=_loose
+    ),
+    "reversal_impact_energy": Result("energy", "energy lost when it does", exists=_loose),
     "deflection_max": Result("angle", "greatest angle of the load from the wheel", exists=_elastic),
     "residual_amplitude": Result("angle", "amplitude left after the index", exists=_elastic),
     "settling_time_load": Result(
