@@ -240,7 +240,7 @@ def test_drive_torque_table_and_picture(command, tmp_path):
     options = ["--internal", "--speed", 10, "--load-torque", 1, "--follower-inertia", 0.001]
     code, out, err = command("drive-torque", *options, "--plot", "torque.png")
     assert code == 0
-    assert err.splitlines()[0] == "escapement: drive-torque is the old name of index"
+    assert err.splitlines()[-1] == "escapement: drive-torque is the old name of index"
     rows = dict(line.split("  ", 1) for line in out.partition("\n\n")[2].splitlines())
     assert rows["reversals"].strip() == "none"
     assert rows["greatest speed without reversal"].split()[1] == "rad/s"

@@ -60,11 +60,6 @@ class IndexingDrive(IndexLoads, IndexCase):
     def __post_init__(self) -> None:
         super().__post_init__()
         self._scene  # noqa: B018 - checks the numbers that it shares with an escapement
-        clearance = {"clearance": self.mechanism.clearance}
-        for name, value in (clearance | {"load_frequency": self.load_frequency}).items():
-            if value and not self.dwell_time > 0.0:
-                rule = "0 where the follower never rests, so that no index begins from rest"
-                raise validate.fail(name, rule, value, "give fewer pins, or simulate the motion")
 
     # --- what is computed, in units of I_f, I_f W^2 and 1/W ---------------------------------
 

@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 from escapement.base import validate
+from escapement.base.errors import InvalidValue
 from escapement.base.lazy import Lazy
 from escapement.base.quantity import Declared, Quantity, Setting, declared, per_class, quantities
 
@@ -101,6 +102,16 @@ def idle_settings(owner: type, values: Mapping[str, Any]) -> str:
         if not any(_given(values.get(name)) for name in enough):
             notes.append(f"{entry.name} has no effect without {entry.needs}")
     return "; ".join(notes)
+
+
+def refuse_idle(owner: Declared) -> None:
+    """Refuse a setting that has no effect, since another one is missing."""
+    for entry in _dependent(type(owner)):
+        given = getattr(owner, entry.key) != entry.default
+        if given and not _given(getattr(owner, entry.needs)):
+            raise InvalidValue(
+                f"{entry.name} must come with {entry.needs}, got none; it has no effect alone"
+            )
 
 
 def _given(value: Any) -> bool:
