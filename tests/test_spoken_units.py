@@ -17,10 +17,13 @@ from escapement.mechanisms import DEFAULT_KIND
 UNIT = r"(?:(?<=[(\[])|(?<=\d )|(?<=  ))(?:{})(?=$|[\s)\],;:.])"
 """A unit after a number, in brackets, or in a column of its own."""
 FOREIGN = {
-    "SI": re.compile(UNIT.format("in|lbf|in-lbf.*?|lbf.*?")),
-    "in-lbf-s": re.compile(UNIT.format("[mµn]?N m.*?|[kµm]?g(?: m.*?)?|[mµ]?m|N/m|m/s|[JWN]")),
+    "SI": re.compile(UNIT.format("in|lbf|in-lbf.*?|lbf.*?|rpm|MPa|N mm.*?|kg mm.*?")),
+    "in-lbf-s": re.compile(
+        UNIT.format("[mµn]?N m.*?|[kµm]?g(?: m.*?)?|[mµ]?m|N/m|m/s|[JWN]|rpm|MPa|deg/s")
+    ),
+    "mm": re.compile(UNIT.format("in|lbf|in-lbf.*?|lbf.*?|m?rad|rad/s|k?Pa|[mµn]?N m|kg m²|m|J")),
 }
-"""Units of the other system."""
+"""Units of the other systems."""
 FILES = {"sweep": {"config": "study.toml", "quiet": True, "force": True}}
 SHOWN = {"plot": "shown.svg", "report": "shown.html"}
 WRITTEN = {"plot": "drawn.svg", "explore": "page.html"}
@@ -30,7 +33,7 @@ def texts_of(path):
     """The lines of words in a picture, a report or a page."""
     text = path.read_text(encoding="utf-8")
     if path.suffix == ".html":
-        # the first table of a report has the design in both systems
+        # the first table of a report has the design in all systems
         text = re.sub(r"<section><h2>The design.*?</section>", "", text, flags=re.DOTALL)
         text = re.sub(r"<style>.*?</style>|<script.*?</script>", "", text, flags=re.DOTALL)
     text = re.sub(r"<(?:style|defs|metadata)\b.*?</(?:style|defs|metadata)>", "", text, flags=re.S)

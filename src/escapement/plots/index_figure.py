@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 
 from escapement.base import validate
 from escapement.base.text import words
-from escapement.base.units import SYSTEMS, factor, unit_name
+from escapement.base.units import SYSTEMS, factor, printed, unit_name
 from escapement.constant_speed import IndexingDrive, IndexState
 from escapement.plots import style
 from escapement.plots.style import finished, number_text, scaled
@@ -58,7 +58,7 @@ def plot_index(
         entry, exit_ = one.mechanism.breaks[0], one.mechanism.breaks[-1]
         shown.append((one, one.at(np.linspace(entry, exit_, _SAMPLES)), look))
     if against is None:
-        _draw_motion(axes[0], *shown[0][:2])
+        _draw_motion(axes[0], *shown[0][:2], units)
     else:
         _draw_accelerations(axes[0], shown)
     _draw_torque(axes[1], shown, units)
@@ -68,7 +68,7 @@ def plot_index(
         ax.axhline(0.0, **style.ZERO)
         ax.set_xlim(-reach, reach)
     if rings:
-        _draw_ringing(style.dress(figure.add_subplot(grid[1, :])), shown)
+        _draw_ringing(style.dress(figure.add_subplot(grid[1, :])), shown, units)
     return figure
 
 
@@ -82,12 +82,13 @@ def _degrees(drive: IndexingDrive, theta: Any) -> Any:
     return np.degrees(theta - 0.5 * (drive.mechanism.breaks[0] + drive.mechanism.breaks[-1]))
 
 
-def _draw_motion(ax: Axes, drive: IndexingDrive, state: IndexState) -> None:
+def _draw_motion(ax: Axes, drive: IndexingDrive, state: IndexState, units: str) -> None:
     """Position, speed and acceleration of the follower, each over its greatest value."""
     turned = state.phi - state.phi[0]
+    fastest = float(np.abs(state.phi_dot).max()) / factor("speed", units)
     curves = (
         (turned, f"position, {number_text(math.degrees(abs(turned[-1])))}°"),
-        (state.phi_dot, f"speed, {number_text(np.abs(state.phi_dot).max())} rad/s"),
+        (state.phi_dot, f"speed, {number_text(fastest)} {printed('speed', units)}"),
         (state.phi_ddot, f"acceleration, {number_text(np.abs(state.phi_ddot).max())} rad/s²"),
     )
     for (values, name), look in zip(curves, style.LOOKS, strict=False):
@@ -156,9 +157,11 @@ def _mark_walls(ax: Axes, drive: IndexingDrive, angle: Any, values: Any, rear: A
         ax.plot(impacts, heights, "x", color=style.VERMILLION, ms=7, mew=1.6, label="impact")
 
 
-def _draw_ringing(ax: Axes, shown: Sequence[Shown]) -> None:
+def _draw_ringing(ax: Axes, shown: Sequence[Shown], units: str) -> None:
     """Deflection of the load over a cycle, the tolerance, and the dwell shaded."""
     first = shown[0][0]
+    in_degrees = printed("angle", units) != "rad"
+    size, unit = (180.0 / math.pi, "°") if in_degrees else (1e3, "mrad")
     dwell: dict[str, Any] = {"label": "dwell", **style.SHADE}
     if first.dwell_time > 0.0:
         ax.axvspan(first.index_time, first.cycle_time, **dwell)
@@ -166,12 +169,12 @@ def _draw_ringing(ax: Axes, shown: Sequence[Shown]) -> None:
     for drive, _, look in shown:
         entry = drive.mechanism.breaks[0]
         theta = np.linspace(entry, entry + drive.mechanism.cell_angle, 5 * _SAMPLES)
-        time, deflection = (theta - entry) / drive.speed, 1e3 * drive.at(theta).deflection
+        time, deflection = (theta - entry) / drive.speed, size * drive.at(theta).deflection
         name = "angle of the load less that of the wheel" if len(shown) == 1 else _name(drive)
         ax.plot(time, deflection, color=look.color, ls=look.linestyle, lw=1.2, label=name)
-    bound = 1e3 * first.load_tolerance
+    bound = size * first.load_tolerance
     for side in (-bound, bound):
-        name = f"tolerance, ±{number_text(bound)} mrad" if side > 0.0 else "_"
+        name = f"tolerance, ±{number_text(bound)} {unit}" if side > 0.0 else "_"
         ax.axhline(side, label=name, lw=1.0, **(style.BROKEN | {"color": style.GREEN}))
     ax.set_xlim(0.0, first.cycle_time)
-    finished(ax, ("time", "s"), ("deflection", "mrad"), 4)
+    finished(ax, ("time", "s"), ("deflection", unit), 4)

@@ -28,7 +28,7 @@ _ENOUGH = 5  # fewest points of a contour map on either axis
 _BESIDE = 3  # number of maps that fit beside one another
 _FOREMOST = ("period", "velocity_mean", "rise_time")
 _SINGLE = ("period", "rise_time", "settling_time", "velocity_max", "velocity_mean", "velocity_min")
-_SHARED = {"s": "time", "rad s-1": "driver velocity"}
+_SHARED = {"s": "time", "rad s-1": "driver velocity", "rpm": "driver velocity"}
 """Labels of panels for results with the same unit."""
 
 
