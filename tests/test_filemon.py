@@ -191,7 +191,10 @@ def test_torque_figure_is_in_the_units_asked_for():
     ax = plot_drive_torque(drive, units="in-lbf-s")
     assert ax.get_ylabel() == "Torque (in-lbf)"
     by_label = {line.get_label(): line for line in ax.lines}
-    for name, value in (("greatest torque", "torque_max"), ("mean of the first half", "torque_mean")):
+    for name, value in (
+        ("greatest torque", "torque_max"),
+        ("mean of the first half", "torque_mean"),
+    ):
         expected = getattr(drive, value) / INCH_POUND
         assert by_label[name].get_ydata()[0] == pytest.approx(expected, rel=1e-12)
     highest = by_label["drive torque"].get_ydata().max()

@@ -39,7 +39,11 @@ _NAMES = {
     "angle": ("rad", "rad", "degree"),
 }
 _COMMON = {
-    "acceleration": "rad s-2", "time": "s", "degrees": "degree", "ratio": "1", "frequency": "Hz"
+    "acceleration": "rad s-2",
+    "time": "s",
+    "degrees": "degree",
+    "ratio": "1",
+    "frequency": "Hz",
 }
 
 _BASE = ("g", "m", "s", "rad")

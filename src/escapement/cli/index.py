@@ -63,9 +63,10 @@ def _columns(args: Arguments, record: Record, beside: Record) -> None:
     names = dict.fromkeys((*columns[0], *columns[1]))
     lines, wide = [], max(map(len, names))
     for name in names:
-        one, two = (column.get(name) for column in columns)
-        unit = next(row.unit for row in (one, two) if row is not None)
-        lines.append([name.ljust(wide), *("-" if row is None else row.value for row in (one, two)), unit])
+        both = [column.get(name) for column in columns]
+        shown = ["-" if row is None else row.value for row in both]
+        unit = next(row.unit for row in both if row is not None)
+        lines.append([name.ljust(wide), *shown, unit])
     print_columns([["", words(args.kind or DEFAULT_KIND), words(args.against), ""]], lines)
 
 

@@ -180,7 +180,8 @@ def figures_of(scene, edges, half, efficiency):
         torque_max=tops[0], torque_max_angle=angles[0], torque_min=-tops[1],
         torque_min_angle=angles[1], moment_max=tops[2], moment_max_angle=angles[2],
         force_max=tops[3], force_max_angle=angles[3], ratio_max=tops[4],
-        bend_max=max(tops[5], tops[6]), bend_min=-tops[6], bend_exit=bend_exit, reversals=float(reversals.size), last_side=last_side,
+        bend_max=max(tops[5], tops[6]), bend_min=-tops[6], bend_exit=bend_exit,
+        reversals=float(reversals.size), last_side=last_side,
         torque_integral=whole, square_integral=squares, first_half=first,
     )  # fmt: skip
     return found, reversals

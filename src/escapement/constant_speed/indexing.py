@@ -24,6 +24,7 @@ from escapement.mechanisms.protocol import FloatArray, Mechanism
 from escapement.model.escapement import Escapement, Inertia
 from escapement.model.scene import Scene, scene_tuple
 
+
 class IndexState(NamedTuple):
     """An indexing drive at driver angles `theta`: arrays of one shape.
 

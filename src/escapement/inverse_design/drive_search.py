@@ -196,6 +196,6 @@ def _reason(wish: DriveWish, points: _Points) -> str:
             ("at most", high, values.min(), "least"), ("at least", low, values.max(), "greatest"),
         ):  # fmt: skip
             if end > limit if rule == "at most" else end < limit:
-                reached = f"and the {word} found is {show(float(end))} {unit}".rstrip()
-                return f"{name} must be {rule} {show(float(limit))} {unit}".rstrip() + f", {reached}"
+                asked, reached = (f"{show(float(x))} {unit}".rstrip() for x in (limit, end))
+                return f"{name} must be {rule} {asked}, and the {word} found is {reached}"
     return "no drive satisfies all bounds together; relax " + " or ".join(wish.bounds or ["them"])

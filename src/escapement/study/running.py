@@ -82,9 +82,9 @@ def sweep(
     initial_speed : float or array
         Driver speed at the first pin entry [rad/s]; an array is the last axis.
     results : sequence of str, optional
-        Figures of merit to keep: names of numbers of `Figures`, or of `IndexingDrive`. Default: the
-        velocities, period, rise and settling time; of a drive torque, power and forces. Figures that are not named are not computed if that saves
-        time.
+        Figures of merit to keep: names of numbers of `Figures`, or of `IndexingDrive`. Default:
+        the velocities, period, rise and settling time; of a drive torque, power and forces.
+        Figures that are not named are not computed if that saves time.
     path : path, optional
         File to write as well: HDF5 where its name ends in .h5, .hdf5 or .nc, a table where it
         ends in .csv or .parquet.

@@ -21,6 +21,7 @@ from escapement.study.parse.configuration import parse_plan
 from escapement.study.plan import StudyPlan
 from escapement.study.subject import DRIVE
 
+
 def plan_from(
     escapement: Escapement | IndexingDrive,
     axes: Mapping[str, ArrayLike | Mapping[str, Any]],

@@ -15,7 +15,10 @@ from escapement.study.plan import CASE
 from escapement.study.subject import ESCAPEMENT, SUBJECTS, Subject, model_numbers, subject_of
 
 SOLVER = declared(Solver)
-_TOP = ("study", "title", "units", "results", "mechanism", "inertia", *ROLES, "sweep", "sample", "solver")
+_TOP = (
+    *("study", "title", "units", "results", "mechanism", "inertia", *ROLES),
+    *("sweep", "sample", "solver"),
+)
 Content = Mapping[str, Any]
 
 
