@@ -92,7 +92,9 @@ INDEX = {
         "degrees", "where the pin meets its slot", exists=_loose, label="entry impact at"
     ),
     "entry_impact_speed": Result("slip", "speed at which the pin meets its slot", exists=_loose),
-    "entry_impact_energy": Result("energy", "energy lost when it does", exists=_loose),
+    "entry_impact_energy": Result(
+        "energy", "energy lost when the pin meets its slot", exists=_loose
+    ),
     "lift_off_deg": Result(
         "degrees", "where the pin leaves the front wall", exists=_loose, label="lift off at"
     ),
@@ -105,7 +107,9 @@ INDEX = {
     "reversal_impact_speed": Result(
         "slip", "speed at which the pin meets a wall again", exists=_loose
     ),
-    "reversal_impact_energy": Result("energy", "energy lost when it does", exists=_loose),
+    "reversal_impact_energy": Result(
+        "energy", "energy lost when the pin meets a wall again", exists=_loose
+    ),
     "deflection_max": Result("angle", "greatest angle of the load from the wheel", exists=_elastic),
     "residual_amplitude": Result("angle", "amplitude left after the index", exists=_elastic),
     "settling_time_load": Result(

@@ -64,6 +64,7 @@ def reversals_between(edges, scene):
                     found[used] = _sign_change(older, middle, here > 0.0, scene)
                     found[used + 1] = _sign_change(middle, theta, here < 0.0, scene)
                     used += 2
+                    value = 0.0  # so that the next three samples do not find them again
             older, oldest, before, value = before, value, theta, here
     return found[:used]
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
@@ -107,11 +108,18 @@ def idle_settings(owner: type, values: Mapping[str, Any]) -> str:
 def refuse_idle(owner: Declared) -> None:
     """Refuse a setting that has no effect, since another one is missing."""
     for entry in _dependent(type(owner)):
-        given = getattr(owner, entry.key) != entry.default
+        value = getattr(owner, entry.key)
+        # a default that was converted from other units may differ by its rounding
+        given = value != entry.default and not _alike(value, entry.default)
         if given and not _given(getattr(owner, entry.needs)):
             raise InvalidValue(
                 f"{entry.name} must come with {entry.needs}, got none; it has no effect alone"
             )
+
+
+def _alike(value: Any, default: Any) -> bool:
+    both = isinstance(value, float) and isinstance(default, float)
+    return both and math.isclose(value, default, rel_tol=1e-12)
 
 
 def _given(value: Any) -> bool:

@@ -64,7 +64,9 @@ def _possible(mechanism: Any, numbers: dict[str, Any], count: int) -> NDArray[np
     crank, pin, roller, gap = (np.asarray(0.0 if x is None else x, dtype=float) for x in given)
     outer = np.where(roller > 0.0, roller, pin)
     fits = (roller == 0.0) | ((pin > 0.0) & (pin < roller))
-    fits = fits & ((outer + 0.5 * gap == 0.0) | (outer + 0.5 * gap < crank * mechanism.widest_pin))
+    wide = outer + 0.5 * gap
+    widest = np.where(crank > 0.0, crank, 1.0) * mechanism.widest_pin
+    fits = fits & ((wide == 0.0) | (wide < widest))
     if not mechanism.takes_clearance:
         fits = fits & (gap == 0.0)
     if not dwell_angle(mechanism) > 0.0:

@@ -6,6 +6,7 @@ from typing import Any
 from escapement.base import validate
 from escapement.base.errors import InvalidValue
 from escapement.base.quantity import Numbers, Setting, declared
+from escapement.base.units import factor
 from escapement.base.validate import known_keys
 from escapement.engines.solver import Solver
 from escapement.mechanisms import KINDS, kind_of
@@ -97,7 +98,9 @@ def fixed_values(content: Content, settings: Mapping[str, Setting]) -> dict[str,
         elif entry.required and name not in varied:
             missing.append(f"{entry.label} ({entry.long_name})")
         elif entry.axis and entry.default is not None:
-            fixed[name] = entry.default
+            # in the units of the study, as everything that it gives
+            size = factor(entry.unit, entry.system)
+            fixed[name] = entry.default if size == 1.0 else entry.default / size
     if missing:
         raise InvalidValue(
             f"the study lacks {', '.join(missing)}; give each a fixed value or an axis"
