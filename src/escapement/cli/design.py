@@ -72,16 +72,16 @@ def execute(args: Arguments) -> int:
 
 def _design_drives(args: Arguments) -> int:
     """The same for indexing drives."""
-    from escapement.inverse_design.drive_wish import drive_wish
+    from escapement.inverse_design.drive_requirement import drive_requirement
     from escapement.study.subject import DRIVE
 
     if args.report is not None:
         raise UsageError("--report must be left out for indexing drives, which have none")
-    wish = drive_wish(args.wish)
+    requirement = drive_requirement(args.wish)
     found = esc.design_drive(args.wish, count=args.count or 40)
-    plan = {name: value for name, value in wish.study.items() if not isinstance(value, dict)}
+    plan = {name: value for name, value in requirement.study.items() if not isinstance(value, dict)}
     known: list[Input] = [(name, value, "ratio") for name, value in plan.items()]
-    known.append(("objectives", ", ".join(wish.objectives), "ratio"))
+    known.append(("objectives", ", ".join(requirement.objectives), "ratio"))
     if not found.designs:
         _output.tell(args, {"designs": [], "message": found.message}, known, lambda: None)
         return SOME_FAILED
@@ -91,7 +91,7 @@ def _design_drives(args: Arguments) -> int:
         lambda: as_csv([[*lines[0]], *([*line.values()] for line in lines)]),
         lambda plots: plots.plot_designs(found),
     )
-    results = {name: Result(entry.unit) for name, entry in wish.entries.items()}
+    results = {name: Result(entry.unit) for name, entry in requirement.entries.items()}
     message = f"{len(lines)} designs, from {found.tried} points tried"
     record = Record({"designs": lines, "message": message}, results | dict(DRIVE.figures))
     _output.tell(args, record, known)

@@ -1,4 +1,4 @@
-"""`design_drive`: the indexing drives that satisfy a wish best."""
+"""`design_drive`: the indexing drives that satisfy a requirement best."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from escapement.base.progress import set_stage
 from escapement.base.text import Shown, show
 from escapement.base.units import factor, printed
 from escapement.constant_speed.indexing import IndexingDrive
-from escapement.inverse_design.drive_wish import GREATER, DriveWish, drive_wish
+from escapement.inverse_design.drive_requirement import GREATER, DriveRequirement, drive_requirement
 from escapement.inverse_design.front import spread_out, undominated
 from escapement.mechanisms.protocol import FloatArray, Mechanism
 from escapement.study.parse import parse_plan
@@ -30,7 +30,7 @@ shares of the ranges."""
 
 @dataclass(frozen=True, repr=False)
 class DriveDesign(Shown):
-    """An indexing drive that satisfies a wish.
+    """An indexing drive that satisfies a requirement.
 
     drive : as `escapement.index` returns it.
     chosen : the numbers that were searched, in SI.
@@ -51,13 +51,13 @@ class DriveDesign(Shown):
 class DriveDesigns(Shown):
     """Result of `design_drive`.
 
-    requirement : the wish.
+    requirement : the requirement.
     designs : of which none is better than another in all objectives, by the first objective.
     tried : number of points that were evaluated.
     message : the reason if there is no design.
     """
 
-    requirement: DriveWish
+    requirement: DriveRequirement
     designs: tuple[DriveDesign, ...]
     tried: int
     message: str
@@ -65,7 +65,7 @@ class DriveDesigns(Shown):
 
 @dataclass(frozen=True)
 class _Points:
-    """Points in a unit cube over the ranges, and the figures there, in the units of the wish."""
+    """Points in a unit cube over the ranges, and the figures there in the user's units."""
 
     shares: FloatArray
     values: dict[str, FloatArray]
@@ -78,21 +78,21 @@ class _Points:
 
 
 def design_drive(
-    wish: Mapping[str, Any] | AnyPath, *, count: int = 40, seed: int = 0
+    requirement: Mapping[str, Any] | AnyPath, *, count: int = 40, seed: int = 0
 ) -> DriveDesigns:
-    """Find the indexing drives that satisfy a wish, none better in everything than another.
+    """Find the indexing drives that satisfy a requirement, none better in everything than another.
 
     The ranges are searched at a Sobol' sequence; then better drives are looked for around those
     that satisfy the bounds and are not dominated, ever closer to them.
 
     Parameters
     ----------
-    wish : Mapping or path
+    requirement : Mapping or path
         A study of an indexing drive without axes, with three keys more: `ranges`, a table with
         the two ends of every number to search; `bounds`, a table with the least and the greatest
         value of figures; and `objectives`, a list of figures to improve. A single number as bound
-        is the greatest value, but the least for those in `drive_wish.GREATER`, which are also the
-        ones that should be great.
+        is the greatest value, but the least for those in `drive_requirement.GREATER`, which are
+        also the ones that should be great.
     count : int
         Greatest number of designs, which then lie far apart.
     seed : int
@@ -106,9 +106,9 @@ def design_drive(
     Raises
     ------
     InvalidValue, MissingInput, InputFileError
-        As `drive_wish`.
+        As `drive_requirement`.
     """
-    asked = drive_wish(wish)
+    asked = drive_requirement(requirement)
     size = len(asked.ranges)
     points = _tried(asked, qmc.Sobol(size, seed=seed).random_base2(_FIRST))
     tried = points.good.size
@@ -128,11 +128,11 @@ def design_drive(
     return DriveDesigns(asked, designs, tried, "done")
 
 
-def _plan(wish: DriveWish, shares: FloatArray) -> StudyPlan:
+def _plan(asked: DriveRequirement, shares: FloatArray) -> StudyPlan:
     """The study of the drives at points of the unit cube."""
     columns = {}
-    for (name, (low, high)), share in zip(wish.ranges.items(), shares.T, strict=True):
-        if wish.entries[name].whole:
+    for (name, (low, high)), share in zip(asked.ranges.items(), shares.T, strict=True):
+        if asked.entries[name].whole:
             low, high = np.ceil(low), np.floor(high)
             column = np.minimum(np.floor(low + share * (high - low + 1.0)), high).astype(int)
         elif low > 0.0:
@@ -140,62 +140,62 @@ def _plan(wish: DriveWish, shares: FloatArray) -> StudyPlan:
         else:
             column = low + share * (high - low)
         columns[name] = column.tolist()
-    names = [*dict.fromkeys((*wish.objectives, *wish.bounds))]
+    names = [*dict.fromkeys((*asked.objectives, *asked.bounds))]
     sample = {"method": "list", **columns}
-    return parse_plan({**wish.study, "results": names, "sample": sample})
+    return parse_plan({**asked.study, "results": names, "sample": sample})
 
 
-def _tried(wish: DriveWish, shares: FloatArray) -> _Points:
+def _tried(asked: DriveRequirement, shares: FloatArray) -> _Points:
     """Points, and their figures; good are those within the bounds."""
-    study = run_plan(_plan(wish, shares))
+    study = run_plan(_plan(asked, shares))
     values = {name: np.asarray(x, dtype=float) for name, x in study.results.items()}
     good = np.asarray(study.results["status"]) == 0
     del values["status"]
-    for name, (low, high) in wish.bounds.items():
+    for name, (low, high) in asked.bounds.items():
         good &= (values[name] >= low) & (values[name] <= high)
-    for name in wish.objectives:
+    for name in asked.objectives:
         good &= np.isfinite(values[name])
     return _Points(shares, values, good)
 
 
-def _costs(wish: DriveWish, points: _Points) -> FloatArray:
+def _costs(asked: DriveRequirement, points: _Points) -> FloatArray:
     """What should be small, a column for each objective."""
-    signs = [-1.0 if name in GREATER else 1.0 for name in wish.objectives]
-    columns = [sign * points.values[n] for n, sign in zip(wish.objectives, signs, strict=True)]
+    signs = [-1.0 if name in GREATER else 1.0 for name in asked.objectives]
+    columns = [sign * points.values[n] for n, sign in zip(asked.objectives, signs, strict=True)]
     return np.column_stack(columns)
 
 
-def _best(wish: DriveWish, points: _Points, count: int) -> _Points:
+def _best(asked: DriveRequirement, points: _Points, count: int) -> _Points:
     """The points within the bounds that no other one dominates, so many of them."""
     chosen = np.flatnonzero(points.good)
-    costs = _costs(wish, points)[chosen]
+    costs = _costs(asked, points)[chosen]
     front = undominated(costs)
     chosen = chosen[front[spread_out(costs[front], count)]]
     values = {name: x[chosen] for name, x in points.values.items()}
     return _Points(points.shares[chosen], values, points.good[chosen])
 
 
-def _made(wish: DriveWish, plan: StudyPlan, points: _Points, case: int) -> DriveDesign:
+def _made(asked: DriveRequirement, plan: StudyPlan, points: _Points, case: int) -> DriveDesign:
     """The design at a point."""
     values = {
-        name: float(x[case]) * factor(DRIVE.figures[name].kind, wish.system)
+        name: float(x[case]) * factor(DRIVE.figures[name].kind, asked.system)
         for name, x in points.values.items()
     }
     given = plan.values(case)
-    return DriveDesign(plan.drive(case), {name: given[name] for name in wish.ranges}, values)
+    return DriveDesign(plan.drive(case), {name: given[name] for name in asked.ranges}, values)
 
 
-def _reason(wish: DriveWish, points: _Points) -> str:
+def _reason(asked: DriveRequirement, points: _Points) -> str:
     """The bound that no point satisfies, or all if each is satisfied by some point."""
-    for name, (low, high) in wish.bounds.items():
+    for name, (low, high) in asked.bounds.items():
         values = points.values[name][np.isfinite(points.values[name])]
-        unit = printed(DRIVE.figures[name].kind, wish.system)
+        unit = printed(DRIVE.figures[name].kind, asked.system)
         if not values.size:
             return f"{name} does not exist for any of these drives; look what it needs"
         for rule, limit, end, word in (
             ("at most", high, values.min(), "least"), ("at least", low, values.max(), "greatest"),
         ):  # fmt: skip
             if end > limit if rule == "at most" else end < limit:
-                asked, reached = (f"{show(float(x))} {unit}".rstrip() for x in (limit, end))
-                return f"{name} must be {rule} {asked}, and the {word} found is {reached}"
-    return "no drive satisfies all bounds together; relax " + " or ".join(wish.bounds or ["them"])
+                wanted, reached = (f"{show(float(x))} {unit}".rstrip() for x in (limit, end))
+                return f"{name} must be {rule} {wanted}, and the {word} found is {reached}"
+    return "no drive satisfies all bounds together; relax " + " or ".join(asked.bounds or ["them"])

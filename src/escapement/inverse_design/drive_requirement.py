@@ -1,4 +1,4 @@
-"""A wish for an indexing drive: a study file with ranges, bounds and objectives instead of axes."""
+"""A requirement for an indexing drive: a study with ranges, bounds and objectives, not axes."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ _OWN = "ranges", "bounds", "objectives"
 
 
 @dataclass(frozen=True, repr=False)
-class DriveWish(Shown):
+class DriveRequirement(Shown):
     """What an indexing drive must do; numbers are in the units that `study` names.
 
     study : content of a study file without axes, see `escapement.index` for its numbers.
@@ -45,8 +45,8 @@ class DriveWish(Shown):
         return str(self.study.get("units", units.SYSTEMS[0]))
 
 
-def drive_wish(wish: Mapping[str, Any] | AnyPath) -> DriveWish:
-    """Read a wish for an indexing drive, from its file or from the content of one.
+def drive_requirement(requirement: Mapping[str, Any] | AnyPath) -> DriveRequirement:
+    """Read a requirement for an indexing drive, from its file or from the content of one.
 
     Raises
     ------
@@ -55,7 +55,7 @@ def drive_wish(wish: Mapping[str, Any] | AnyPath) -> DriveWish:
     InvalidValue
         When a key is unknown or its value breaks a rule.
     """
-    content = wish if isinstance(wish, Mapping) else read_toml(wish, "wish")
+    content = requirement if isinstance(requirement, Mapping) else read_toml(requirement, "wish")
     study = {name: value for name, value in content.items() if name not in _OWN}
     study["study"] = DRIVE.name
     system = validate.choice("units", study.get("units", units.SYSTEMS[0]), units.SYSTEMS)
@@ -73,7 +73,7 @@ def drive_wish(wish: Mapping[str, Any] | AnyPath) -> DriveWish:
     if isinstance(objectives, str) or not objectives:
         remedy = 'for example ["torque_rms"]'
         raise validate.fail("objectives", "a list of names", objectives, remedy)
-    return DriveWish(
+    return DriveRequirement(
         study,
         {name: _ends(entries[name], name, value) for name, value in ranges.items()},
         {name: entries[name] for name in ranges},
