@@ -91,8 +91,8 @@ def test_every_number_of_a_kind_has_a_key_and_an_axis(kind):
 
 
 def test_units_are_printed_as_they_are_written():
-    assert [printed("inertia", system) for system in SYSTEMS] == ["kg m²", "in-lbf-s²"]
-    assert [printed("torque", system) for system in SYSTEMS] == ["N m", "in-lbf"]
+    assert [printed("inertia", system) for system in SYSTEMS] == ["kg m²", "in-lbf-s²", "kg mm²"]
+    assert [printed("torque", system) for system in SYSTEMS] == ["N m", "in-lbf", "N mm"]
     assert printed("acceleration", "SI") == "rad/s²"
     assert printed("ratio", "SI") == ""
 

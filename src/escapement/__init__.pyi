@@ -27,8 +27,6 @@ from escapement.engines.run_down import rundown as rundown
 from escapement.engines.simulate import simulate as simulate
 from escapement.engines.simulate import terminal as terminal
 from escapement.engines.solver import Solver as Solver
-from escapement.inverse_design.drive_search import DriveDesign as DriveDesign
-from escapement.inverse_design.drive_search import DriveDesigns as DriveDesigns
 from escapement.inverse_design.drive_search import design_drive as design_drive
 from escapement.inverse_design.requirement import Requirement as Requirement
 from escapement.inverse_design.requirement import load_requirement as load_requirement

@@ -203,8 +203,11 @@ def plot_study(study: Study, results: Sequence[str] | None = None) -> Figure:
 def _joined(study: Study, panels: Sequence[StudyTable]) -> list[StudyTable]:
     """Panels over the only varied parameter, those of similar results as one."""
     groups: dict[str, list[str]] = {}
+    shared = _SHARED
+    if "study" in study.configuration:  # a drive, of which both bodies have speeds
+        shared = shared | dict.fromkeys([*shared][1:], "speed")
     for (name,), *_ in panels:
-        groups.setdefault(_SHARED.get(study.units.get(name, ""), name), []).append(name)
+        groups.setdefault(shared.get(study.units.get(name, ""), name), []).append(name)
     found = []
     for title, names in groups.items():
         table = tabulate(study, names)
