@@ -157,7 +157,7 @@ REFUSED = [
     ({"torque": "much"}, "torque must be a finite number, got 'much'"),
     ({"friction": -0.1}, "friction must be at least 0, got -0.1; give a coefficient"),
     ({"load_torque": float("inf")}, "load_torque must be a finite number, got inf"),
-    ({"units": "cgs"}, "units must be one of SI, in-lbf-s, got 'cgs'"),
+    ({"units": "cgs"}, "units must be one of SI, in-lbf-s, mm, got 'cgs'"),
     ({"title": "two\nlines"}, "title must be one line of text"),
     ({"sweep": {"friction": []}}, "friction must have at least one value, got an empty axis"),
     ({"sweep": {"friction": [0.1, -0.2]}}, "friction[1] must be at least 0, got -0.2"),

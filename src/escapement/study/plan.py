@@ -5,7 +5,7 @@ import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cache, cached_property
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,7 +15,6 @@ from escapement.base.errors import InvalidValue
 from escapement.base.quantity import Quantity, Setting, declared
 from escapement.base.results import Result
 from escapement.base.text import Shown
-from escapement.constant_speed.indexing import IndexingDrive
 from escapement.engines.solver import Solver
 from escapement.mechanisms import KINDS, kind_of
 from escapement.mechanisms.protocol import Mechanism
@@ -25,6 +24,9 @@ from escapement.model.escapement import Escapement, escapement_of
 from escapement.model.torque_curve import TorqueCurve
 from escapement.study.result import kept
 from escapement.study.subject import ESCAPEMENT, SUBJECTS, Subject, subject_of
+
+if TYPE_CHECKING:
+    from escapement.constant_speed.indexing import IndexingDrive
 
 CASE = "case"
 """Name of the dimension along which a sample varies."""
@@ -236,8 +238,10 @@ class StudyPlan(Shown):
         columns = self.columns(np.array([case]))
         return self.fixed_si | {name: column.item() for name, column in columns.items()}
 
-    def drive(self, case: int) -> IndexingDrive:
+    def drive(self, case: int) -> "IndexingDrive":
         """The indexing drive of one case; errors as `escapement`."""
+        from escapement.constant_speed.indexing import IndexingDrive  # it loads kernels
+
         values = self.values(case)
         given = {name: values[name] for name in self.subject.settings() if name in values}
         numbers = {name: value for name, value in given.items() if value is not None}

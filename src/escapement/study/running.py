@@ -13,7 +13,7 @@ from escapement import __version__
 from escapement.base import validate
 from escapement.base.files import AnyPath
 from escapement.base.progress import Progress
-from escapement.constant_speed.indexing import IndexingDrive
+from escapement.constant_speed.index_case import IndexCase
 from escapement.engines.solver import Solver, choose_solver
 from escapement.model.escapement import Escapement
 from escapement.numerics.interpreted import compile_from_now_on
@@ -50,7 +50,7 @@ class Tally(NamedTuple):
 
 
 def sweep(
-    escapement: Escapement | IndexingDrive,
+    escapement: Escapement | IndexCase,
     *,
     sample: Mapping[str, Any] | None = None,
     engine: str | None = None,

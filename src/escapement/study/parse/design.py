@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike
 from escapement.base import validate
 from escapement.base.errors import InvalidValue
 from escapement.base.quantity import declared
-from escapement.constant_speed.indexing import IndexingDrive
+from escapement.constant_speed.index_case import IndexCase
 from escapement.mechanisms import KINDS, kind_of
 from escapement.mechanisms.protocol import Mechanism
 from escapement.model.escapement import Escapement
@@ -23,7 +23,7 @@ from escapement.study.subject import DRIVE
 
 
 def plan_from(
-    escapement: Escapement | IndexingDrive,
+    escapement: Escapement | IndexCase,
     axes: Mapping[str, ArrayLike | Mapping[str, Any]],
     *,
     sample: Mapping[str, Any] | None = None,
@@ -58,7 +58,7 @@ def plan_from(
     InvalidValue
         When an argument breaks its rule.
     """
-    if not isinstance(escapement, Escapement | IndexingDrive):
+    if not isinstance(escapement, Escapement | IndexCase):
         raise validate.fail("escapement", "an Escapement", escapement, "see escapement.Escapement")
     machine, described = _describe(escapement.mechanism)
     axes = dict(axes)

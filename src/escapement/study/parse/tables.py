@@ -17,7 +17,7 @@ from escapement.study.subject import ESCAPEMENT, SUBJECTS, Subject, model_number
 
 SOLVER = declared(Solver)
 _TOP = (
-    *("study", "title", "units", "results", "mechanism", "inertia", *ROLES),
+    *("title", "units", "study", "results", "mechanism", "inertia", *ROLES),
     *("sweep", "sample", "solver"),
 )
 Content = Mapping[str, Any]
