@@ -301,3 +301,25 @@ def test_the_command_speaks_inches(report):
     pressure = 4.4482216152605 / length**2
     assert record["pressure_max"] * pressure == pytest.approx(FIRST["pressure_max"], rel=1e-8)
     assert record["torque_rms"] * torque == pytest.approx(FIRST["torque_rms"], rel=1e-8)
+
+
+def test_the_command_speaks_millimetres(command, report):
+    typed = {
+        **{"slots": 6, "pins": 1, "crank-radius": 50, "clearance": 0.1, "load-torque": 2000},
+        **{"follower-inertia": 400_000, "friction": 0.08, "pressure-pin-radius": 8},
+        **{"pin-length": 12, "load-frequency": 15, "load-damping": 0.02, "speed": 60},
+        "load-tolerance": math.degrees(1e-4),
+    }
+    words = [word for name, value in typed.items() for word in (f"--{name}", value)]
+    record = report("index", *words, "--units", "mm")
+    sizes = {
+        **{"torque_rms": 1e3, "pressure_max": 1e-6, "entry_impact_speed": 1e3, "power_max": 1.0},
+        **{"contact_force_max": 1.0, "entry_impact_energy": 1e3, "settling_time_load": 1.0},
+        "residual_amplitude": math.degrees(1.0),
+    }
+    for name, size in sizes.items():
+        assert record[name] == pytest.approx(size * FIRST[name], rel=1e-5), name
+    assert record["follower_velocity_max"] == pytest.approx(60.0, rel=1e-12)  # rpm
+    out = command("index", *words, "--units", "mm")[1]
+    (line,) = [line for line in out.splitlines() if line.startswith("pressure pin radius")]
+    assert line.endswith("mm = 0.314961 in, diameter 16 mm")

@@ -96,7 +96,8 @@ def idle_settings(owner: type, values: Mapping[str, Any]) -> str:
     notes = []
     for entry in _dependent(owner):
         value = values.get(entry.name)
-        if value is None or (not hasattr(value, "any") and value == entry.default):
+        plain = not hasattr(value, "any")
+        if value is None or (plain and (value == entry.default or _alike(value, entry.default))):
             continue
         # compliant walls have impacts without clearance, too
         enough = (entry.needs, "stiffness") if entry.needs == "clearance" else (entry.needs,)
@@ -109,7 +110,6 @@ def refuse_idle(owner: Declared) -> None:
     """Refuse a setting that has no effect, since another one is missing."""
     for entry in _dependent(type(owner)):
         value = getattr(owner, entry.key)
-        # a default that was converted from other units may differ by its rounding
         given = value != entry.default and not _alike(value, entry.default)
         if given and not _given(getattr(owner, entry.needs)):
             raise InvalidValue(
@@ -118,6 +118,7 @@ def refuse_idle(owner: Declared) -> None:
 
 
 def _alike(value: Any, default: Any) -> bool:
+    """Whether a number is a default that was converted from other units, with its rounding."""
     both = isinstance(value, float) and isinstance(default, float)
     return both and math.isclose(value, default, rel_tol=1e-12)
 
