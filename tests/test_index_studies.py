@@ -134,12 +134,15 @@ def test_a_file_is_swept_drawn_and_read(command, tmp_path, monkeypatch):
         ("initial_speed = 1", "it belongs in a study with study = 'escapement'"),
         ('study = "drive"', "study must be"),
         ('results = ["period"]', "results must be"),
+        ("mechanism.centre_distance_error = 1e-5", "must be perfect in a study, got errors"),
     ],
 )
 def test_a_study_refuses_what_a_drive_has_not(refusal, tmp_path, monkeypatch, key, message):
     monkeypatch.chdir(tmp_path)
     name = key.partition(" ")[0]
     kept = "\n".join(line for line in FILE.splitlines() if not line.startswith(f"{name} ="))
+    kept = kept.replace("[mechanism]\n", "[mechanism]\n" + key.partition("mechanism.")[2] + "\n")
+    key = "" if key.startswith("mechanism") else key
     Path("study.toml").write_text(f"{key}\n{kept}")
     assert message in refusal(2, "sweep", "study.toml")
 

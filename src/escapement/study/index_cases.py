@@ -14,10 +14,8 @@ from escapement.mechanisms.protocol import dwell_angle
 from escapement.mechanisms.wheel_checks import LENGTHS
 from escapement.study.plan import StudyPlan
 
-Columns = dict[str, NDArray[Any]]
 
-
-def evaluate_drives(plan: StudyPlan, cases: NDArray[np.int64]) -> Columns:
+def evaluate_drives(plan: StudyPlan, cases: NDArray[np.int64]) -> dict[str, NDArray[Any]]:
     """Results of cases in SI, angles in rad; a bad case never ends the study."""
     columns = plan.columns(cases)
     found = {name: np.full(cases.size, np.nan) for name in plan.results if name != "status"}
@@ -37,7 +35,7 @@ def evaluate_drives(plan: StudyPlan, cases: NDArray[np.int64]) -> Columns:
 
 
 def _fill(
-    plan: StudyPlan, cases: NDArray[np.int64], rows: NDArray[np.intp], found: Columns,
+    plan: StudyPlan, cases: NDArray[np.int64], rows: NDArray[np.intp], found: dict[str, Any],
     status: NDArray[np.uint8],
 ) -> None:  # fmt: skip
     """Fill the results of cases of one mechanism."""

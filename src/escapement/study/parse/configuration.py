@@ -15,7 +15,7 @@ from escapement.base.quantity import Quantity, Setting
 from escapement.base.toml_file import read_toml
 from escapement.engines.solver import DEFAULT_ENGINE, Solver, solver_for
 from escapement.mechanisms import DEFAULT_KIND, KINDS, kind_of
-from escapement.mechanisms.protocol import Mechanism, checked
+from escapement.mechanisms.protocol import Mechanism
 from escapement.mechanisms.wheel_checks import check_lengths
 from escapement.model.torque_curve import TorqueCurve
 from escapement.model.train import check_ratios
@@ -124,7 +124,10 @@ def parse_plan(configuration: Mapping[str, Any], mechanism: Mechanism | None = N
         replaced=tuple(name for name in replaced if _is_given(settings[name], content)),
     )  # fmt: skip
     if subject is not ESCAPEMENT and not plan.perfect:
-        checked(plan.mechanism(0))
+        raise InvalidValue(
+            "the parts of an indexing drive must be perfect in a study, got errors of them; "
+            "leave them out"
+        )
     contact = subject is ESCAPEMENT and plan.contact
     solver = solver_for("any" if contact else "", solver)
     solver = solver if solver.engine else replace(solver, engine=DEFAULT_ENGINE)
