@@ -147,6 +147,13 @@ def test_a_study_refuses_what_a_drive_has_not(refusal, tmp_path, monkeypatch, ke
     assert message in refusal(2, "sweep", "study.toml")
 
 
+def test_a_drive_has_no_initial_speed_and_no_engine():
+    with pytest.raises(InvalidValue, match="initial_speed must be 0 for an indexing drive"):
+        esc.sweep(drive(), speed=[1.0, 2.0], initial_speed=3.0)
+    with pytest.raises(InvalidValue, match=r"unknown key 'engine' in \[solver\]"):
+        esc.sweep(drive(), speed=[1.0, 2.0], engine="ivp")
+
+
 WISH = {
     "load_torque": 2.0, "follower_inertia": 0.4, "pin_length": 0.012, "pressure_limit": 300e6,
     "mechanism": {"slots": 6, "pins": 1},

@@ -67,6 +67,9 @@ def plan_from(
         numbers["initial_speed"] = initial_speed
         if np.ndim(initial_speed) > 0:
             axes, numbers = axes | numbers, {}
+    elif np.any(initial_speed):
+        rule, remedy = "0 for an indexing drive, whose speed is constant", "leave it out"
+        raise validate.fail("initial_speed", rule, initial_speed, remedy)
     entries = declared(type(escapement))
     given = escapement.settings.items()
     numbers |= {name: value for name, value in given if value != entries[name].default}
