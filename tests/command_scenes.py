@@ -175,13 +175,9 @@ def _export(kind):
     return [*scenes, *sized(kind, clearance=1e-4)]
 
 
-def _drive_torque(kind):
-    case = {"speed": 10, "load_torque": 0.01, "follower_inertia": 1e-4, "efficiency": 0.9}
-    case |= {"friction": 0.2} if kind in ERRORS else {}
-    thin = [{n: x for n, x in one.items() if n != "pin_radius"} for one in _wheels(kind)[:1]]
-    tables = [EXACT] if kind == "tabulated" else []
-    sizes = sized(kind, ("pin_diameter", "roller_diameter"), **case)
-    return [*({**one, **case} for one in (*thin, *tables)), *sizes]
+def _old_name(kind):
+    case = {"speed": 10, "load_torque": 0.01, "follower_inertia": 1e-4}
+    return [{**_wheels(kind)[0], **case}] if kind == "geneva" else []
 
 
 def _index(kind):
@@ -231,7 +227,7 @@ def _measure(kind):
 
 OF_KINDS = {
     "run": _run, "rundown": _rundown, "explore": _explore, "mechanism": _mechanism,
-    "export": _export, "index": _index, "drive-torque": _drive_torque, "measure": _measure,
+    "export": _export, "index": _index, "drive-torque": _old_name, "measure": _measure,
 }  # fmt: skip
 OTHERS = {
     "sweep": [],

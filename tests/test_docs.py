@@ -276,7 +276,7 @@ def keys(record: object) -> set[str]:
         "mechanism gear-driven --stations 12 --lobes 3 --curve hypocycloid --fixed-radius .01",
         "mechanism elliptical-planetary --sun-radius 1 --planet-radius .5001234",
         "mechanism tabulated --table table.csv",
-        "drive-torque --speed 1 --load-torque 0 --follower-inertia 1e-5",
+        "index --speed 1 --load-torque 0 --follower-inertia 1e-5",
         "measure runs/encoder_synthetic.csv elliptical-planetary --sun-radius .016 "
         "--planet-radius .009 --resolution 4096",
     ],

@@ -11,6 +11,7 @@ import pytest
 
 import escapement as esc
 from escapement.base.errors import InvalidValue
+from escapement.base.units import INCH_POUND
 from escapement.constant_speed import geneva
 from escapement.plots import plot_drive_torque
 from escapement.sources import filemon
@@ -145,19 +146,19 @@ def test_torque_figure_writes_within_its_axes_and_keeps_numbers_apart(wheel, dri
     assert not any(one.overlaps(two) for one, two in combinations(places[1:], 2))
 
 
-def test_torque_figure_is_in_the_units_asked_for(report, monkeypatch, tmp_path):
-    drawn = []
-    monkeypatch.setattr("escapement.plots.save", lambda ax, path: drawn.append(ax))
-    inches = ("--load-torque", "1", "--follower-inertia", ".019", "--units", "in-lbf-s")
-    options = ("--slots", "8", "--speed", "10", *inches, "--plot", str(tmp_path / "t.png"))
-    record = report("drive-torque", *options)
-    (ax,) = drawn
+def test_torque_figure_is_in_the_units_asked_for():
+    drive = esc.drive_torque(esc.Geneva(8), 10.0, INCH_POUND, 0.019 * INCH_POUND)
+    ax = plot_drive_torque(drive, units="in-lbf-s")
     assert ax.get_ylabel() == "Torque (in-lbf)"
     by_label = {line.get_label(): line for line in ax.lines}
-    for name, key in (("greatest torque", "torque_max"), ("mean of the first half", "torque_mean")):
-        assert by_label[name].get_ydata()[0] == pytest.approx(record[key], rel=1e-12)
+    for name, value in (
+        ("greatest torque", "torque_max"),
+        ("mean of the first half", "torque_mean"),
+    ):
+        expected = getattr(drive, value) / INCH_POUND
+        assert by_label[name].get_ydata()[0] == pytest.approx(expected, rel=1e-12)
     highest = by_label["drive torque"].get_ydata().max()
-    assert highest == pytest.approx(record["torque_max"], rel=1e-3)
+    assert highest == pytest.approx(drive.torque_max / INCH_POUND, rel=1e-3)
 
 
 # --- command line -------------------------------------------------------------------------
@@ -166,26 +167,40 @@ def test_torque_figure_is_in_the_units_asked_for(report, monkeypatch, tmp_path):
 def test_drive_torque_json(report):
     options = ["--slots", 8, "--speed", 10, "--load-torque", 1, "--follower-inertia", 0.019]
     record = report("drive-torque", *options, "--efficiency", 0.9)
-    assert set(record) == KEYS
+    assert set(record) >= KEYS
     result = esc.drive_torque(esc.Geneva(8), 10.0, 1.0, 0.019, 0.9)
     assert record["inertia_ratio"] == pytest.approx(1.9)
     assert record["reversal_limits"] == pytest.approx([1.429067551568061, 2.414213562373095])
     assert record["reversals_deg"] == pytest.approx(np.degrees(result.reversals))
     assert record["zone"] == 2
-    assert record["torque_max"] == result.torque_max
-    assert record["power_max"] == pytest.approx(10.0 * result.torque_max)
-    assert record["torque_max_over_mean"] == result.peak_to_mean
-    assert record["greatest_speed"] == esc.greatest_speed(result.mechanism, 1.0, 0.019)
     inertia = esc.greatest_follower_inertia(result.mechanism, 10.0, 1.0)
-    assert record["greatest_follower_inertia"] == inertia
-    assert record["least_load_torque"] == esc.least_load_torque(result.mechanism, 10.0, 0.019)
+    expected = {
+        "torque_max": result.torque_max,
+        "power_max": 10.0 * result.torque_max,
+        "torque_max_over_mean": result.peak_to_mean,
+        "greatest_speed": esc.greatest_speed(result.mechanism, 1.0, 0.019),
+        "greatest_follower_inertia": inertia,
+        "least_load_torque": esc.least_load_torque(result.mechanism, 10.0, 0.019),
+    }
+    assert {name: record[name] for name in expected} == pytest.approx(expected, rel=1e-12)
+
+
+def test_drive_torque_table_and_picture(command, tmp_path):
+    options = ["--internal", "--speed", 10, "--load-torque", 1, "--follower-inertia", 0.001]
+    code, out, err = command("drive-torque", *options, "--plot", "torque.png")
+    assert code == 0
+    assert err.splitlines()[-1] == "escapement: drive-torque is the old name of index"
+    rows = dict(line.split("  ", 1) for line in out.partition("\n\n")[2].splitlines())
+    assert rows["reversals"].strip() == "none"
+    assert rows["greatest speed without reversal"].split()[1] == "rad/s"
+    assert (tmp_path / "torque.png").read_bytes().startswith(b"\x89PNG")
 
 
 def test_what_does_not_exist_is_null_with_a_message(command):
     options = ["--speed", 10, "--load-torque", 0, "--follower-inertia", 0.001, "--json"]
     code, out, err = command("drive-torque", *options)
     record = json.loads(out)
-    assert set(record) == KEYS | {"message"}
+    assert set(record) >= KEYS | {"message"}
     assert (code, record["inertia_ratio"], record["reversals_deg"]) == (0, None, [0.0])
     assert all("F is not defined without a load" in text for text in (record["message"], err))
 

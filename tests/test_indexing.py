@@ -225,13 +225,15 @@ def test_what_cannot_be_given_is_nan():
     for name in ("contact_force_max", "pressure_max", "entry_impact_speed", "deflection_max"):
         assert math.isnan(getattr(bare, name))
     assert bare.torque_max > 0.0
-    assert math.isnan(table_drive(pressure_pin_radius=0.0).pressure_max)
+    drive = table_drive(pressure_pin_radius=0.0, pressure_limit=300e6)
+    assert math.isnan(drive.pressure_max)
+    assert drive.pin_diameter_needed > 0.0
 
 
 @pytest.mark.parametrize(
     ("wheel", "more", "words"),
     [
-        ({}, {"load_damping": 1.0}, "load_damping must be at least 0 and below 1"),
+        ({}, LOAD | {"load_damping": 1.0}, "load_damping must be at least 0 and below 1"),
         ({}, {"pin_material": "stel"}, "pin_material must be"),
         ({}, {"pin_material": (-1.0, 0.3)}, "pin_material must be a name, or a modulus"),
         ({}, {"friction": -0.1}, "friction must be at least 0"),
@@ -239,6 +241,12 @@ def test_what_cannot_be_given_is_nan():
         ({"pins": 3}, {"load_frequency": 5.0}, "load_frequency must be 0 where the follower never"),
         ({"pins": 3, "clearance": 1e-4}, {}, "clearance must be 0 where the follower never rests"),
         ({"slot_offsets": (1e-5,) * 6}, {}, "slot_offsets"),
+        ({}, {"pin_gap": 1e-3}, "pin_gap must come with pin_length, got none"),
+        ({}, {"pressure_limit": 1e8}, "pressure_limit must come with pin_length"),
+        ({}, {"load_damping": 0.1}, "load_damping must come with load_frequency"),
+        ({}, {"locking_radius": 0.1}, "locking_radius must come with locking_angle"),
+        ({}, {"pin_length": 0.01}, "pin_length must be given with the radius of the pin"),
+        ({"crank_radius": None}, PIN, "pin_length must be 0 for a mechanism without a length"),
     ],
 )
 def test_refusals(wheel, more, words):
@@ -293,3 +301,25 @@ def test_the_command_speaks_inches(report):
     pressure = 4.4482216152605 / length**2
     assert record["pressure_max"] * pressure == pytest.approx(FIRST["pressure_max"], rel=1e-8)
     assert record["torque_rms"] * torque == pytest.approx(FIRST["torque_rms"], rel=1e-8)
+
+
+def test_the_command_speaks_millimetres(command, report):
+    typed = {
+        **{"slots": 6, "pins": 1, "crank-radius": 50, "clearance": 0.1, "load-torque": 2000},
+        **{"follower-inertia": 400_000, "friction": 0.08, "pressure-pin-radius": 8},
+        **{"pin-length": 12, "load-frequency": 15, "load-damping": 0.02, "speed": 60},
+        "load-tolerance": math.degrees(1e-4),
+    }
+    words = [word for name, value in typed.items() for word in (f"--{name}", value)]
+    record = report("index", *words, "--units", "mm")
+    sizes = {
+        **{"torque_rms": 1e3, "pressure_max": 1e-6, "entry_impact_speed": 1e3, "power_max": 1.0},
+        **{"contact_force_max": 1.0, "entry_impact_energy": 1e3, "settling_time_load": 1.0},
+        "residual_amplitude": math.degrees(1.0),
+    }
+    for name, size in sizes.items():
+        assert record[name] == pytest.approx(size * FIRST[name], rel=1e-5), name
+    assert record["follower_velocity_max"] == pytest.approx(60.0, rel=1e-12)  # rpm
+    out = command("index", *words, "--units", "mm")[1]
+    (line,) = [line for line in out.splitlines() if line.startswith("pressure pin radius")]
+    assert line.endswith("mm = 0.314961 in, diameter 16 mm")

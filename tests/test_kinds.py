@@ -83,7 +83,7 @@ def test_what_a_kind_needs_is_named(second_kind):
 
 
 def test_help_and_reports_know_every_kind(second_kind, command):
-    for name in ("run", "mechanism", "drive-torque"):
+    for name in ("run", "mechanism", "index"):
         text = " ".join(command(name, "--help")[1].split())
         for kind in mechanisms.KINDS:
             assert f"{kind}: {mechanisms.kind_of(kind).summary}" in text

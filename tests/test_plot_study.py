@@ -9,8 +9,8 @@ from escapement import plots
 from escapement.base.errors import InvalidValue
 from escapement.base.status import Status
 from escapement.plots import style
-from escapement.study.plan import model_numbers
 from escapement.study.result import Study
+from escapement.study.subject import model_numbers
 from figure_tools import legend_of
 
 UNITS = {

@@ -11,8 +11,8 @@ import escapement as esc
 from escapement.base.records import Record
 from escapement.base.results import Result
 from escapement.base.units import SYSTEMS, printed
-from escapement.constant_speed import DriveTorque
-from escapement.constant_speed.drive_record import DRIVE
+from escapement.constant_speed.index_record import INDEX
+from escapement.constant_speed.indexing import IndexingDrive
 from escapement.dynamics.figure_record import record_of
 from escapement.dynamics.figure_table import FIGURES
 from escapement.dynamics.figures_of_merit import Figures
@@ -20,15 +20,15 @@ from escapement.dynamics.motor_figures import NAMES as MOTOR
 
 MODEL = ["--torque", "0.1", "--driver-inertia", "3e-6", "--follower-inertia", "5e-5"]
 RUN = ["run", *MODEL, "--friction", "0.3", "--engagements", "2"]
-DRIVEN = ["drive-torque", "--speed", "10", "--load-torque", "0.5", "--follower-inertia", "5e-5"]
+DRIVEN = ["index", "--speed", "10", "--load-torque", "0.5", "--follower-inertia", "5e-5"]
 NEW = Result("torque", "twice the greatest moment", label="double moment", digits=3)
 
 
 @pytest.mark.parametrize("units", SYSTEMS)
 @pytest.mark.parametrize(
     ("words", "owner", "table", "base"),
-    [(RUN, Figures, FIGURES, "contact_moment_max"), (DRIVEN, DriveTorque, DRIVE, "torque_max")],
-    ids=["run", "drive-torque"],
+    [(RUN, Figures, FIGURES, "contact_moment_max"), (DRIVEN, IndexingDrive, INDEX, "torque_max")],
+    ids=["run", "index"],
 )
 def test_a_new_figure_appears_everywhere(command, monkeypatch, units, words, owner, table, base):
     """By its declaration and the attribute of that name; no command knows it."""

@@ -87,7 +87,7 @@ RIGHT = {
             "--report", "out.html"],
     "mechanism": [*SIZES, "--plot", "out.png"],
     "export": [*SIZES, "-o", "out.svg"],
-    "drive-torque": ["--speed", "1", "--load-torque", "1", "--follower-inertia", "1", "--plot",
+    "index": ["--speed", "1", "--load-torque", "1", "--follower-inertia", "1", "--plot",
                      "out.png"],
     "measure": ["data.csv", "--slots", "4", "--pins", "1", "-o", "out.csv", "--plot", "out.png"],
 }  # fmt: skip
@@ -107,7 +107,7 @@ LATE = [
     ),
     ("export", ["--locking-radius", "19.9 mm"], "locking_radius must be between"),
     ("export", ["--kerf", "3 mm"], "narrower kerf"),
-    ("drive-torque", [*SIZES], "must be left out at constant speed"),
+    ("index", ["--pin-gap", "1 mm"], "--pin-gap must come with --pin-length"),
     ("measure", ["--phase", "1"], "--phase must come with --offset"),
 ]
 

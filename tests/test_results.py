@@ -12,7 +12,7 @@ from escapement.base.errors import InvalidValue
 from escapement.base.units import INCH, INCH_POUND, POUND_FORCE
 from escapement.dynamics.figure_table import FIGURES
 from escapement.study.parse import parse_plan, plan_from
-from escapement.study.result import DEFAULT
+from escapement.study.subject import ESCAPEMENT
 from study_tools import assert_as_alone
 
 WHEEL = esc.Geneva(4, crank_radius=0.02)
@@ -68,15 +68,15 @@ def test_results_are_in_the_units_of_the_study(engine):
 def test_no_number_depends_on_what_else_is_asked_for(names):
     axes = {"friction": np.linspace(0.05, 0.5, 50), "initial_speed": [0.0, 300.0]}
     some = esc.sweep(TIMER, results=names, **axes).results
-    every = esc.sweep(TIMER, results=[*DEFAULT, *names, *names, "status"], **axes).results
+    every = esc.sweep(TIMER, results=[*ESCAPEMENT.usual, *names, *names, "status"], **axes).results
     assert [*some] == [*names, "status"]
-    assert len(every) == len({*DEFAULT, *names, "status"})
+    assert len(every) == len({*ESCAPEMENT.usual, *names, "status"})
     for name, values in some.items():
         np.testing.assert_array_equal(values, every[name])
 
 
 def test_the_usual_results_need_not_be_named():
-    plain, named = parse_plan(INCHES), parse_plan(INCHES | {"results": [*DEFAULT]})
+    plain, named = parse_plan(INCHES), parse_plan(INCHES | {"results": [*ESCAPEMENT.usual]})
     assert plain.configuration == named.configuration
     other = parse_plan(INCHES | {"results": ["period", "status", "period"]})
     assert [*other.results] == ["period", "status"]

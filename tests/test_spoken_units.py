@@ -17,10 +17,13 @@ from escapement.mechanisms import DEFAULT_KIND
 UNIT = r"(?:(?<=[(\[])|(?<=\d )|(?<=  ))(?:{})(?=$|[\s)\],;:.])"
 """A unit after a number, in brackets, or in a column of its own."""
 FOREIGN = {
-    "SI": re.compile(UNIT.format("in|lbf|in-lbf.*?|lbf.*?")),
-    "in-lbf-s": re.compile(UNIT.format("[mµn]?N m.*?|[kµm]?g(?: m.*?)?|[mµ]?m|N/m|m/s|[JWN]")),
+    "SI": re.compile(UNIT.format("in|lbf|in-lbf.*?|lbf.*?|rpm|MPa|N mm.*?|kg mm.*?")),
+    "in-lbf-s": re.compile(
+        UNIT.format("[mµn]?N m.*?|[kµm]?g(?: m.*?)?|[mµ]?m|N/m|m/s|[JWN]|rpm|MPa|deg/s")
+    ),
+    "mm": re.compile(UNIT.format("in|lbf|in-lbf.*?|lbf.*?|m?rad|rad/s|k?Pa|[mµn]?N m|kg m²|m|J")),
 }
-"""Units of the other system."""
+"""Units of the other systems."""
 FILES = {"sweep": {"config": "study.toml", "quiet": True, "force": True}}
 SHOWN = {"plot": "shown.svg", "report": "shown.html"}
 WRITTEN = {"plot": "drawn.svg", "explore": "page.html"}
@@ -30,7 +33,7 @@ def texts_of(path):
     """The lines of words in a picture, a report or a page."""
     text = path.read_text(encoding="utf-8")
     if path.suffix == ".html":
-        # the first table of a report has the design in both systems
+        # the first table of a report has the design in all systems
         text = re.sub(r"<section><h2>The design.*?</section>", "", text, flags=re.DOTALL)
         text = re.sub(r"<style>.*?</style>|<script.*?</script>", "", text, flags=re.DOTALL)
     text = re.sub(r"<(?:style|defs|metadata)\b.*?</(?:style|defs|metadata)>", "", text, flags=re.S)
@@ -93,7 +96,10 @@ def test_a_figure_has_the_numbers_of_its_unit():
             np.nanmax(curve.get_ydata()), moment.get_ylabel(), nominal.get_xdata()[0],
             forces.get_xlabel(),
         )  # fmt: skip
-    (moment, name, force, label), (other, its_name, its_force, its_label) = figures.values()
+    moment, name, force, label = figures["SI"]
+    other, its_name, its_force, its_label = figures["in-lbf-s"]
+    assert figures["mm"][0] == pytest.approx(moment, rel=1e-12)  # mN m is N mm
+    assert "(N mm)" in figures["mm"][1]
     assert ("(mN m)" in name, "(in-lbf)" in its_name) == (True, True)
     assert other == pytest.approx(1e-3 * moment / INCH_POUND, rel=1e-12)
     assert ("(N)" in label, "(lbf)" in its_label) == (True, True)
@@ -130,12 +136,14 @@ def test_a_motion_is_read_back_from_any_units(tmp_path):
         esc.write_motion(motion, tmp_path / f"{units}.h5", units=units)
         read.append(esc.read_motion(tmp_path / f"{units}.h5"))
         assert abs(read[-1].ledger.residual) < 1e-10
-    assert read[1].trajectory.losses == pytest.approx(read[0].trajectory.losses, rel=1e-14)
+    for other in read[1:]:
+        assert other.trajectory.losses == pytest.approx(read[0].trajectory.losses, rel=1e-14)
+        assert other.handoff_velocities == pytest.approx(motion.handoff_velocities, rel=1e-14)
 
 
 def test_a_motion_is_drawn_in_the_users_units(command):
     assert command("run", *RUN, "--units", "in-lbf-s", "-o", "m.h5")[0] == 0
-    for units, name in zip(SYSTEMS, ("N m", "in-lbf"), strict=True):
+    for units, name in zip(SYSTEMS, ("N m", "in-lbf", "N mm"), strict=True):
         assert command("plot", "m.h5", "--units", units, "-o", "m.svg")[0] == 0
         (label,) = [line for line in texts_of(Path("m.svg")) if "Moment on the follower" in line]
         assert name in label

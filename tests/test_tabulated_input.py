@@ -176,11 +176,11 @@ def test_commands_take_a_table(report, tmp_path):
     truth = esc.terminal(esc.Escapement(DRIVE, INERTIA, 0.01, efficiency=0.9))
     assert found["velocity_max"] == pytest.approx(truth.velocity_max, rel=1e-6)
     constant = ("--speed", 10, "--load-torque", 0.01, "--follower-inertia", 2e-4)
-    torque = report("drive-torque", "tabulated", "--table", "table.csv", *constant)
+    torque = report("index", "tabulated", "--table", "table.csv", *constant)
     assert "scatter" not in torque.get("message", "")
     rows = np.loadtxt("table.csv", delimiter=",", skiprows=1)
     rows[:, 1] += np.random.default_rng(3).standard_normal(len(rows))
     np.savetxt("scattered.csv", rows, delimiter=",")
     scattered = ("tabulated", "--table", "scattered.csv", "--measured")
-    torque = report("drive-torque", *scattered, *constant)
+    torque = report("index", *scattered, *constant)
     assert "the scatter of the table makes the contact moment uncertain by" in torque["message"]

@@ -52,6 +52,16 @@ def motor() -> Figure:
 
 
 @drawn
+def indexing_cam() -> Figure:
+    """The same table beside a cam."""
+    table = esc.Geneva(6, pins=1, crank_radius=0.05)
+    drive = esc.index(
+        table, 2.0 * np.pi, 2.0, follower_inertia=0.4, load_frequency=15.0, load_damping=0.02
+    )
+    return plots.plot_index(drive, against=esc.cam_drive(drive, "modified-sine"))
+
+
+@drawn
 def reversal_curves() -> Figure:
     """Filemon's figure 10."""
     return plot_reversal_curves().figure

@@ -13,6 +13,7 @@ from escapement.constant_speed import index as index
 from escapement.constant_speed import least_load_torque as least_load_torque
 from escapement.constant_speed import reversal_study as reversal_study
 from escapement.constant_speed import transmission_extrema as transmission_extrema
+from escapement.constant_speed.cam_drive import cam_drive as cam_drive
 from escapement.dynamics.figures_of_merit import Figures as Figures
 from escapement.dynamics.impacts import contact_summary as contact_summary
 from escapement.dynamics.impacts import jams as jams
@@ -26,6 +27,7 @@ from escapement.engines.run_down import rundown as rundown
 from escapement.engines.simulate import simulate as simulate
 from escapement.engines.simulate import terminal as terminal
 from escapement.engines.solver import Solver as Solver
+from escapement.inverse_design.drive_search import design_drive as design_drive
 from escapement.inverse_design.requirement import Requirement as Requirement
 from escapement.inverse_design.requirement import load_requirement as load_requirement
 from escapement.inverse_design.timer_search import Design as Design

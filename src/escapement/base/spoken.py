@@ -30,7 +30,7 @@ def as_spoken(value: float, quantity: str, figures: int = 6) -> Spoken:
 
 def drawn_unit() -> tuple[float, str]:
     """The unit of lengths on drawings [m] and its name: millimetres, or inches."""
-    return (1e-3, "mm") if _system == SYSTEMS[0] else (factor("length", _system), "in")
+    return (factor("length", _system), "in") if _system == SYSTEMS[1] else (1e-3, "mm")
 
 
 def on_drawing(length: float) -> Spoken:

@@ -13,32 +13,38 @@ from typing import Any
 
 from escapement.base import validate
 
-SYSTEMS = ("SI", "in-lbf-s")
-"""Unit systems a user may choose: SI, or inch, pound-force and second."""
+SYSTEMS = ("SI", "in-lbf-s", "mm")
+"""Unit systems a user may choose: SI; inch, pound-force and second; or those of a workshop, with
+millimetres, N mm, kg mm², MPa, rpm and degrees."""
 
 # kind of unit: its name in each system, as UDUNITS spells it
 _NAMES = {
-    "torque": ("N m", "in lbf"),
-    "inertia": ("kg m2", "in lbf s2"),
-    "length": ("m", "in"),
-    "force": ("N", "lbf"),
-    "power": ("W", "in lbf s-1"),
-    "drag": ("N m s2 rad-2", "in lbf s2 rad-2"),
-    "viscous": ("N m s rad-1", "in lbf s rad-1"),
-    "rate": ("N m rad-1", "in lbf rad-1"),
-    "stiffness": ("N m-1", "lbf in-1"),
-    "damping": ("N s m-1", "lbf s in-1"),
-    "slip": ("m s-1", "in s-1"),
-    "density": ("kg m-3", "lbf s2 in-4"),
-    "impulse": ("N s", "lbf s"),
-    "mass": ("kg", "lbf s2 in-1"),
-    "energy": ("J", "in lbf"),
-    "pressure": ("Pa", "lbf in-2"),
+    "torque": ("N m", "in lbf", "N mm"),
+    "inertia": ("kg m2", "in lbf s2", "kg mm2"),
+    "length": ("m", "in", "mm"),
+    "force": ("N", "lbf", "N"),
+    "power": ("W", "in lbf s-1", "W"),
+    "drag": ("N m s2 rad-2", "in lbf s2 rad-2", "N mm s2 rad-2"),
+    "viscous": ("N m s rad-1", "in lbf s rad-1", "N mm s rad-1"),
+    "rate": ("N m rad-1", "in lbf rad-1", "N mm rad-1"),
+    "stiffness": ("N m-1", "lbf in-1", "N mm-1"),
+    "damping": ("N s m-1", "lbf s in-1", "N s mm-1"),
+    "slip": ("m s-1", "in s-1", "mm s-1"),
+    "density": ("kg m-3", "lbf s2 in-4", "g cm-3"),
+    "impulse": ("N s", "lbf s", "N s"),
+    "mass": ("kg", "lbf s2 in-1", "kg"),
+    "energy": ("J", "in lbf", "mJ"),
+    "pressure": ("Pa", "lbf in-2", "MPa"),
+    "speed": ("rad s-1", "rad s-1", "rpm"),
+    "angle": ("rad", "rad", "degree"),
 }
 _COMMON = {
-    "speed": "rad s-1", "acceleration": "rad s-2", "time": "s", "angle": "rad",
-    "degrees": "degree", "ratio": "1", "frequency": "Hz",
-}  # fmt: skip
+    "acceleration": "rad s-2",
+    "time": "s",
+    "degrees": "degree",
+    "ratio": "1",
+    "frequency": "Hz",
+}
 
 _BASE = ("g", "m", "s", "rad")
 _PREFIXES = {"M": 6, "k": 3, "": 0, "d": -1, "c": -2, "m": -3, "u": -6, "μ": -6, "n": -9}
@@ -148,7 +154,7 @@ def factor(quantity: str, system: str) -> float:
         "damping", "slip", "impulse", "speed", "acceleration", "time", "angle", "degrees",
         "energy" or "ratio".
     system : str
-        "SI" or "in-lbf-s".
+        One of `SYSTEMS`.
     """
     metric = "rad" if quantity == "degrees" else unit_name(quantity, SYSTEMS[0])
     return float(_size(unit_name(quantity, system))[0] / _size(metric)[0])

@@ -6,8 +6,8 @@ that are not SI. Only the module of the command is imported, and it imports noth
 its arguments are parsed, so that help appears at once.
 
 Each command is a file of its name: `run`, `rundown`, `sweep`, `budget`, `design`, `explore`,
-`plot`, `mechanism`, `export`, `index`, `drive_torque`, `measure` with its part `measure_beats`,
-`reproduce`, `compile` and `bench`. Read `run` as an example.
+`plot`, `mechanism`, `export`, `index`, `measure` with its part `measure_beats`, `reproduce`,
+`compile` and `bench`. Read `run` as an example.
 
 - `_arguments`: the parser, options that several commands share, and the objects they describe
 - `_inputs`, `_output`: what went in; JSON and tables, which are those of a `Record`, notes, files
@@ -32,13 +32,13 @@ COMMANDS = {
     "rundown": "a timer whose spring runs down: rate, turns and stop",
     "sweep": "a study on a grid or a sample, to an HDF5 file",
     "budget": "effects of the tolerances of a drawing, and which to tighten",
-    "design": "find timers for a given period or run time, within bounds",
+    "design": "find timers or indexing drives for a task, within bounds",
     "explore": "write a page that computes a motion while numbers are dragged",
     "plot": "draw the figures that suit a file",
     "mechanism": "geometry, transmission, motion ratio and dwell",
     "export": "write parts as DXF or SVG, after a check of the motion",
     "index": "an indexing drive: torque, power, forces, impacts, ringing of its load",
-    "drive-torque": "torque and pin reversals at constant driver speed, a part of index",
+    "drive-torque": "the old name of index",
     "measure": "measured positions against theory, with statistics",
     "reproduce": "a source's printed numbers compared with computed ones",
     "compile": "compile the numerical code, so that all later work begins at once",
@@ -144,16 +144,19 @@ def _dispatch(argv: Sequence[str]) -> int:
     from escapement.base import spoken
     from escapement.base.units import SYSTEMS
     from escapement.cli import _log, _output, _waiting
-    from escapement.cli._arguments import parser_of, understand_command
+    from escapement.cli._arguments import OLD_NAMES, parser_of, understand_command
 
     try:
-        command, parser = parser_of(understand_command(argv, COMMANDS))
+        name = understand_command(argv, COMMANDS)
+        command, parser = parser_of(name)
         args = parser.understand(argv[1:])
         _output.check_files(args)
         if args.log is not None:
             _log.start(args.log, argv)
         with _waiting.shown(argv[0], quiet=getattr(args, "quiet", False)):
             code: int = command.execute(args)
+        if name in OLD_NAMES:
+            _output.note(f"{name} is the old name of {OLD_NAMES[name]}")
     except SystemExit:  # argparse ends so after help, or the version
         return 0
     finally:

@@ -122,8 +122,13 @@ def understand_command(argv: Sequence[str], commands: Mapping[str, str]) -> str:
     return str(parser.understand(argv[:1]).command)
 
 
+OLD_NAMES = {"drive-torque": "index"}
+"""Commands that have another name now; the old one still works."""
+
+
 def parser_of(name: str) -> tuple[ModuleType, Parser]:
     """The module of a command, and the parser of its arguments and of those that all have."""
+    name = OLD_NAMES.get(name, name)
     command = import_module(f"escapement.cli.{name.replace('-', '_')}")
     parser = Parser(prog=f"escapement {name}", description=command.__doc__)
     command.configure(parser)

@@ -23,6 +23,8 @@ _NO_INPUTS = {
     *("resume", "quiet", "serve", "segments", "r12", "format"),
 }
 """Arguments that say where and how something is written."""
+_ROUND = ("pin_radius", "roller_radius", "bearing_radius", "locking_radius")
+"""Radii of round bodies, of which drawings have the diameter."""
 
 
 def inputs_of_command(args: Arguments, known: Iterable[Input] = ()) -> list[Input]:
@@ -50,8 +52,9 @@ def as_record(inputs: Iterable[Input], system: str) -> dict[str, Any]:
     """Inputs by JSON key; one that has another unit in another system is given in each."""
     record: dict[str, Any] = {"units": system}
     for name, value, kind in inputs:
-        alike = len({printed(kind, one) for one in SYSTEMS}) == 1
-        each = {one: in_units(value, kind, one) for one in SYSTEMS}
+        told = dict.fromkeys((*SYSTEMS[:2], system))
+        alike = len({printed(kind, one) for one in told}) == 1
+        each = {one: in_units(value, kind, one) for one in told}
         record[name] = value if alike or isinstance(value, str) else each
     return record
 
@@ -60,16 +63,16 @@ def print_inputs(inputs: Iterable[Input], system: str) -> None:
     """Inputs as a table, then an empty line."""
     rows = []
     for name, value, kind in inputs:
-        each = {one: in_words(in_units(value, kind, one)) for one in SYSTEMS}
         unit = printed(kind, system)
+        number = in_words(in_units(value, kind, system))
         # a number of another unit shows at once that it was typed in the wrong system
-        others = (
-            f" = {show(each[one])} {printed(kind, one)}"
-            for one in SYSTEMS
-            if printed(kind, one) != unit
-        )
-        shown = "" if isinstance(value, str) else unit + "".join(others)
-        rows.append((words(name), each[system], shown))
+        other = SYSTEMS[0] if system == SYSTEMS[1] else SYSTEMS[1]
+        shown = "" if isinstance(value, str) else unit
+        if shown and printed(kind, other) != unit:
+            shown += f" = {show(in_words(in_units(value, kind, other)))} {printed(kind, other)}"
+        if shown and system == SYSTEMS[2] and name.endswith(_ROUND):
+            shown += f", diameter {show(2.0 * number)} {unit}"
+        rows.append((words(name), number, shown))
     if rows:
         print_values(rows)
         print()
@@ -77,10 +80,10 @@ def print_inputs(inputs: Iterable[Input], system: str) -> None:
 
 def of_plan(plan: "StudyPlan") -> Iterable[Input]:
     """The numbers of a study: those that are fixed, and the ends of those that vary."""
-    from escapement.study.plan import settings_of, unit_kind
+    from escapement.study.plan import unit_kind
 
     yield "kind", plan.build.kind, "ratio"
-    entries = settings_of(plan.build, plan.meshed) | plan.parameters
+    entries = plan.settings | plan.parameters
     varied = {name for along in plan.varied.values() for name in along}
     for name, value in plan.fixed_si.items():
         entry = entries.get(name)

@@ -83,3 +83,4 @@ def _solve_others(timer: "Escapement") -> None:
     wheel = esc.Geneva(6, pins=1, crank_radius=0.05, clearance=1e-4)
     drive = esc.index(wheel, 6.0, follower_inertia=0.4, load_frequency=15.0)
     _ = drive.torque_max, drive.entry_impact_speed, drive.deflection_max, drive.at(0.0)
+    esc.sweep(drive, speed=[6.0, 7.0])

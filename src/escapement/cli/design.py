@@ -1,4 +1,4 @@
-"""Timers for a given period or run time, none of them better in everything than another."""
+"""Timers or indexing drives for a task, none of them better in everything than another."""
 
 from pathlib import Path
 from typing import Any
@@ -8,8 +8,10 @@ from escapement.base.records import Record
 from escapement.base.results import Result
 from escapement.base.spoken import on_drawing
 from escapement.base.text import as_csv
+from escapement.base.toml_file import read_toml
 from escapement.cli import SOME_FAILED, _arguments, _inputs, _output
-from escapement.cli._arguments import Arguments, Parser
+from escapement.cli._arguments import Arguments, Parser, UsageError
+from escapement.model.inputs import Input
 
 UNITS = "units of the printed figures (default: those of the wish)"
 _CHOSEN = {
@@ -22,7 +24,7 @@ _CHOSEN = {
 
 def configure(parser: Parser) -> None:
     """Add the command's arguments."""
-    text = "file that says what the timer must do, and its bounds"
+    text = "file that says what the timer or the indexing drive must do, and its bounds"
     parser.add_argument("wish", type=Path, metavar="WISH.toml", help=text)
     rule: dict[str, Any] = {"minimum": 1, "whole": True, "remedy": "give how many"}
     _arguments.add_number(parser, "count", "greatest number of designs (default: 40)", "N", **rule)
@@ -36,8 +38,11 @@ def execute(args: Arguments) -> int:
     """Search, write and draw what was asked for, print the designs."""
     from escapement.inverse_design.requirement import BOUNDS, load_requirement
     from escapement.inverse_design.timer_search import FOIL
+    from escapement.study.subject import DRIVE
 
     _output.speak_as(args, args.wish, "wish")
+    if read_toml(args.wish, "wish").get("study") == DRIVE.name:
+        return _design_drives(args)
     requirement = load_requirement(args.wish)[0]
     found = esc.design(requirement, count=args.count or 40)
     known = [*_inputs.of_requirement(requirement), ("count", args.count or 40, "ratio")]
@@ -62,6 +67,34 @@ def execute(args: Arguments) -> int:
     short = Record({"designs": [{name: line[name] for name in names} for line in lines]}, results)
     record = Record({"designs": lines, "message": message}, results)
     _output.tell(args, record, known, lambda: short.show(args.units))
+    return 0
+
+
+def _design_drives(args: Arguments) -> int:
+    """The same for indexing drives."""
+    from escapement.inverse_design.drive_requirement import drive_requirement
+    from escapement.study.subject import DRIVE
+
+    if args.report is not None:
+        raise UsageError("--report must be left out for indexing drives, which have none")
+    requirement = drive_requirement(args.wish)
+    found = esc.design_drive(args.wish, count=args.count or 40)
+    plan = {name: value for name, value in requirement.study.items() if not isinstance(value, dict)}
+    known: list[Input] = [(name, value, "ratio") for name, value in plan.items()]
+    known.append(("objectives", ", ".join(requirement.objectives), "ratio"))
+    if not found.designs:
+        _output.tell(args, {"designs": [], "message": found.message}, known, lambda: None)
+        return SOME_FAILED
+    lines = [one.chosen | one.values for one in found.designs]
+    _output.save(
+        args,
+        lambda: as_csv([[*lines[0]], *([*line.values()] for line in lines)]),
+        lambda plots: plots.plot_designs(found),
+    )
+    results = {name: Result(entry.unit) for name, entry in requirement.entries.items()}
+    message = f"{len(lines)} designs, from {found.tried} points tried"
+    record = Record({"designs": lines, "message": message}, results | dict(DRIVE.figures))
+    _output.tell(args, record, known)
     return 0
 
 

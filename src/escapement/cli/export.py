@@ -70,7 +70,7 @@ def execute(args: Arguments) -> int:
         gaps = esc.motion_check(mechanism, fits)
     else:
         how = {name: getattr(args, name) for name in _HOW}
-        suffix, inches = file_format(args.output, CUTS), args.units != "SI"
+        suffix, inches = file_format(args.output, CUTS), args.units == "in-lbf-s"
         from escapement.outlines.part_files import drawn
 
         data, gaps = drawn(mechanism, suffix, fits, inches=inches, **how)

@@ -3,10 +3,11 @@
 Modules are loaded when they are first used, because a case can be described without them. Read
 `index_case` and `indexing` first.
 
-- `index_case`, `index_torque`, `indexing`: what is given of an indexing drive, its torque, force
-  and stresses, and its impacts and ringing
-- `cycle_figures`, `knock`, `ringing`: the kernels that compute these
-- `index_record`, `drive_record`: what is told of a drive, in the order in which it is read
+- `index_case`: what is given of an indexing drive; `index_torque`, `index_loads`: the formulas of
+  its figures, for one drive or many
+- `indexing`, `index_rows`: one drive, and many; `cam_drive`: a cam to compare with
+- `wall_changes`, `cycle_figures`, `knock`, `ringing`, `row_kernel`: the kernels
+- `index_record`: what is told of a drive, in the order in which it is read
 - `input_torque`, `contact`: torque and contact of a drive under any load, also a function
 - `extrema`, `geneva`: extremes of the transmission functions, and Filemon's formulas
 """

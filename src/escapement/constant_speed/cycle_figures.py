@@ -11,13 +11,14 @@ inertia, torque and time. With theta_dot = 1 and theta_ddot = 0 the equation of 
 
 An engagement is cut at the kinks of these quantities: breaks of the path, places where sliding
 reverses, and zeros of F. On each part they are integrated over Gauss points, and their extremes
-lie at an end of the part or where their difference quotient is zero.
+lie at an end of the part or where their slope is zero.
 """
 
 from typing import NamedTuple
 
 import numpy as np
 
+from escapement.constant_speed.wall_changes import follower_moment, reversals_between
 from escapement.dynamics.law import (
     dragged_slope,
     friction_ratio,
@@ -30,19 +31,20 @@ from escapement.dynamics.load import load_at
 from escapement.mechanisms.slotted import pose_at
 from escapement.numerics.gauss import POINTS, N, integral, tail_of
 from escapement.numerics.jit import inner_jit, jit
+from escapement.numerics.roots import newton_in_bracket
 
 TORQUE, MOMENT, FORCE, RATIO, BEND = range(5)
 """Indices of what `contact_at` returns."""
 # What is searched for its greatest value, and the sign with which that is done, 0 for magnitudes.
-_SEARCHED = (TORQUE, TORQUE, MOMENT, FORCE, RATIO, BEND)
-_SIGNS = (1.0, -1.0, 0.0, 1.0, 0.0, 0.0)
-_MOST_CUTS = 4096
+_SEARCHED = (TORQUE, TORQUE, MOMENT, FORCE, RATIO, BEND, BEND)
+_SIGNS = (1.0, -1.0, 0.0, 1.0, 0.0, 1.0, -1.0)
+_PENDING = 64  # parts that wait to be integrated
 # A part is halved until the tail of the squared torque is below this share of its greatest value.
 _RESOLVED = 1e-13
 _NARROWEST = 1e-7  # rad
 _CANCELS = 1e-14
-# Step of the difference quotient by which an extremum is found [rad].
-_STEP = 1e-5
+# Step of the difference quotients by which an extremum is found, and how exactly it is [rad].
+_STEP, _FOUND = 1e-5, 1e-11
 
 
 class CycleFigures(NamedTuple):
@@ -52,6 +54,8 @@ class CycleFigures(NamedTuple):
         greatest magnitudes of the moment on the follower and of the contact force, each with the
         angle that has it.
     ratio_max, bend_max : greatest magnitudes of g and g'.
+    bend_min, bend_exit : least g', and g' at the exit.
+    reversals, last_side : number of reversals, and the wall that carries the force at the exit.
     torque_integral, square_integral : integrals of the torque and of its square.
     first_half : integral of the torque up to `half`, see `cycle_figures`.
     """
@@ -66,17 +70,13 @@ class CycleFigures(NamedTuple):
     force_max_angle: float
     ratio_max: float
     bend_max: float
+    bend_min: float
+    bend_exit: float
+    reversals: float
+    last_side: float
     torque_integral: float
     square_integral: float
     first_half: float
-
-
-@inner_jit
-def follower_moment(theta, scene):
-    """F: moment of the contact on the follower at constant speed."""
-    g, _u, dg, _radius = pose_at(scene.path, theta)
-    load = load_at(theta, 1.0, scene)
-    return resistance(g, dragged_slope(g, dg, scene), 1.0, 1.0, scene, load)
 
 
 @inner_jit
@@ -102,50 +102,21 @@ def sliding_sign(theta, side, scene):
     return np.copysign(1.0, slide_at(g, u, radius, side, scene))
 
 
-@inner_jit(allocates=True)
-def reversals_between(edges, scene):
-    """Driver angles inside (edges[0], edges[-1]) at which F changes its sign, ascending."""
-    found = np.empty(_MOST_CUTS)
-    used = 0
-    for j in range(edges.size - 1):
-        left, half = edges[j], 0.5 * (edges[j + 1] - edges[j])
-        before, value = left, follower_moment(left, scene)
-        for i in range(4 * N + 1):
-            panel, point = i // N, i % N
-            x = POINTS[point] if i < 4 * N else 1.0
-            theta = left + half * (0.25 * (x + 1.0 + 2.0 * panel) if i < 4 * N else 2.0)
-            here = follower_moment(theta, scene)
-            if (here > 0.0) != (value > 0.0) and here != value and used < _MOST_CUTS:
-                found[used] = _sign_change(before, theta, value > 0.0, scene)
-                used += 1
-            before, value = theta, here
-    return found[:used]
-
-
 @inner_jit
-def _sign_change(low, high, falling, scene):
-    """Angle between two at which F changes its sign, by bisection to rounding."""
+def _extreme(theta, low, high, which, sign, side, slide_sign, scene, efficiency):
+    """Angle between two where sign times a quantity is greatest, by Newton's method."""
     for _ in range(60):
-        middle = 0.5 * (low + high)
-        if (follower_moment(middle, scene) > 0.0) == falling:
-            low = middle
-        else:
-            high = middle
-    return 0.5 * (low + high)
-
-
-@inner_jit
-def _extreme(low, high, which, sign, side, slide_sign, scene, efficiency):
-    """Angle between two where sign times a quantity is greatest, by bisection of its slope."""
-    for _ in range(50):
-        middle = 0.5 * (low + high)
-        behind = contact_at(middle + _STEP, side, slide_sign, scene, efficiency)[which]
-        before = contact_at(middle - _STEP, side, slide_sign, scene, efficiency)[which]
-        if sign * (behind - before) > 0.0:
-            low = middle
-        else:
-            high = middle
-    return 0.5 * (low + high)
+        behind = sign * contact_at(theta + _STEP, side, slide_sign, scene, efficiency)[which]
+        here = sign * contact_at(theta, side, slide_sign, scene, efficiency)[which]
+        before = sign * contact_at(theta - _STEP, side, slide_sign, scene, efficiency)[which]
+        slope = (behind - before) / (2.0 * _STEP)
+        bend = (behind - 2.0 * here + before) / (_STEP * _STEP)
+        guess, low, high = newton_in_bracket(theta, slope, bend, low, high, False)
+        step = abs(guess - theta)
+        theta = guess
+        if step <= _FOUND:
+            break
+    return theta
 
 
 @jit(allocates=True)
@@ -156,37 +127,43 @@ def cycle_figures(scene_tuple, edges, half, efficiency):
     ----------
     scene_tuple : as `model.scene.scene_tuple` makes it, in the units above.
     edges : driver angles between which the quantities are smooth but for reversals, ascending.
-    half : driver angle at which the first half of the engagement ends; one of `edges`.
+    half : driver angle at which the first half of the engagement ends, between the edges.
     efficiency : of the drive, in (0, 1].
 
     Returns
     -------
     CycleFigures, ndarray
     """
-    scene = scene_of(scene_tuple)
+    return figures_of(scene_of(scene_tuple), edges, half, efficiency)
+
+
+@inner_jit(allocates=True)
+def figures_of(scene, edges, half, efficiency):
+    """As `cycle_figures`, of a scene."""
     reversals = reversals_between(edges, scene)
-    cuts = np.unique(np.concatenate((edges, reversals)))
-    torque, square = np.empty(N), np.empty(N)
+    cuts = np.sort(np.concatenate((edges, reversals, np.array([half]))))
+    samples, square = np.empty((N + 2, BEND + 1)), np.empty(N)
     tops, angles = np.full(len(_SIGNS), -np.inf), np.full(len(_SIGNS), np.nan)
-    whole = squares = first = sizes = 0.0
-    pending = np.empty((64, 2))
+    whole = squares = first = sizes = last_side = 0.0
+    pending = np.empty((_PENDING, 2))
     for j in range(cuts.size - 1):
         middle = 0.5 * (cuts[j] + cuts[j + 1])
         side = 1.0 if follower_moment(middle, scene) >= 0.0 else -1.0
         slide = sliding_sign(middle, side, scene)
         pending[0, 0], pending[0, 1] = cuts[j], cuts[j + 1]
-        count = 1
+        count = 1 if cuts[j + 1] > cuts[j] else 0
+        last_side = side if count else last_side
         while count > 0:
             count -= 1
             left, right = pending[count, 0], pending[count, 1]
             width = 0.5 * (right - left)
+            _fill(samples, left, right, side, slide, scene, efficiency)
+            torque = samples[1:-1, TORQUE]
             for i in range(N):
-                theta = left + width * (1.0 + POINTS[i])
-                torque[i] = contact_at(theta, side, slide, scene, efficiency)[TORQUE]
                 square[i] = torque[i] * torque[i]
             size = max(np.max(square), 1e-300)
             rough = tail_of(square, N) > _RESOLVED * size
-            if rough and width > _NARROWEST and count < 62:
+            if rough and width > _NARROWEST and count < _PENDING - 2:
                 inside = left + width
                 pending[count, 0], pending[count, 1] = inside, right
                 pending[count + 1, 0], pending[count + 1, 1] = left, inside
@@ -197,43 +174,62 @@ def cycle_figures(scene_tuple, edges, half, efficiency):
             sizes += abs(part)
             squares += width * integral(square, N)
             first += part if right <= half else 0.0
-            _raise_tops(tops, angles, left, right, side, slide, scene, efficiency)
+            _raise_tops(tops, angles, samples, left, right, side, slide, scene, efficiency)
     # where driving and driven work cancel, what is left is rounding
     whole = 0.0 if abs(whole) <= _CANCELS * sizes else whole
+    _g, _u, bend_exit, _radius = pose_at(scene.path, edges[-1])
     found = CycleFigures(
         torque_max=tops[0], torque_max_angle=angles[0], torque_min=-tops[1],
         torque_min_angle=angles[1], moment_max=tops[2], moment_max_angle=angles[2],
-        force_max=tops[3], force_max_angle=angles[3], ratio_max=tops[4], bend_max=tops[5],
+        force_max=tops[3], force_max_angle=angles[3], ratio_max=tops[4],
+        bend_max=max(tops[5], tops[6]), bend_min=-tops[6], bend_exit=bend_exit,
+        reversals=float(reversals.size), last_side=last_side,
         torque_integral=whole, square_integral=squares, first_half=first,
     )  # fmt: skip
     return found, reversals
 
 
 @inner_jit
-def _raise_tops(tops, angles, left, right, side, slide_sign, scene, efficiency):
+def _point(i):
+    """Ends and Gauss points of [-1, 1], in order."""
+    return -1.0 if i == 0 else 1.0 if i > N else POINTS[i - 1]
+
+
+@inner_jit
+def _fill(samples, left, right, side, slide_sign, scene, efficiency):
+    """Fill rows with what `contact_at` returns at the ends and the Gauss points of a part."""
+    half = 0.5 * (right - left)
+    for i in range(N + 2):
+        theta = left + half * (1.0 + _point(i))
+        torque, moment, force, g, dg = contact_at(theta, side, slide_sign, scene, efficiency)
+        samples[i, TORQUE], samples[i, MOMENT], samples[i, FORCE] = torque, moment, force
+        samples[i, RATIO], samples[i, BEND] = g, dg
+
+
+@inner_jit
+def _raise_tops(tops, angles, samples, left, right, side, slide_sign, scene, efficiency):
     """Raise the greatest values to those on one part, whose sides do not change."""
     half = 0.5 * (right - left)
     for k in range(tops.size):
         which, sign = _SEARCHED[k], _SIGNS[k]
         if sign == 0.0:
-            middle = contact_at(left + half, side, slide_sign, scene, efficiency)[which]
-            sign = np.copysign(1.0, middle)
-        best, top = 0, -np.inf
-        for i in range(N + 2):
-            x = -1.0 if i == 0 else 1.0 if i > N else POINTS[i - 1]
-            theta = left + half * (1.0 + x)
-            value = sign * contact_at(theta, side, slide_sign, scene, efficiency)[which]
-            if value > top:
-                best, top = i, value
-        low = left if best <= 1 else left + half * (1.0 + POINTS[best - 2])
-        high = right if best >= N else left + half * (1.0 + POINTS[best])
-        at = _extreme(low, high, which, sign, side, slide_sign, scene, efficiency)
-        inside = sign * contact_at(at, side, slide_sign, scene, efficiency)[which]
-        if inside <= top:  # it is at an end
-            at = left if best == 0 else right if best > N else at
-        top = max(top, inside)
+            sign = np.copysign(1.0, samples[N // 2, which])
+        best = 0
+        for i in range(1, N + 2):
+            if sign * samples[i, which] > sign * samples[best, which]:
+                best = i
+        top, theta = sign * samples[best, which], left + half * (1.0 + _point(best))
+        low, high = max(best - 1, 0), min(best + 1, N + 1)
+        beside = min(sign * samples[low, which], sign * samples[high, which])
+        # between neighbours a smooth function exceeds the greatest of them by less than it falls
+        if top + (top - beside) > tops[k]:
+            start, end = left + half * (1.0 + _point(low)), left + half * (1.0 + _point(high))
+            at = _extreme(theta, start, end, which, sign, side, slide_sign, scene, efficiency)
+            inside = sign * contact_at(at, side, slide_sign, scene, efficiency)[which]
+            if inside > top:
+                top, theta = inside, at
         if top > tops[k]:
-            tops[k], angles[k] = top, at
+            tops[k], angles[k] = top, theta
 
 
 @jit

@@ -173,17 +173,6 @@ def least_load_torque(mechanism: Mechanism, speed: float, follower_inertia: floa
     return inertia * omega * omega / transmission_extrema(mechanism).reversal_limits[0]
 
 
-def limits_without_reversal(case: Case) -> dict[str, float]:
-    """Where a drive under a constant load has no reversal, one number changed at a time, in SI."""
-    mechanism, load = case.mechanism, case.load_torque
-    assert not callable(load)
-    return {
-        "greatest_speed": greatest_speed(mechanism, load, case.follower_inertia),
-        "greatest_follower_inertia": greatest_follower_inertia(mechanism, case.speed, load),
-        "least_load_torque": least_load_torque(mechanism, case.speed, case.follower_inertia),
-    }
-
-
 def fewest_slots(inertia_ratio: float, internal: bool = False) -> int:
     """Least number of slots of a Geneva wheel without a pin reversal at F.
 

@@ -4,11 +4,14 @@ import math
 from dataclasses import dataclass, field
 from typing import Any
 
+from escapement.base import validate
 from escapement.base.quantity import like, quantity, setting
 from escapement.constant_speed import Case
+from escapement.model.checks import refuse_idle
 from escapement.model.escapement import Escapement
 from escapement.model.materials import MATERIALS, MaterialSetting
 
+_HAIR = 1e-9  # rad, by which rounding may lengthen a dwell
 _PIN, _LOAD, _LOCK = "Stresses of the pin", "Load on an elastic shaft", "Locking disc"
 _MATERIAL = f"a name ({', '.join(MATERIALS)}), or modulus in Pa and Poisson's ratio"
 
@@ -79,7 +82,7 @@ class IndexCase(Case):
         group=_LOAD, needs="load_frequency", remedy="give the angle",
     ))  # fmt: skip
     locking_radius: float = field(default=0.0, metadata=_length(
-        "radius of the locking disc", group=_LOCK
+        "radius of the locking disc", group=_LOCK, needs="locking_angle"
     ))  # fmt: skip
     locking_friction: float = field(default=0.0, metadata=quantity(
         "coefficient of friction on the locking disc", metavar="MU", group=_LOCK,
@@ -90,3 +93,28 @@ class IndexCase(Case):
         "angle", metavar="A", group=_LOCK, needs="locking_radius", maximum=math.pi / 2,
         remedy="give the angle",
     ))  # fmt: skip
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        refuse_idle(self)
+        wheel: Any = self.mechanism
+        if not wheel.takes_clearance and self.locking_radius:
+            rule = "0 for a mechanism that is not a Geneva wheel"
+            raise validate.fail("locking_radius", rule, self.locking_radius, "leave it out")
+        for name in ("pin_length", "locking_radius"):
+            if (value := getattr(self, name)) and not wheel.lengths["crank_radius"]:
+                rule, remedy = "0 for a mechanism without a length", "give the crank radius"
+                raise validate.fail(name, rule, value, remedy)
+        sizes = self.pressure_pin_radius, wheel.pin_radius, self.pressure_limit
+        if self.pin_length and not any(sizes):
+            rule = "given with the radius of the pin, or with a permitted pressure"
+            remedy = "give pressure_pin_radius or pressure_limit"
+            raise validate.fail("pin_length", rule, self.pin_length, remedy)
+        if wheel.cell_angle > wheel.breaks[-1] - wheel.breaks[0] + _HAIR:
+            return
+        for name, value in (
+            ("clearance", wheel.clearance), ("load_frequency", self.load_frequency)
+        ):  # fmt: skip
+            if value:
+                rule = "0 where the follower never rests, so that no index begins from rest"
+                raise validate.fail(name, rule, value, "give fewer pins, or simulate the motion")

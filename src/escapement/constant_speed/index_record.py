@@ -1,44 +1,57 @@
 """What is told of an indexing drive, in the order in which the engineer of a machine reads it."""
 
 import math
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from escapement.base.records import Record
 from escapement.base.results import Result
-from escapement.constant_speed.drive_record import DRIVE, filemon_figures
-from escapement.constant_speed.indexing import IndexingDrive
+from escapement.base.spoken import as_spoken
+
+if TYPE_CHECKING:
+    from escapement.constant_speed.indexing import IndexingDrive
 
 
-def _sized(drive: IndexingDrive) -> bool:
-    return drive.mechanism.crank_radius is not None
+def _sized(drive: Any) -> bool:
+    return bool(drive.lengths["crank_radius"])
 
 
-def _slotted(drive: IndexingDrive) -> bool:
+def _slotted(drive: Any) -> bool:
     return not drive.mechanism.meshed
 
 
-def _stressed(drive: IndexingDrive) -> bool:
-    return drive.pin_length > 0.0
+def _stressed(drive: Any) -> bool:
+    return bool(drive.pin_length)
 
 
-def _loose(drive: IndexingDrive) -> bool:
-    return bool(drive.mechanism.clearance > 0.0)
+def _loose(drive: Any) -> bool:
+    return bool(drive.lengths["clearance"])
 
 
-def _elastic(drive: IndexingDrive) -> bool:
-    return drive.load_frequency > 0.0
+def _elastic(drive: Any) -> bool:
+    return bool(drive.load_frequency)
 
 
-def _locked(drive: IndexingDrive) -> bool:
-    return drive.locking_radius > 0.0
+def _locked(drive: Any) -> bool:
+    return bool(drive.locking_radius)
+
+
+def _limited(drive: Any) -> bool:
+    return _stressed(drive) and bool(drive.pressure_limit)
+
+
+def _constant(drive: Any) -> bool:
+    return drive.load_curve is None
 
 
 _NO_FORCE = "give the crank radius"
+_NO_PIN = "give the crank radius and the radius of the pin"
 _NO_WALL = "the pin stays on its wall, or the index ends before it meets one again"
+_NO_LIMIT = "no finite value makes the pin reverse"
 
 INDEX = {
     "index_time": Result("time", "time in which the follower moves"),
     "dwell_time": Result("time", "time in which it rests"),
+    "cycle_time": Result("time", "time from one index to the next"),
     "motion_ratio": Result("ratio", "share of the cycle in which it moves"),
     "follower_velocity_max": Result("speed", "greatest speed of the follower"),
     "follower_acceleration_max": Result("acceleration", "greatest acceleration of the follower"),
@@ -46,9 +59,13 @@ INDEX = {
         "torque", "greatest moment on the follower", label="moment on the follower max"
     ),
     "torque_max": Result("torque", "greatest torque of the drive"),
-    "torque_max_deg": Result("degrees", "driver angle of it", label="torque max at"),
+    "torque_max_deg": Result(
+        "degrees", "driver angle of the greatest torque", label="torque max at"
+    ),
     "torque_min": Result("torque", "least torque; below zero the follower drives"),
-    "torque_min_deg": Result("degrees", "driver angle of it", label="torque min at"),
+    "torque_min_deg": Result(
+        "degrees", "driver angle of the least torque", label="torque min at"
+    ),
     "torque_mean_index": Result("torque", "mean while the follower moves"),
     "torque_mean_cycle": Result("torque", "mean over the cycle, dwell included"),
     "torque_rms": Result("torque", "root mean square over the cycle"),
@@ -59,60 +76,119 @@ INDEX = {
         label="force on the pin max",
     ),
     "contact_force_max_deg": Result(
-        "degrees", "driver angle of it", exists=_sized, label="force on the pin max at"
+        "degrees", "driver angle of the greatest force", exists=_sized,
+        label="force on the pin max at",
     ),
     "pressure_max": Result(
-        "pressure", "greatest pressure between pin and wall", exists=_stressed,
-        missing="give the crank radius and the radius of the pin",
+        "pressure", "greatest pressure between pin and wall", exists=_stressed, missing=_NO_PIN
     ),
     "pin_diameter_needed": Result(
-        "length", "diameter of the pin at the permitted pressure",
-        exists=lambda drive: _stressed(drive) and drive.pressure_limit > 0.0, missing=_NO_FORCE,
+        "length", "diameter of the pin at the permitted pressure", exists=_limited,
+        missing=_NO_FORCE,
     ),
     "pin_bending_max": Result(
-        "pressure", "greatest bending stress of the pin", exists=_stressed,
-        missing="give the crank radius and the radius of the pin",
+        "pressure", "greatest bending stress of the pin", exists=_stressed, missing=_NO_PIN
     ),
     "pin_shear_max": Result(
-        "pressure", "greatest mean shear stress of the pin", exists=_stressed,
-        missing="give the crank radius and the radius of the pin",
+        "pressure", "greatest mean shear stress of the pin", exists=_stressed, missing=_NO_PIN
     ),
     "entry_impact_deg": Result(
         "degrees", "where the pin meets its slot", exists=_loose, label="entry impact at"
     ),
-    "entry_impact_speed": Result("slip", "speed of this impact", exists=_loose),
-    "entry_impact_energy": Result("energy", "energy lost in it", exists=_loose),
+    "entry_impact_speed": Result("slip", "speed at which the pin meets its slot", exists=_loose),
+    "entry_impact_energy": Result(
+        "energy", "energy lost when the pin meets its slot", exists=_loose
+    ),
     "lift_off_deg": Result(
         "degrees", "where the pin leaves the front wall", exists=_loose, label="lift off at"
     ),
     "reversal_flight_time": Result(
-        "time", "time until it meets a wall again", exists=_loose, missing=_NO_WALL
+        "time", "time until the pin meets a wall again", exists=_loose, missing=_NO_WALL
     ),
     "reversal_impact_deg": Result(
-        "degrees", "where it does", exists=_loose, label="reversal impact at"
+        "degrees", "where the pin meets a wall again", exists=_loose, label="reversal impact at"
     ),
-    "reversal_impact_speed": Result("slip", "speed of this impact", exists=_loose),
-    "reversal_impact_energy": Result("energy", "energy lost in it", exists=_loose),
+    "reversal_impact_speed": Result(
+        "slip", "speed at which the pin meets a wall again", exists=_loose
+    ),
+    "reversal_impact_energy": Result(
+        "energy", "energy lost when the pin meets a wall again", exists=_loose
+    ),
     "deflection_max": Result("angle", "greatest angle of the load from the wheel", exists=_elastic),
     "residual_amplitude": Result("angle", "amplitude left after the index", exists=_elastic),
     "settling_time_load": Result(
         "time", "time after the index until the load is within its tolerance", exists=_elastic,
         missing="without damping the load rings on",
     ),
+    "dwell_left": Result(
+        "time", "time of the dwell after that; below zero the load still rings", exists=_elastic
+    ),
     "locking_torque": Result(
-        "torque", "friction of the locking disc in the dwell", exists=_locked,
-        missing="give the crank radius and the locking angle",
+        "torque", "friction of the locking disc in the dwell", exists=_locked, missing=_NO_FORCE
+    ),
+    "inertia_ratio": Result(
+        "ratio", "I_f omega^2 over the load", label="inertia ratio F", exists=_constant,
+        missing="F is not defined without a load",
+    ),
+    "reversal_limits": Result(
+        "ratio", "inertia ratios between the zones", label="reversal limits F12, F23",
+        missing="the follower's deceleration ends at zero, so no inertia ratio lets it drive up to "
+        "the end",
+    ),
+    "zone": Result("ratio", "zone of the inertia ratio"),
+    "reversals_deg": Result("degrees", "driver angles at which the pin changes sides"),
+    "torque_mean": Result(
+        "torque", "mean torque up to dead centre", label="torque mean to dead centre"
+    ),
+    "torque_max_over_mean": Result(
+        "ratio", "greatest torque over the mean up to dead centre",
+        missing="the mean torque is not above zero",
+    ),
+    "power_mean_to_dead_centre": Result("power", "mean power up to dead centre"),
+    "greatest_speed": Result(
+        "speed", "greatest driver speed without reversal under the load alone",
+        label="greatest speed without reversal", missing=_NO_LIMIT, exists=_constant,
+    ),
+    "greatest_follower_inertia": Result(
+        "inertia", "greatest inertia of the follower without reversal under the load alone",
+        label="greatest follower inertia without reversal", missing=_NO_LIMIT, exists=_constant,
+    ),
+    "least_load_torque": Result(
+        "torque", "least load without reversal", label="least load torque without reversal",
+        missing=_NO_LIMIT, exists=_constant,
     ),
 }  # fmt: skip
 """Figures of an indexing drive by name. Those with "_deg" are angles in degrees."""
 
 
-def record_of(drive: IndexingDrive) -> Record:
-    """The figures of a drive in SI, and Filemon's; those that it cannot have are left out."""
-    found: dict[str, Any] = {}
+def in_si(drive: Any, name: str) -> Any:
+    """A figure of a drive, or of many, in SI."""
+    return getattr(drive, name.removesuffix("_deg") + "_angle" if name.endswith("_deg") else name)
+
+
+def record_of(drive: "IndexingDrive") -> Record:
+    """The figures of a drive in SI; those that it cannot have are left out."""
+    import numpy as np
+
+    found: dict[str, Any] = {"reversals_deg": np.degrees(drive.reversals).tolist()}
+    if _constant(drive):
+        found["reversal_limits"] = [*drive.reversal_limits]
     for name, result in INDEX.items():
-        if result.exists is None or result.exists(drive):
-            angle = name.endswith("_deg")
-            value = getattr(drive, name.removesuffix("_deg") + "_angle" if angle else name)
-            found[name] = math.degrees(value) if angle else value
-    return Record(found | filemon_figures(drive), DRIVE | INDEX)
+        if name not in (*found, "reversal_limits") and (
+            result.exists is None or result.exists(drive)
+        ):
+            value = in_si(drive, name)
+            found[name] = math.degrees(value) if name.endswith("_deg") else value
+    return Record({name: found[name] for name in INDEX if name in found}, INDEX)
+
+
+def doubt_of(drive: "IndexingDrive") -> str:
+    """What the scatter of a measured table makes uncertain; "" for other mechanisms."""
+    if drive.moment_deviation == 0.0:
+        return ""
+    return (
+        "the scatter of the table makes the contact moment uncertain by "
+        f"{as_spoken(drive.moment_deviation, 'torque', 2)} (standard deviation), and the torque "
+        "by this times the ratio; two reversals may be false if the moment between them is smaller "
+        "than this"
+    )

@@ -1,295 +1,194 @@
-"""Torque, power, force and stresses of an indexing drive at constant driver speed."""
+"""Motion, torque and power of indexing drives at constant driver speed, and Filemon's figures.
+
+The formulas hold for the numbers of one drive, and for arrays with those of many.
+"""
 
 import math
-from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
 import numpy as np
 
-from escapement.base import validate
-from escapement.constant_speed.cycle_figures import CycleFigures, cycle_figures
-from escapement.constant_speed.index_case import IndexCase
-from escapement.constant_speed.input_torque import DriveTorque
-from escapement.mechanisms.path import smooth_intervals
-from escapement.mechanisms.protocol import FloatArray
-from escapement.mechanisms.slotted import slide_edges
-from escapement.model.escapement import Escapement, Inertia
-from escapement.model.materials import (
-    contact_modulus,
-    hertz_pressure,
-    material,
-    pin_bending,
-    pin_shear,
-    radius_for,
-)
-from escapement.model.scene import Scene, scene_tuple
-
-_NAN = math.nan
-_SIZES = ("roller_radius", "pin_radius", "clearance")
-_RESISTING = (
-    *("driver_bearing_friction", "driver_bearing_radius", "follower_bearing_friction"),
-    *("follower_bearing_radius", "driver_bearing_torque", "driver_drag", "follower_drag"),
-    *("driver_viscous", "follower_viscous"),
-)
+NAN = math.nan
+_CONSTANT = 1e-12  # share of g below which g' is rounding, as in a table of constant ratio
+_NOTHING = 1e-11  # share of its greatest value below which a deceleration at the exit is rounding
 
 
-@dataclass(frozen=True, repr=False)
-class IndexTorque(IndexCase):
-    """Motion of the table, torque and power of the drive, force and stresses of the pin."""
+def given(value: Any) -> Any:
+    """A number, or NaN in its place if it is 0; or an array of these."""
+    if isinstance(value, float | int):
+        return value or NAN
+    return np.where(value != 0.0, value, NAN)
 
-    def __post_init__(self) -> None:
-        super().__post_init__()
-        self._timer  # noqa: B018 - checks the numbers that it shares with an escapement
-        clearance = {"clearance": self.mechanism.clearance}
-        for name, value in (clearance | {"load_frequency": self.load_frequency}).items():
-            if value and not self.dwell_time > 0.0:
-                rule = "0 where the follower never rests, so that no index begins from rest"
-                raise validate.fail(name, rule, value, "give fewer pins, or simulate the motion")
 
-    # --- the drive in units of I_f, I_f W^2 and 1/W -----------------------------------------
+class IndexTorque:
+    """Motion of the table, torque and power of the drive.
 
-    @cached_property
-    def _timer(self) -> Escapement:
-        """An escapement of which natural units are those in which the driver's speed is one."""
-        numbers = {name: getattr(self, name) for name in _RESISTING if getattr(self, name)}
-        return Escapement(
-            self.mechanism, Inertia(self.follower_inertia, self.follower_inertia),
-            torque=self.inertial, friction=self.friction, load_torque=self._load,
-            load_curve=self.load_curve, **numbers,
-        )  # fmt: skip
-
-    @property
-    def _load(self) -> float:
-        return float(self.load_torque)
-
-    @property
-    def _load_at(self) -> Any:
-        """The load torque, or a function that gives it at follower angles."""
-        if (curve := self.load_curve) is None:
-            return self.load_torque
-        return lambda phi: self._load + curve(phi)
-
-    @property
-    def _scene(self) -> Scene:
-        return self._timer.scene
-
-    @cached_property
-    def _edges(self) -> FloatArray:
-        """Driver angles between which torque and forces are smooth but for reversals [rad]."""
-        scene, parts = self._scene, [smooth_intervals(self._scene.path, self.mechanism.breaks)]
-        parts += [scene.edges] if self.load_curve is not None else []
-        if not scene.path.table:
-            parts.append(slide_edges(scene.path, scene.pin, scene.edges))
-        found: FloatArray = np.unique(np.concatenate([*parts, [self.half]]))
-        return found
-
-    @cached_property
-    def _found(self) -> tuple[CycleFigures, FloatArray]:
-        result: tuple[CycleFigures, FloatArray] = cycle_figures(
-            scene_tuple(self._scene), self._edges, self.half, float(self.efficiency)
-        )
-        return result
-
-    @property
-    def _cycle(self) -> CycleFigures:
-        return self._found[0]
-
-    @property
-    def _length(self) -> float:
-        """The crank radius [m]; NaN where there is none."""
-        return _NAN if self.mechanism.crank_radius is None else float(self.mechanism.crank_radius)
+    A subclass has the numbers of `index_case.IndexCase`, each a number or an array; the
+    `mechanism`, which all drives have in common, and its `lengths` [m]; and `cycle`, the figures
+    that `cycle_figures` returns.
+    """
 
     # --- times and motion of the table ------------------------------------------------------
 
     @property
-    def cycle_time(self) -> float:
+    def cycle_time(self: Any) -> Any:
         """Time from one pin entry to the next [s]."""
-        return float(self.mechanism.cell_angle / self.speed)
+        return self.mechanism.cell_angle / self.speed
 
     @property
-    def index_time(self) -> float:
-        """Time in which the follower moves [s]."""
-        return self.mechanism.motion_ratio * self.cycle_time
-
-    @property
-    def dwell_time(self) -> float:
-        """Time in which it rests [s]."""
-        return (1.0 - self.mechanism.motion_ratio) * self.cycle_time
-
-    @property
-    def motion_ratio(self) -> float:
-        """Share of the cycle in which it moves [-]."""
+    def motion_ratio(self: Any) -> Any:
+        """Share of the cycle in which the follower moves [-]."""
         return float(self.mechanism.motion_ratio)
 
     @property
-    def follower_velocity_max(self) -> float:
-        """Greatest speed of the follower [rad/s]."""
-        return self._cycle.ratio_max * self.speed
+    def index_time(self) -> Any:
+        """Time in which the follower moves [s]."""
+        return self.motion_ratio * self.cycle_time
 
     @property
-    def follower_acceleration_max(self) -> float:
+    def dwell_time(self) -> Any:
+        """Time in which it rests [s]."""
+        return (1.0 - self.motion_ratio) * self.cycle_time
+
+    @property
+    def follower_velocity_max(self: Any) -> Any:
+        """Greatest speed of the follower [rad/s]."""
+        return self.cycle.ratio_max * self.speed
+
+    @property
+    def follower_acceleration_max(self: Any) -> Any:
         """Greatest magnitude of its acceleration [rad/s^2]."""
-        return self._cycle.bend_max * self.speed**2
+        return self.cycle.bend_max * self.speed**2
 
     # --- torque and power -------------------------------------------------------------------
 
     @property
-    def torque_max(self) -> float:
+    def torque_max(self: Any) -> Any:
         """Greatest torque of the drive [N m]."""
-        return self._cycle.torque_max * self.inertial
+        return self.cycle.torque_max * self.inertial
 
     @property
-    def torque_max_angle(self) -> float:
+    def torque_max_angle(self: Any) -> Any:
         """Where it is, from dead centre [rad]."""
-        return self._cycle.torque_max_angle
+        return self.cycle.torque_max_angle
 
     @property
-    def torque_min(self) -> float:
+    def torque_min(self: Any) -> Any:
         """Least torque; below zero the follower drives [N m]."""
-        return self._cycle.torque_min * self.inertial
+        return self.cycle.torque_min * self.inertial
 
     @property
-    def torque_min_angle(self) -> float:
+    def torque_min_angle(self: Any) -> Any:
         """Where it is, from dead centre [rad]."""
-        return self._cycle.torque_min_angle
+        return self.cycle.torque_min_angle
 
-    @property
-    def torque_dwell(self) -> float:
+    @cached_property
+    def torque_dwell(self: Any) -> Any:
         """Torque in the dwell: bearing, drag, and the locking disc [N m]."""
-        scene = self._scene
-        own = (scene.bearing + scene.driver_drag + scene.driver_viscous) * self.inertial
-        return (own + (self.locking_torque if self.locking_radius else 0.0)) / self.efficiency
+        drag = (self.driver_drag * self.speed + self.driver_viscous) * self.speed
+        locked = np.any(self.locking_friction) and np.nan_to_num(self.locking_torque)
+        return (self.driver_bearing_torque + drag + locked) / self.efficiency
 
-    @property
-    def torque_mean(self) -> float:
+    @cached_property
+    def torque_mean(self: Any) -> Any:
         """Mean from pin entry to dead centre, Filemon's (10) [N m]; see `Case.half`."""
-        return self._cycle.first_half * self.inertial / (self.half - float(self._edges[0]))
+        return self.cycle.first_half * self.inertial / (self.half - self.mechanism.breaks[0])
 
     @property
-    def torque_mean_index(self) -> float:
+    def torque_mean_index(self: Any) -> Any:
         """Mean torque while the follower moves [N m]."""
-        return self._cycle.torque_integral * self.inertial / self._index_angle
+        return self.cycle.torque_integral * self.inertial / self._index_angle
 
     @property
-    def torque_mean_cycle(self) -> float:
+    def torque_mean_cycle(self: Any) -> Any:
         """Mean torque over the whole cycle, dwell included [N m]."""
-        work = self._cycle.torque_integral * self.inertial + self.torque_dwell * self._dwell_angle
-        return float(work / self.mechanism.cell_angle)
+        work = self.cycle.torque_integral * self.inertial + self.torque_dwell * self._dwell_angle
+        return work / self.mechanism.cell_angle
 
     @property
-    def torque_rms(self) -> float:
+    def torque_rms(self: Any) -> Any:
         """Root mean square of the torque over the whole cycle [N m]."""
-        square = self._cycle.square_integral * self.inertial**2
-        square += self.torque_dwell**2 * self._dwell_angle
-        return math.sqrt(square / self.mechanism.cell_angle)
+        square = self.cycle.square_integral * self.inertial**2
+        square = square + self.torque_dwell**2 * self._dwell_angle
+        return np.sqrt(square / self.mechanism.cell_angle)
 
     @property
-    def _index_angle(self) -> float:
-        return float(self._edges[-1] - self._edges[0])
+    def _index_angle(self: Any) -> float:
+        return float(self.mechanism.breaks[-1] - self.mechanism.breaks[0])
 
     @property
-    def _dwell_angle(self) -> float:
+    def _dwell_angle(self: Any) -> float:
         return float(max(self.mechanism.cell_angle - self._index_angle, 0.0))
 
     @property
-    def power_mean(self) -> float:
+    def power_max(self: Any) -> Any:
+        """Greatest power of the drive [W]."""
+        return self.torque_max * self.speed
+
+    @property
+    def power_mean(self: Any) -> Any:
         """Mean power over the whole cycle [W]."""
         return self.torque_mean_cycle * self.speed
 
     @property
-    def reversals(self) -> FloatArray:
-        """Driver angles from dead centre where the pin changes walls [rad]."""
-        return self._found[1]
+    def power_mean_to_dead_centre(self: Any) -> Any:
+        """Mean power over the first half of the index, Filemon's N2 = M_2av omega_2 [W]."""
+        return self.torque_mean * self.speed
 
     @property
-    def thin(self) -> DriveTorque:
-        """The same drive with thin pins, without clearance and bearings, as Filemon has it."""
-        wheel: Any = self.mechanism
-        sizes = {name: 0.0 for name in _SIZES if getattr(wheel, name)}
-        return DriveTorque(
-            replace(wheel, **sizes) if sizes else wheel, self.speed, self._load_at,
-            self.follower_inertia, self.efficiency, self.friction,
-        )  # fmt: skip
+    def torque_max_over_mean(self) -> Any:
+        """Filemon's s, the overload that a motor must stand; NaN where the mean is not above 0."""
+        mean = self.torque_mean
+        return self.torque_max / np.where(mean > 0.0, mean, NAN)
 
-    # --- force and stresses of the pin ------------------------------------------------------
+    # --- reversals of the pin ---------------------------------------------------------------
 
     @property
-    def contact_moment_max(self) -> float:
-        """Greatest magnitude of the moment on the follower [N m]."""
-        return self._cycle.moment_max * self.inertial
+    def inertia_ratio(self: Any) -> Any:
+        """Filemon's F = I_f omega^2/M_load [-]; NaN without a load."""
+        return self.inertial / given(self.load_torque)
 
     @property
-    def contact_moment_max_angle(self) -> float:
-        """Where it is, from dead centre [rad]."""
-        return self._cycle.moment_max_angle
-
-    @property
-    def contact_force_max(self) -> float:
-        """Greatest force on the pin [N]; NaN without a crank radius."""
-        return self._cycle.force_max * self.inertial / self._length
-
-    @property
-    def contact_force_max_angle(self) -> float:
-        """Where it is, from dead centre [rad]."""
-        return self._cycle.force_max_angle if self._length > 0.0 else _NAN
-
-    @property
-    def _stressed_radius(self) -> float:
-        """Radius of what presses on the wall [m]; NaN where none is given."""
-        wheel = self.mechanism
-        radius = self.pressure_pin_radius or wheel.roller_radius or wheel.pin_radius
-        return float(radius) or _NAN
-
-    @property
-    def _modulus(self) -> float:
-        return contact_modulus(material(self.pin_material), material(self.wheel_material))
-
-    @property
-    def pressure_max(self) -> float:
-        """Greatest pressure between pin and wall [Pa]; NaN without radius and length of the pin."""
-        if not self.pin_length:
-            return _NAN
-        return hertz_pressure(
-            self.contact_force_max, self._modulus, self.pin_length, self._stressed_radius
-        )
-
-    @property
-    def pin_diameter_needed(self) -> float:
-        """Diameter of a pin whose pressure is `pressure_limit` under the same force [m]."""
-        if not (self.pin_length and self.pressure_limit):
-            return _NAN
-        force = self.contact_force_max
-        return 2.0 * radius_for(force, self._modulus, self.pin_length, self.pressure_limit)
-
-    @property
-    def _pin_radius(self) -> float:
-        """Radius of the pin itself, also inside a roller [m]."""
-        return float(self.mechanism.pin_radius or self.pressure_pin_radius) or _NAN
-
-    @property
-    def pin_bending_max(self) -> float:
-        """Greatest bending stress of the pin, a cantilever [Pa]."""
-        if not self.pin_length:
-            return _NAN
-        return pin_bending(self.contact_force_max, self.pin_length, self.pin_gap, self._pin_radius)
-
-    @property
-    def pin_shear_max(self) -> float:
-        """Greatest mean shear stress of the pin [Pa]."""
-        return pin_shear(self.contact_force_max, self._pin_radius) if self.pin_length else _NAN
-
-    # --- locking disc -----------------------------------------------------------------------
-
-    @property
-    def locking_torque(self) -> float:
-        """Friction of the locking disc under the load at rest [N m].
-
-        The disc carries the load by a force through the driver's axis, whose lever about the
-        follower is c_d sin(gamma) with the centre distance c_d.
+    def zone(self: Any) -> Any:
+        """Filemon's: 1 without reversal; 2 where the pin leaves on the wall it entered on; 3 where
+        it leaves on the one where the follower drives.
         """
-        wheel: Any = self.mechanism
-        if not (self.locking_radius and self.locking_angle):
-            return _NAN
-        lever = wheel.centre_distance * self._length * math.sin(self.locking_angle)
-        return float(self.locking_friction * self._load / lever * self.locking_radius)
+        count, side = self.cycle.reversals, self.cycle.last_side
+        return np.where(count == 0.0, 1, np.where(side > 0.0, 2, 3))[()]
+
+    @cached_property
+    def reversal_limits(self: Any) -> tuple[float, float]:
+        """F12 and F23, Filemon's (8) and (9) for any mechanism; infinite where there is none [-].
+
+        Up to F = F12 a drive with no other resistance than its load has no reversal; from F23 on
+        its pin leaves on the wall where the follower drives.
+        """
+        # they are those of the mechanism, which all drives have in common
+        of_one = (self.cycle.bend_min, self.cycle.bend_exit, self.cycle.ratio_max)
+        deepest, last, ratio = (float(np.ravel(x)[0]) for x in of_one)
+        if -deepest <= _CONSTANT * ratio:
+            return math.inf, math.inf
+        return -1.0 / deepest, -1.0 / last if last < _NOTHING * deepest else math.inf
+
+    @cached_property
+    def _inertial_limit(self: Any) -> Any:
+        """Greatest I_f omega^2 without a reversal [N m]."""
+        limit = self.reversal_limits[0]
+        # no inertia is too great for a mechanism that never slows its follower, even without load
+        return limit if math.isinf(limit) else limit * self.load_torque
+
+    @property
+    def greatest_speed(self: Any) -> Any:
+        """Greatest speed of the driver without a reversal under the load alone [rad/s]."""
+        return np.sqrt(self._inertial_limit / self.follower_inertia)
+
+    @property
+    def greatest_follower_inertia(self: Any) -> Any:
+        """Greatest inertia of the follower without a reversal under the load alone [kg m^2]."""
+        return self._inertial_limit / self.speed**2
+
+    @property
+    def least_load_torque(self: Any) -> Any:
+        """Least load without a reversal where nothing else resists the follower [N m]."""
+        return self.inertial / self.reversal_limits[0]

@@ -15,20 +15,14 @@ from numpy.typing import ArrayLike
 
 from escapement.base import validate
 from escapement.constant_speed.contact import within_cell
-from escapement.constant_speed.cycle_figures import contact_states
-from escapement.constant_speed.index_torque import IndexTorque
-from escapement.constant_speed.knock import NOWHERE, Knock, knock
-from escapement.constant_speed.ringing import Ringing, deflections, ringing
+from escapement.constant_speed.cycle_figures import CycleFigures, contact_states, cycle_figures
+from escapement.constant_speed.index_case import IndexCase
+from escapement.constant_speed.index_loads import IndexLoads
+from escapement.constant_speed.knock import NO_KNOCK, Knock, knock
+from escapement.constant_speed.ringing import NO_RINGING, Ringing, deflections, ringing
 from escapement.mechanisms.protocol import FloatArray, Mechanism
-from escapement.model.scene import scene_tuple
-
-_NAN = math.nan
-_SIZES = ("roller_radius", "pin_radius", "clearance")
-_RESISTING = (
-    *("driver_bearing_friction", "driver_bearing_radius", "follower_bearing_friction"),
-    *("follower_bearing_radius", "driver_bearing_torque", "driver_drag", "follower_drag"),
-    *("driver_viscous", "follower_viscous"),
-)
+from escapement.model.escapement import Escapement, Inertia
+from escapement.model.scene import Scene, scene_tuple
 
 
 class IndexState(NamedTuple):
@@ -52,113 +46,83 @@ class IndexState(NamedTuple):
     deflection: FloatArray
 
 
+RESISTING = (
+    *("driver_bearing_friction", "driver_bearing_radius", "follower_bearing_friction"),
+    *("follower_bearing_radius", "driver_bearing_torque", "driver_drag", "follower_drag"),
+    *("driver_viscous", "follower_viscous"),
+)
+"""Numbers that an indexing drive has in common with an escapement, besides friction and load."""
+
+
 @dataclass(frozen=True, repr=False)
-class IndexingDrive(IndexTorque):
+class IndexingDrive(IndexLoads, IndexCase):
     """A mechanism whose driver turns at a constant speed; see `index` for its numbers."""
 
-    # --- impacts ----------------------------------------------------------------------------
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if self.load_curve is not None and self.locking_radius:
+            rule, remedy = "0 with a load that changes", "give a constant load_torque"
+            raise validate.fail("locking_radius", rule, self.locking_radius, remedy)
+        self._scene  # noqa: B018 - checks the numbers that it shares with an escapement
+
+    # --- what is computed, in units of I_f, I_f W^2 and 1/W ---------------------------------
 
     @cached_property
-    def knock(self) -> Knock | None:
-        """Impacts in the units of `knock.Knock`; None where the pins have no clearance."""
+    def _scene(self) -> Scene:
+        """Of an escapement of which natural units are those in which the driver's speed is one."""
+        numbers = {name: getattr(self, name) for name in RESISTING if getattr(self, name)}
+        timer = Escapement(
+            self.mechanism, Inertia(self.follower_inertia, self.follower_inertia),
+            torque=self.inertial, friction=self.friction, load_torque=self.load_torque,
+            load_curve=self.load_curve, **numbers,
+        )  # fmt: skip
+        return timer.scene
+
+    @cached_property
+    def lengths(self) -> dict[str, float]:
+        """The lengths of the mechanism [m], 0 where it has none."""
+        return self.mechanism.lengths
+
+    @cached_property
+    def _found(self) -> tuple[CycleFigures, FloatArray]:
+        result: tuple[CycleFigures, FloatArray] = cycle_figures(
+            scene_tuple(self._scene), self._scene.edges, self.half, float(self.efficiency)
+        )
+        return result
+
+    @cached_property
+    def cycle(self) -> CycleFigures:
+        """Figures of torque and force in the units of `cycle_figures.CycleFigures`."""
+        return self._found[0]
+
+    @property
+    def reversals(self) -> FloatArray:
+        """Driver angles from dead centre where the pin changes walls [rad]."""
+        return self._found[1]
+
+    @cached_property
+    def knock(self) -> Knock:
+        """Impacts in the units of `knock.Knock`; NaN where the pins have no clearance."""
         clearance, scene = self.mechanism.clearance, self._scene
         if not clearance:
-            return None
-        half = 0.5 * clearance / self._length
+            return NO_KNOCK
+        half = 0.5 * clearance / self.lengths["crank_radius"]
         found: Knock = knock(scene.path.numbers, half, scene.load, scene.edges[0], scene.edges[-1])
         return found
 
-    def _impact(self, name: str, factor: float = 1.0) -> float:
-        return _NAN if self.knock is None else factor * getattr(self.knock, name)
-
     @property
-    def entry_impact_angle(self) -> float:
-        """Where the pin meets the front wall, from dead centre [rad]; NaN without clearance."""
-        return self._impact("entry_angle")
-
-    @property
-    def entry_impact_speed(self) -> float:
-        """Speed at which it does [m/s]."""
-        return self._impact("entry_distance", self._length * self.speed) * self._impact(
-            "entry_speed"
-        )
-
-    @property
-    def entry_impact_energy(self) -> float:
-        """Energy of the follower that the impact brings to speed, and as much is lost [J]."""
-        return 0.5 * self.inertial * self._impact("entry_speed") ** 2
-
-    @property
-    def lift_off_angle(self) -> float:
-        """Where the pin leaves the front wall, from dead centre [rad]."""
-        return self._impact("lift_off")
-
-    @property
-    def reversal_impact_angle(self) -> float:
-        """Where it meets a wall again; NaN if not before the exit [rad]."""
-        return self._impact("reversal_angle")
-
-    @property
-    def reversal_flight_time(self) -> float:
-        """Time between the two [s]."""
-        return (self.reversal_impact_angle - self.lift_off_angle) / self.speed
-
-    @property
-    def reversal_impact_speed(self) -> float:
-        """Speed at which it meets the wall [m/s]."""
-        away = self._impact("reversal_distance", self._length * self.speed)
-        return away * self._impact("reversal_speed")
-
-    @property
-    def reversal_impact_energy(self) -> float:
-        """Energy lost in that impact if it is plastic [J]."""
-        return 0.5 * self.inertial * self._impact("reversal_speed") ** 2
-
-    @property
-    def ends_in_flight(self) -> bool:
-        """Whether the index ends before the pin meets a wall again."""
-        found = self.knock
-        return found is not None and not math.isnan(found.lift_off) and found.wall == NOWHERE
-
-    # --- ringing of the load ----------------------------------------------------------------
+    def _swing(self) -> float:
+        """Frequency of the load in units of the driver's speed."""
+        return 2.0 * math.pi * self.load_frequency / self.speed
 
     @cached_property
-    def ringing(self) -> Ringing | None:
-        """How the load rings, in units of `ringing.Ringing`; None on a rigid shaft."""
+    def ringing(self) -> Ringing:
+        """How the load rings, in units of `ringing.Ringing`; NaN on a rigid shaft."""
         if not self.load_frequency:
-            return None
-        ratio = 2.0 * math.pi * self.load_frequency / self.speed
-        found: Ringing = ringing(self._scene.path, self._edges, ratio, float(self.load_damping))
+            return NO_RINGING
+        scene = self._scene
+        found: Ringing = ringing(scene.path, scene.edges, self._swing, float(self.load_damping))
         return found
-
-    @property
-    def deflection_max(self) -> float:
-        """Greatest angle between load and wheel, besides that of a constant load [rad]."""
-        return _NAN if self.ringing is None else self.ringing.deflection_max
-
-    @property
-    def residual_amplitude(self) -> float:
-        """Amplitude that is left when the index ends [rad]."""
-        return _NAN if self.ringing is None else self.ringing.residual_amplitude
-
-    @property
-    def settling_time_load(self) -> float:
-        """Time after the index until the amplitude is `load_tolerance` [s]; inf without damping."""
-        if self.ringing is None:
-            return _NAN
-        ratio = self.residual_amplitude / self.load_tolerance
-        if ratio <= 1.0:
-            return 0.0
-        rate = self.load_damping * 2.0 * math.pi * self.load_frequency
-        return math.log(ratio) / rate if rate > 0.0 else math.inf
-
-    @property
-    def zone(self) -> int:
-        """Filemon's: 1 without reversal; 2 where the pin leaves on the wall it entered on; 3 where
-        it leaves on the one where the follower drives.
-        """
-        last = self._edges[-1] - 1e-9 * self._index_angle
-        return 1 if not self.reversals.size else 2 if self.at(last).contact_moment > 0.0 else 3
 
     # --- states -----------------------------------------------------------------------------
 
@@ -191,11 +155,10 @@ class IndexingDrive(IndexTorque):
         """Angle of the load less that of the wheel at driver angles [rad]; 0 on a rigid shaft."""
         if not self.load_frequency:
             return np.zeros(theta.shape)
-        order = np.argsort(theta, axis=None)
-        swing = 2.0 * math.pi * self.load_frequency / self.speed
-        found = np.empty(theta.size)
+        order, scene = np.argsort(theta, axis=None), self._scene
+        found, damping = np.empty(theta.size), float(self.load_damping)
         found[order] = deflections(
-            self._scene.path, self._edges, swing, float(self.load_damping), theta.reshape(-1)[order]
+            scene.path, scene.edges, self._swing, damping, theta.reshape(-1)[order]
         )
         return found.reshape(theta.shape)
 

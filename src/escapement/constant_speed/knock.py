@@ -23,10 +23,12 @@ from escapement.mechanisms.path import HALF_RATE, RATE_SUM, Path
 from escapement.mechanisms.slotted import pose_at
 from escapement.numerics.gauss import POINTS, WEIGHTS, N
 from escapement.numerics.jit import inner_jit, jit
+from escapement.numerics.roots import newton_in_bracket
 
 _STEPS = 64  # between two angles, in which a first zero is looked for
 _HALVINGS = 50  # of a step, until a zero is known to rounding
-FRONT, REAR, NOWHERE = 1, -1, 0
+_FOUND = 1e-15  # rad, how exactly a zero is known
+FRONT, REAR, NOWHERE = 1.0, -1.0, 0.0
 """Which wall the follower meets after its flight."""
 
 
@@ -58,10 +60,15 @@ class Knock(NamedTuple):
     entry_speed: float
     entry_distance: float
     lift_off: float
-    wall: int
+    wall: float
     reversal_angle: float
     reversal_speed: float
     reversal_distance: float
+
+
+_NAN = float("nan")
+NO_KNOCK = Knock(_NAN, _NAN, _NAN, _NAN, NOWHERE, _NAN, _NAN, _NAN)
+"""Of a drive whose pins fit their slots."""
 
 
 @inner_jit
@@ -140,14 +147,16 @@ def _entry(path, c, entry, exit_):
         high = entry + (exit_ - entry) * ((i + 1) / _STEPS) ** 2
         after = turned + _turned(path, low, high)
         if after >= _lead(path, c, high)[0]:
-            start = low
+            start, theta = low, high
             for _ in range(_HALVINGS):
-                middle = 0.5 * (low + high)
-                if turned + _turned(path, start, middle) >= _lead(path, c, middle)[0]:
-                    high = middle
-                else:
-                    low = middle
-            return high
+                lead, slope, _bend, g, _dg, _radius = _lead(path, c, theta)
+                value = turned + _turned(path, start, theta) - lead
+                guess, low, high = newton_in_bracket(theta, value, g - slope, low, high, True)
+                step = abs(guess - theta)
+                theta = guess
+                if step <= _FOUND:
+                    break
+            return theta
         turned = after
     return np.nan
 
@@ -187,15 +196,17 @@ def _landing(path, c, load, start, exit_):
             hidden = wall == FRONT and i < _STEPS // 8
             if hidden or _gap(path, c, high, after, flight, wall) > 0.0:
                 continue
-            begin = low
+            begin, theta = low, high
             for _ in range(_HALVINGS):
-                middle = 0.5 * (low + high)
-                there = turned + _turned(path, begin, middle)
-                if _gap(path, c, middle, there, flight, wall) > 0.0:
-                    low = middle
-                else:
-                    high = middle
-            return wall, high
+                there = turned + _turned(path, begin, theta)
+                value = _gap(path, c, theta, there, flight, wall)
+                slope = _closing(path, c, theta, flight, wall)
+                guess, low, high = newton_in_bracket(theta, value, slope, low, high, False)
+                step = abs(guess - theta)
+                theta = guess
+                if step <= _FOUND:
+                    break
+            return wall, theta
         turned = after
     return NOWHERE, np.nan
 
@@ -211,3 +222,11 @@ def _gap(path, c, theta, turned, flight, wall):
     time = min(time, flight.speed / flight.load) if flight.load > 0.0 else time
     follower = flight.angle + (flight.speed - 0.5 * flight.load * time) * time
     return wall * (follower - turned + wall * _lead(path, c, theta)[0])
+
+
+@inner_jit
+def _closing(path, c, theta, flight, wall):
+    """Derivative of `_gap` by the driver angle."""
+    _a, slope, _bend, g, _dg, _radius = _lead(path, c, theta)
+    speed = max(flight.speed - flight.load * (theta - flight.start), 0.0)
+    return wall * (speed - g) + slope

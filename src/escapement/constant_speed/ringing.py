@@ -15,12 +15,13 @@ from typing import NamedTuple
 
 import numpy as np
 
-from escapement.mechanisms.slotted import pose_at
+from escapement.mechanisms.slotted import pose_at, transmission_on
 from escapement.numerics.gauss import POINTS, WEIGHTS, N
 from escapement.numerics.jit import inner_jit, jit
+from escapement.numerics.roots import newton_in_bracket
 
-_MOST_PHASE = 0.25  # rad by which the load may swing on half a panel
-_HALVINGS = 26  # of a panel, until the angle of an extremum is known to 1e-9
+_MOST_PHASE = 0.5  # rad by which the load may swing on half a panel
+_FOUND = 1e-9  # rad, how exactly the angle of an extremum is known
 _WIDEST = 0.1  # rad, half the width of a panel
 
 
@@ -35,6 +36,10 @@ class Ringing(NamedTuple):
     deflection_max: float
     deflection_max_angle: float
     residual_amplitude: float
+
+
+NO_RINGING = Ringing(*3 * (float("nan"),))
+"""Of a load on a rigid shaft."""
 
 
 @inner_jit
@@ -104,7 +109,7 @@ def ringing(path, edges, frequency, damping):
     """
     decay = frequency * (-damping + 1j * np.sqrt(1.0 - damping * damping))
     width = min(_WIDEST, _MOST_PHASE / abs(decay))
-    weights = np.empty(N, np.complex128)
+    weights, (g, u, dg, radius) = np.empty(N, np.complex128), np.empty((4, N))
     z, top, top_angle = 0.0 + 0.0j, 0.0, edges[0]
     for j in range(edges.size - 1):
         count = max(1, int(np.ceil((edges[j + 1] - edges[j]) / (2.0 * width))))
@@ -115,13 +120,13 @@ def ringing(path, edges, frequency, damping):
         for k in range(count):
             left = edges[j] + k * step
             right = edges[j + 1] if k == count - 1 else edges[j] + (k + 1) * step
+            transmission_on(path, left, 0.5 * step, POINTS, weights.size, g, u, dg, radius)
             after = z * swing
             for i in range(N):
-                dg = pose_at(path, left + 0.5 * step * (1.0 + POINTS[i]))[2]
-                after -= weights[i] * dg
+                after -= weights[i] * dg[i]
             turns = _speed(z, decay) * _speed(after, decay) < 0.0
-            # a swing of at most half a radian adds less than this to the values at its ends
-            nearly = 1.2 * max(abs(z.imag), abs(after.imag)) / decay.imag
+            # a swing of at most a radian adds less than this to the values at its ends
+            nearly = 1.3 * max(abs(z.imag), abs(after.imag)) / decay.imag
             if turns and nearly > top:
                 at, inside = _turn(path, left, right, z, decay)
                 size = abs(inside.imag / decay.imag)
@@ -141,14 +146,17 @@ def ringing(path, edges, frequency, damping):
 
 @inner_jit
 def _turn(path, left, right, z, decay):
-    """Where x' changes its sign on a panel, by bisection, and z there."""
-    before = _speed(z, decay)
-    low, high, found = left, right, z
-    for _ in range(_HALVINGS):
-        middle = 0.5 * (low + high)
-        found = _advance(path, left, middle, z, decay)
-        if _speed(found, decay) * before > 0.0:
-            low = middle
-        else:
-            high = middle
-    return high, found
+    """Where x' changes its sign on a panel, by Newton's method, and z there."""
+    rises, low, high = _speed(z, decay) < 0.0, left, right
+    theta, found = 0.5 * (left + right), z
+    for _ in range(60):
+        found = _advance(path, left, theta, z, decay)
+        speed, size = _speed(found, decay), decay.real**2 + decay.imag**2
+        _g, _u, dg, _radius = pose_at(path, theta)
+        bend = 2.0 * decay.real * speed - size * found.imag / decay.imag - dg
+        guess, low, high = newton_in_bracket(theta, speed, bend, low, high, rises)
+        step = abs(guess - theta)
+        theta = guess
+        if step <= _FOUND:
+            break
+    return theta, found

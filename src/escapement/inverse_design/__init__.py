@@ -1,1 +1,7 @@
-"""From a requirement to designs: the task of a timer, and the escapements that do it best."""
+"""From a requirement to designs: a task, and the timers or the indexing drives that do it best.
+
+- `requirement`, `timer_search`: the task of a timer, and the search; `similarity`: the figures of a
+  wheel over the ratio of its inertias
+- `drive_requirement`, `drive_search`: the same for indexing drives, by studies of them
+- `front`: the designs of which none is better than another in everything
+"""

@@ -19,7 +19,7 @@ from escapement.inverse_design.front import spread_out, undominated
 from escapement.inverse_design.requirement import BOUNDS, Requirement
 from escapement.inverse_design.similarity import UnitWheel, Values, wheels_for
 from escapement.mechanisms import Geneva
-from escapement.mechanisms.protocol import FloatArray
+from escapement.mechanisms.protocol import FloatArray, Mechanism
 from escapement.model.escapement import Escapement, Inertia
 
 SAMPLE = 11
@@ -46,6 +46,11 @@ class Design(Shown):
 
     timer: Escapement
     values: dict[str, float]
+
+    @property
+    def mechanism(self) -> Mechanism:
+        """Its wheel."""
+        return self.timer.mechanism
 
     @property
     def can_be_cut(self) -> bool:

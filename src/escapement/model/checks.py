@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 from escapement.base import validate
+from escapement.base.errors import InvalidValue
 from escapement.base.lazy import Lazy
 from escapement.base.quantity import Declared, Quantity, Setting, declared, per_class, quantities
 from escapement.model.load_curve import steps_of
@@ -111,13 +113,31 @@ def idle_settings(owner: type, values: Mapping[str, Any]) -> str:
     notes = []
     for entry in _dependent(owner):
         value = values.get(entry.name)
-        if value is None or (not hasattr(value, "any") and value == entry.default):
+        plain = not hasattr(value, "any")
+        if value is None or (plain and (value == entry.default or _alike(value, entry.default))):
             continue
         # compliant walls have impacts without clearance, too
         enough = (entry.needs, "stiffness") if entry.needs == "clearance" else (entry.needs,)
         if not any(_given(values.get(name)) for name in enough):
             notes.append(f"{entry.name} has no effect without {entry.needs}")
     return "; ".join(notes)
+
+
+def refuse_idle(owner: Declared) -> None:
+    """Refuse a setting that has no effect, since another one is missing."""
+    for entry in _dependent(type(owner)):
+        value = getattr(owner, entry.key)
+        given = value != entry.default and not _alike(value, entry.default)
+        if given and not _given(getattr(owner, entry.needs)):
+            raise InvalidValue(
+                f"{entry.name} must come with {entry.needs}, got none; it has no effect alone"
+            )
+
+
+def _alike(value: Any, default: Any) -> bool:
+    """Whether a number is a default that was converted from other units, with its rounding."""
+    both = isinstance(value, float) and isinstance(default, float)
+    return both and math.isclose(value, default, rel_tol=1e-12)
 
 
 def _given(value: Any) -> bool:

@@ -45,6 +45,9 @@ def inputs_of_settings(owner: Any, meshed: bool) -> Iterator[Input]:
             value = [*value] if value and not entry.required else None
         if value is None or entry.idle(value) or not entry.applies_to(meshed):
             continue
+        # a default that only matters together with another number
+        if entry.needs and value == entry.default and not getattr(owner, entry.needs, True):
+            continue
         if isinstance(value, TorqueCurve | LoadCurve):
             yield from inputs_of_curve(name, value)
         elif isinstance(value, Unbalance):

@@ -82,7 +82,8 @@ def hertz_pressure(force: float, modulus: float, length: float, radius: float) -
     Source: Hertz's line contact, p_max = sqrt(N E*/(pi L r)); Johnson, *Contact Mechanics*,
     eq. 4.45 with N/L for his P.
     """
-    return math.sqrt(force * modulus / (math.pi * length * radius))
+    root: float = (force * modulus / (math.pi * length * radius)) ** 0.5
+    return root
 
 
 def radius_for(force: float, modulus: float, length: float, pressure: float) -> float:

@@ -3,7 +3,7 @@
 Datasets are named as in `escapement.Motion`: `t` with every column of `State` over it;
 `handoff_times` with `handoff_velocities`; `reversal_*` and `extremum_*`; `piece_*`, the
 spans in which one side of the slot carries the force. The first of each group is its
-dimension scale. Torque, force and energy are in the user's units, all else is in SI.
+dimension scale. Everything is in the user's units.
 """
 
 import json
@@ -249,10 +249,10 @@ def _read(hdf5: Any) -> Motion:
     return motion
 
 
-def _in_si(dataset: Any, kind: str) -> Any:
-    """The values of a dataset, which says in which unit it has them."""
+def _in_si(dataset: Any, kind: str, part: Any = ()) -> Any:
+    """Values of a dataset, which says in which unit it has them."""
     stored, wanted = dataset.attrs.get("units"), unit_name(kind, SYSTEMS[0])
-    found = dataset[()]
+    found = dataset[part]
     return found if stored in (None, wanted) else ratio_of(str(stored), wanted) * found
 
 
@@ -264,7 +264,8 @@ def _at_starts(hdf5: Any, start: FloatArray, end: float) -> FloatArray:
     if not start.size or sizes[0] == (0,) or sizes.count(sizes[0]) < 3 or len(sizes[0]) != 1:
         raise ValueError("t, theta and theta_dot must be equally long lists, with at least a piece")
     for first in range(0, sizes[0][0], _BLOCK):
-        block = {name: hdf5[name][first : first + _BLOCK] for name in names}
+        part = slice(first, first + _BLOCK)
+        block = {name: _in_si(hdf5[name], SAMPLES[name][0], part) for name in names}
         _check_columns(block, end)
         t, *values = block.values()
         ascends = (np.diff(t, prepend=last) > 0.0).all() and (first > 0 or t[0] == 0.0)

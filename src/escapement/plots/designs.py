@@ -1,46 +1,53 @@
 """Figure of the designs that meet a requirement."""
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from matplotlib.figure import Figure
 
 from escapement.base.text import words
+from escapement.constant_speed.index_record import INDEX
 from escapement.plots import style
 from escapement.plots.style import finished, readable
 
 if TYPE_CHECKING:
+    from escapement.inverse_design.drive_search import DriveDesigns
     from escapement.inverse_design.timer_search import Designs
 
 _MARKERS = "osD^vP*X<>hd"
 
 
-def plot_designs(found: "Designs") -> Figure:
+def plot_designs(found: "Designs | DriveDesigns") -> Figure:
     """The designs over two objectives, a marker for each kind of wheel.
 
     Parameters
     ----------
-    found : Designs
-        What `escapement.design` returns, with at least one design.
+    found : Designs or DriveDesigns
+        What `escapement.design` or `escapement.design_drive` returns, with at least one design.
 
     Returns
     -------
     Figure
-        The first objective along x, and the second, or else the mass, along y.
+        The first objective along x, and the second, or else another figure, along y.
     """
     from escapement.inverse_design.requirement import BOUNDS
 
-    names = [*found.requirement.objectives, "mass", "size"][:2]
+    kinds_of_unit = {name: entry.unit for name, entry in BOUNDS.items()}
+    kinds_of_unit |= {name: result.kind for name, result in INDEX.items()}
+    usual = ("mass", "size") if "mass" in found.designs[0].values else found.designs[0].values
+    names = [*dict.fromkeys((*found.requirement.objectives, *usual))][:2]
+    # a single figure stands over itself
+    names = [*names, names[0]][:2]
     drawn = style.new_figure(style.ONE_COLUMN, 3.0)
     axes = style.new_panels(drawn, 1, 1)[0]
     columns, labels = [], []
     for name in names:
         values = np.array([one.values[name] for one in found.designs])
-        scale, unit = readable(BOUNDS[name].unit, values)
+        scale, unit = readable(kinds_of_unit[name], values)
         columns.append(scale * values)
         labels.append((words(name), unit))
-    wheels = [one.timer.mechanism for one in found.designs]
-    kinds = [(w.slots, w.internal) for w in wheels]  # type: ignore[attr-defined]
+    wheels: list[Any] = [one.mechanism for one in found.designs]
+    kinds = [(wheel.slots, bool(getattr(wheel, "internal", False))) for wheel in wheels]
     for marker, kind in zip(_MARKERS, sorted(set(kinds)), strict=False):
         here = np.array([used == kind for used in kinds])
         slots, internal = kind

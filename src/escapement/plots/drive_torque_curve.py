@@ -30,7 +30,7 @@ def plot_drive_torque(
     legend : bool
         Whether to draw one.
     units : str
-        "SI" or "in-lbf-s".
+        A system of units, as of the command line.
 
     Returns
     -------

@@ -34,7 +34,8 @@ def plot_velocities(motion: Motion, ax: Axes | None = None, *, legend: bool = Tr
     Returns
     -------
     Axes
-        Time [s, or ms where that is short] and velocity [rad/s].
+        Time [s, or ms where that is short] and velocity [rad/s, on the command line in the
+        user's units].
 
     Source: the figure is Meyer (1973), figure 8.
     """
@@ -42,11 +43,12 @@ def plot_velocities(motion: Motion, ax: Axes | None = None, *, legend: bool = Tr
     ax = ax or style.new_axes(style.TWO_COLUMN, 3.0)
     factor, unit = scaled("s", times)
     state = motion.at(times)
-    ax.plot(times * factor, state.theta_dot, color=style.BLUE, lw=1.3, label="driver")
-    ax.plot(times * factor, state.phi_dot, lw=1.1, label="follower", **style.BROKEN)
-    ax.set_ylim(bottom=min(0.0, float(state.phi_dot.min())))
-    _mark_events(ax, motion, factor, motion.reversals.theta_dot)
-    return finished(ax, ("time", unit), ("angular velocity", "rad/s"), 4, legend=legend)
+    size, speed = readable("speed", state.theta_dot)
+    ax.plot(times * factor, state.theta_dot * size, color=style.BLUE, lw=1.3, label="driver")
+    ax.plot(times * factor, state.phi_dot * size, lw=1.1, label="follower", **style.BROKEN)
+    ax.set_ylim(bottom=min(0.0, float(state.phi_dot.min() * size)))
+    _mark_events(ax, motion, factor, motion.reversals.theta_dot * size)
+    return finished(ax, ("time", unit), ("angular velocity", speed), 4, legend=legend)
 
 
 def plot_phase_portrait(motion: Motion, ax: Axes | None = None, *, legend: bool = True) -> Axes:
@@ -64,11 +66,12 @@ def plot_phase_portrait(motion: Motion, ax: Axes | None = None, *, legend: bool 
     Returns
     -------
     Axes
-        Angle [degrees] and velocity [rad/s]. The last whole engagement is
+        Angle [degrees] and velocity, as in `plot_velocities`. The last whole engagement is
         bold, and called the terminal cycle when its two handoff speeds agree
         within 1 %; a dwell is shaded.
     """
     times = times_of(motion)
+    size, unit = readable("speed", motion.handoff_velocities)
     ax = ax or style.new_axes(style.ONE_COLUMN, 3.0)
     mechanism = motion.escapement.mechanism
     entry, exit_, cell = mechanism.breaks[0], mechanism.breaks[-1], mechanism.cell_angle
@@ -90,16 +93,16 @@ def plot_phase_portrait(motion: Motion, ax: Axes | None = None, *, legend: bool 
         if index == last:
             look = {"color": style.BLUE, "lw": 1.8, "zorder": 3, "label": last_name}
         state = motion.at(times[start : end + 1])
-        ax.plot(np.degrees(state.theta - index * cell), state.theta_dot, **look)
+        ax.plot(np.degrees(state.theta - index * cell), state.theta_dot * size, **look)
     found = motion.reversals
     local = found.theta - cell * np.floor((found.theta - entry) / cell)
-    _mark_reversals(ax, np.degrees(local), found.theta_dot)
+    _mark_reversals(ax, np.degrees(local), found.theta_dot * size)
     ax.set(xlim=np.degrees([entry, entry + cell]), ylim=(0.0, None))
     # more than eight ticks would crowd the axis
     tick = next((size for size in (5, 10, 15, 30, 45, 60) if np.degrees(cell) <= 8 * size), 90)
     ax.xaxis.set_major_locator(MultipleLocator(tick))
     name = "driver angle from dead centre"
-    return finished(ax, (name, "°"), ("driver velocity", "rad/s"), 2, legend=legend)
+    return finished(ax, (name, "°"), ("driver velocity", unit), 2, legend=legend)
 
 
 def plot_contact_moment(motion: Motion, ax: Axes | None = None, *, legend: bool = True) -> Axes:

@@ -28,7 +28,7 @@ _ENOUGH = 5  # fewest points of a contour map on either axis
 _BESIDE = 3  # number of maps that fit beside one another
 _FOREMOST = ("period", "velocity_mean", "rise_time")
 _SINGLE = ("period", "rise_time", "settling_time", "velocity_max", "velocity_mean", "velocity_min")
-_SHARED = {"s": "time", "rad s-1": "driver velocity"}
+_SHARED = {"s": "time", "rad s-1": "driver velocity", "rpm": "driver velocity"}
 """Labels of panels for results with the same unit."""
 
 
@@ -203,8 +203,11 @@ def plot_study(study: Study, results: Sequence[str] | None = None) -> Figure:
 def _joined(study: Study, panels: Sequence[StudyTable]) -> list[StudyTable]:
     """Panels over the only varied parameter, those of similar results as one."""
     groups: dict[str, list[str]] = {}
+    shared = _SHARED
+    if "study" in study.configuration:  # a drive, of which both bodies have speeds
+        shared = shared | dict.fromkeys([*shared][1:], "speed")
     for (name,), *_ in panels:
-        groups.setdefault(_SHARED.get(study.units.get(name, ""), name), []).append(name)
+        groups.setdefault(shared.get(study.units.get(name, ""), name), []).append(name)
     found = []
     for title, names in groups.items():
         table = tabulate(study, names)

@@ -13,7 +13,8 @@ from escapement.base.status import Status
 from escapement.base.units import spelt
 from escapement.mechanisms.protocol import FloatArray
 from escapement.plots.style import number_text, scaled
-from escapement.study.result import DEFAULT, Study
+from escapement.study.result import Study
+from escapement.study.subject import ESCAPEMENT
 
 _SHORT = {
     "friction": "coefficient of friction",
@@ -183,7 +184,7 @@ def chosen(study: Study, names: Sequence[str] | None, usual: Sequence[str] = ())
     """
     has = tuple(name for name in study.results if name != "status")
     if names is None:
-        return [*(usual if {*has} == {*DEFAULT} else has)]
+        return [*(usual if {*has} == {*ESCAPEMENT.usual} else has)]
     if isinstance(names, str):
         raise validate.fail("results", "a list of names", names, f"give [{names!r}]")
     return [validate.choice("result", name, has) for name in names]

@@ -33,7 +33,7 @@ def report(
 ) -> None:
     """Write a report of a design.
 
-    It holds the design in both systems of units, its figures of merit, the drawing to scale, the
+    It holds the design in all systems of units, its figures of merit, the drawing to scale, the
     velocities from the start, the run-down of a spring, the budget if there is one, and what the
     model leaves out.
 

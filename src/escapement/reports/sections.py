@@ -57,7 +57,7 @@ def picture(make: Callable[[], Any], caption: str) -> str:
 
 
 def of_inputs(escapement: Escapement, initial_speed: float) -> str:
-    """What the design consists of, in both systems of units."""
+    """What the design consists of, in all systems of units."""
     rows = []
     for name, value, kind in [*inputs_of(escapement), ("initial_speed", initial_speed, "speed")]:
         names = [name.replace("_", " ")]

@@ -14,7 +14,9 @@ from escapement.mechanisms.protocol import FloatArray
 from escapement.model.checks import ratio_in_range
 from escapement.model.train import referred
 from escapement.study import scenes
+from escapement.study.index_cases import evaluate_drives
 from escapement.study.plan import StudyPlan
+from escapement.study.subject import DRIVE
 
 Columns = dict[str, NDArray[Any]]
 """One array per result, over some cases."""
@@ -25,6 +27,8 @@ def evaluate(
 ) -> Columns:
     """Results of the cases start <= case < stop; a bad case never ends the study."""
     cases = np.arange(start, stop)
+    if plan.subject is DRIVE:
+        return _in_its_units(plan, evaluate_drives(plan, cases))
     if scenes.together(plan):
         found = scenes.solve_scenes(plan, cases) if shared is None else shared.of(plan, cases)
         return _on_their_clocks(plan, cases, *found)

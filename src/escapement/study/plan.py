@@ -5,44 +5,43 @@ import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cache, cached_property
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from escapement.base import units
-from escapement.base.quantity import Quantity, Setting, declared, quantities
+from escapement.base.errors import InvalidValue
+from escapement.base.quantity import Quantity, Setting, declared
 from escapement.base.results import Result
 from escapement.base.text import Shown
-from escapement.dynamics.figure_table import FIGURES
 from escapement.engines.solver import Solver
 from escapement.mechanisms import KINDS, kind_of
 from escapement.mechanisms.protocol import Mechanism
 from escapement.mechanisms.wheel_checks import IMPERFECT, LENGTHS
 from escapement.model.checks import idle_settings
-from escapement.model.escapement import Escapement, Inertia, Run, escapement_of
+from escapement.model.escapement import Escapement, escapement_of
 from escapement.model.torque_curve import TorqueCurve
-from escapement.model.train import train_numbers
 from escapement.study.result import kept
+from escapement.study.subject import ESCAPEMENT, SUBJECTS, Subject, subject_of
+
+if TYPE_CHECKING:
+    from escapement.constant_speed.indexing import IndexingDrive
 
 CASE = "case"
 """Name of the dimension along which a sample varies."""
 
 
 @cache
-def model_numbers() -> dict[str, Quantity]:
-    """Numbers of an escapement, besides those of its mechanism, that may be axes, by name."""
-    every = {**quantities(Escapement), **quantities(Inertia), **train_numbers(), **quantities(Run)}
-    return {name: entry for name, entry in every.items() if entry.axis}
-
-
-@cache
 def _unit_kinds() -> dict[str, str]:
-    every: dict[str, Setting] = dict(model_numbers())
+    every: dict[str, Setting] = {}
+    for subject in SUBJECTS.values():
+        every |= subject.settings()
     for name in KINDS:
         every |= declared(kind_of(name))
     kinds = {name: entry.unit for name, entry in every.items()}
-    return kinds | {name: figure.kind for name, figure in FIGURES.items()}
+    figures = (one.figures.items() for one in SUBJECTS.values())
+    return kinds | {name: figure.kind for each in figures for name, figure in each}
 
 
 def unit_kind(name: str) -> str:
@@ -51,25 +50,28 @@ def unit_kind(name: str) -> str:
     return _unit_kinds().get(name) or _unit_kinds().get(re.sub(r"_\d+$", "", name), "ratio")
 
 
-def settings_of(build: Any, meshed: bool, system: str = units.SYSTEMS[0]) -> dict[str, Setting]:
-    """All settings of an escapement in a study, those of its mechanism first.
+def settings_of(
+    build: Any, meshed: bool, system: str = units.SYSTEMS[0], subject: Subject = ESCAPEMENT
+) -> dict[str, Setting]:
+    """All settings of the subject of a study, those of its mechanism first.
 
     build : the class of its mechanism, or a mechanism of the user's own, which is not changed.
     meshed : whether it has no slots, and its losses are given by an efficiency.
     system : the system of units in which they are read.
     """
-    return _settings(build if isinstance(build, type) else None, meshed, system)
+    return _settings(build if isinstance(build, type) else None, meshed, system, subject.name)
 
 
 @cache
-def _settings(kind: type | None, meshed: bool, system: str) -> dict[str, Setting]:
+def _settings(kind: type | None, meshed: bool, system: str, subject: str) -> dict[str, Setting]:
     entries = {} if kind is None else declared(kind)
     # settings that cannot be an axis stand first in the configuration
     found = dict(sorted(entries.items(), key=lambda item: item[1].axis))
-    found |= {n: e for n, e in declared(Escapement).items() if not isinstance(e, Quantity)}
-    found |= model_numbers()
+    found |= SUBJECTS[subject].settings()
+    # the scene of an escapement has the crank radius as its unit, so that no case may change it
+    free = () if subject == ESCAPEMENT.name else ("crank_radius",)
     return {
-        name: replace(entry, system=system)
+        name: replace(entry, system=system, axis=entry.axis or name in free)
         for name, entry in found.items()
         if name in entries or entry.applies_to(meshed)
     }
@@ -122,8 +124,23 @@ class StudyPlan(Shown):
             ("title", self.title, ""),
             ("dimensions", self.dimensions, ""),
             ("cases", self.cases, ""),
-            ("engine", self.solver.engine, ""),
+            ("engine", self.engine, ""),
         ]
+
+    @property
+    def subject(self) -> Subject:
+        """What the study is about."""
+        return subject_of(self.configuration)
+
+    @property
+    def settings(self) -> dict[str, Setting]:
+        """All settings of its subject, by name."""
+        return settings_of(self.build, self.meshed, subject=self.subject)
+
+    @property
+    def engine(self) -> str:
+        """What solves the cases: an engine, or the closed form of an indexing drive."""
+        return str(self.solver.engine) if self.subject is ESCAPEMENT else self.subject.name
 
     @property
     def title(self) -> str:
@@ -140,7 +157,7 @@ class StudyPlan(Shown):
         """Numbers that are the same in every case, in the user's units, except for idle zeros."""
         varied = {name for along in self.varied.values() for name in along}
         found = {}
-        for name, entry in settings_of(self.build, self.meshed).items():
+        for name, entry in self.settings.items():
             section = entry.section
             table = self.configuration.get(section, {}) if section else self.configuration
             value: Any = table.get(entry.key)
@@ -180,8 +197,7 @@ class StudyPlan(Shown):
             return self.results[name].long_name
         if name == CASE:
             return "number of the case"
-        settings = settings_of(self.build, self.meshed) | self.parameters
-        return settings[name].long_name
+        return (self.settings | self.parameters)[name].long_name
 
     @cached_property
     def _varied_si(self) -> list[dict[str, NDArray[Any]]]:
@@ -222,6 +238,15 @@ class StudyPlan(Shown):
         columns = self.columns(np.array([case]))
         return self.fixed_si | {name: column.item() for name, column in columns.items()}
 
+    def drive(self, case: int) -> "IndexingDrive":
+        """The indexing drive of one case; errors as `escapement`."""
+        from escapement.constant_speed.indexing import IndexingDrive  # it loads kernels
+
+        values = self.values(case)
+        given = {name: values[name] for name in self.subject.settings() if name in values}
+        numbers = {name: value for name, value in given.items() if value is not None}
+        return IndexingDrive(self._machine(values), **numbers)
+
     def escapement(self, case: int) -> Escapement:
         """The escapement of one case.
 
@@ -235,19 +260,25 @@ class StudyPlan(Shown):
 
     def built(self, values: Mapping[str, Any]) -> Escapement:
         """The escapement with these values of its settings in SI; errors as `escapement`."""
+        if self.subject is not ESCAPEMENT:
+            raise InvalidValue(
+                "the study must be one of an escapement, got one of an indexing drive; "
+                "compute its cases with escapement index, or sweep them"
+            )
         values = dict(values)
         values["torque"] = self.curve or values["torque"]
         return escapement_of(self._machine(values), values)
 
     @property
     def lengths(self) -> dict[str, float]:
-        """Fixed lengths of the mechanism [m], 0 where it has none."""
+        """Fixed lengths of the mechanism [m], the least crank radius, and 0 where it has none."""
         if not isinstance(self.build, type):
             lengths: dict[str, float] = self.build.lengths
             return lengths
         given = self.fixed_si
-        crank = given.get("crank_radius") or given.get("fixed_radius")
-        return {name: given.get(name) or 0.0 for name in LENGTHS} | {"crank_radius": crank or 0.0}
+        radii = [self.every(name) for name in ("crank_radius", "fixed_radius") if name in given]
+        crank = next((float(np.min(radius)) for radius in radii if radius is not None), 0.0)
+        return {name: given.get(name) or 0.0 for name in LENGTHS} | {"crank_radius": crank}
 
     def mechanism(self, case: int, ideal: bool = False) -> Mechanism:
         """The mechanism of one case, or the same with thin pins and perfect parts.
@@ -293,7 +324,9 @@ class StudyPlan(Shown):
         values = {name: self.every(name) for name in self.fixed_si}
         if not isinstance(self.build, type):
             values["clearance"] = self.build.clearance
-        notes = [idle_settings(Escapement, values)]
+        notes = [idle_settings(self.subject.owner, values)]
+        if self.subject is not ESCAPEMENT:
+            return notes[0]
         named = "the torque behind the start" if self.curve else "spring_rate"
         if self.curve or np.any(self.every("spring_rate")):
             notes.append(f"{named} has no effect on results, which are those of the first torque")

@@ -16,9 +16,9 @@ from escapement.base.results import Result
 from escapement.base.status import Status
 from escapement.base.text import Shown
 from escapement.base.units import spelt
-from escapement.dynamics.figure_table import FIGURES
 from escapement.study.configuration import short_configuration
 from escapement.study.stored import LAYOUT, part_of
+from escapement.study.subject import subject_of
 
 if TYPE_CHECKING:
     from pandas import DataFrame
@@ -28,22 +28,16 @@ _AGREE = 6e-6
 """Relative difference below which a value counts as that of the axis: six figures, as shown."""
 
 
-DEFAULT = (
-    *("velocity_max", "velocity_min", "velocity_mean"),
-    *("period", "rise_time", "settling_time"),
-)
-"""Figures of merit that a study keeps by default."""
-
-
 def result_names(configuration: Mapping[str, Any]) -> list[str]:
     """Names of the results of a study by its configuration, in the order of the file."""
-    return [*configuration.get("results", DEFAULT), "status"]
+    return [*configuration.get("results", subject_of(configuration).usual), "status"]
 
 
 def kept(configuration: Mapping[str, Any]) -> dict[str, Result]:
     """The results of a study by its configuration, in the order of the file."""
     status = Result("ratio", "outcome of the case", "u1")
-    return {name: FIGURES.get(name, status) for name in result_names(configuration)}
+    figures = subject_of(configuration).figures
+    return {name: figures.get(name, status) for name in result_names(configuration)}
 
 
 RESULTS: Mapping[str, Result] = kept({})

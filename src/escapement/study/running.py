@@ -13,6 +13,7 @@ from escapement import __version__
 from escapement.base import validate
 from escapement.base.files import AnyPath
 from escapement.base.progress import Progress
+from escapement.constant_speed.index_case import IndexCase
 from escapement.engines.solver import Solver, choose_solver
 from escapement.model.escapement import Escapement
 from escapement.numerics.interpreted import compile_from_now_on
@@ -49,7 +50,7 @@ class Tally(NamedTuple):
 
 
 def sweep(
-    escapement: Escapement,
+    escapement: Escapement | IndexCase,
     *,
     sample: Mapping[str, Any] | None = None,
     engine: str | None = None,
@@ -69,8 +70,8 @@ def sweep(
 
     Parameters
     ----------
-    escapement : Escapement
-        The nominal design.
+    escapement : Escapement or IndexingDrive
+        The nominal design; of what `index` returns the figures are those of an indexing drive.
     sample : Mapping, optional
         Parameters that vary together, at every point of the grid: `method`
         ("latin-hypercube", "sobol" or "list"), `size`, `seed` (default 0), and a
@@ -81,9 +82,9 @@ def sweep(
     initial_speed : float or array
         Driver speed at the first pin entry [rad/s]; an array is the last axis.
     results : sequence of str, optional
-        Figures of merit to keep: names of numbers of `Figures`. Default: the velocities,
-        period, rise and settling time. Figures that are not named are not computed if that saves
-        time.
+        Figures of merit to keep: names of numbers of `Figures`, or of `IndexingDrive`. Default:
+        the velocities, period, rise and settling time; of a drive torque, power and forces.
+        Figures that are not named are not computed if that saves time.
     path : path, optional
         File to write as well: HDF5 where its name ends in .h5, .hdf5 or .nc, a table where it
         ends in .csv or .parquet.
@@ -213,7 +214,7 @@ def frame_of(plan: StudyPlan) -> Study:
         "title": plan.configuration["title"],
         **LAYOUT,
         "package_version": __version__,
-        "engine": plan.solver.engine,
+        "engine": plan.engine,
         "rtol": plan.solver.tolerance,
         "created": datetime.now(UTC).isoformat(timespec="seconds"),
     }

@@ -30,6 +30,7 @@ from escapement.model.scene import Scene
 from escapement.model.train import referred, train_numbers
 from escapement.study.checked import check_scenes
 from escapement.study.plan import StudyPlan
+from escapement.study.subject import ESCAPEMENT
 
 FOLLOWER = "follower_inertia"
 TORQUE, SPEED = "torque", "initial_speed"
@@ -249,7 +250,7 @@ def si_unit(name: str, clock: Any, torque: Any, motor_torque: Any) -> Any:
 
 def together(plan: StudyPlan) -> bool:
     """Whether many cases are solved at once; otherwise one by one."""
-    if plan.fixed_si.get("load_curve") is not None:
+    if plan.subject is not ESCAPEMENT or plan.fixed_si.get("load_curve") is not None:
         return False
     if plan.solver.engine != "energy" or plan.perfect:
         return plan.solver.engine == "energy"

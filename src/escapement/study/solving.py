@@ -20,7 +20,9 @@ from escapement.study.result import count_failed
 _FEWEST, _MOST = 256, 16384  # scenes solved at a time: up to 0.2 s
 _GOLDEN = (5.0**0.5 - 1.0) / 2.0
 _ROOT = Path(__file__).parents[1]
-_ROOMS = ("base", "numerics", "mechanisms", "model", "dynamics", "engines", "study")
+_ROOMS = (
+    *("base", "numerics", "mechanisms", "model", "dynamics", "constant_speed", "engines", "study"),
+)
 
 
 class Work(NamedTuple):

@@ -33,6 +33,7 @@ from escapement.study.parse.tables import (
     title_of,
 )
 from escapement.study.plan import CASE, StudyPlan, settings_of
+from escapement.study.subject import ESCAPEMENT, subject_of
 
 MOST_CASES = 10**12
 
@@ -95,7 +96,9 @@ def parse_plan(configuration: Mapping[str, Any], mechanism: Mechanism | None = N
         content = with_numbers_of_sizes(content, build, system)
     meshed = build.meshed if mechanism is None else mechanism.path.table
     counts = build.counts(table(content, "mechanism"))
-    content, settings = part_lists(content, settings_of(build, meshed, system), counts)
+    subject = subject_of(content)
+    every = settings_of(build, meshed, system, subject)
+    content, settings = part_lists(content, every, counts)
     check_keys(content, settings)
     given = table(content, "solver")
     parameters = {n: e for n, e in settings.items() if isinstance(e, Quantity) and e.axis}
@@ -105,6 +108,7 @@ def parse_plan(configuration: Mapping[str, Any], mechanism: Mechanism | None = N
     replaced = [name for along in varied.values() for name in along if _replaces(name, forms)]
     fixed = {name: value for name, value in fixed.items() if name not in replaced}
     plain: dict[str, Any] = {"title": title_of(content, machine["kind"], varied), "units": system}
+    plain |= {"study": subject.name} if subject is not ESCAPEMENT else {}
     plain |= {"mechanism": machine} | chosen_results(content)
     for name, value in fixed.items():
         section = settings[name].section
@@ -121,9 +125,22 @@ def parse_plan(configuration: Mapping[str, Any], mechanism: Mechanism | None = N
         fingerprint=fingerprint, curve=curve,
         replaced=tuple(name for name in replaced if _is_given(settings[name], content)),
     )  # fmt: skip
-    solver = solver_for("any" if plan.contact else "", solver)
+    if subject is not ESCAPEMENT and not plan.perfect:
+        raise InvalidValue(
+            "the parts of an indexing drive must be perfect in a study, got errors of them; "
+            "leave them out"
+        )
+    if subject is not ESCAPEMENT and plan.fixed_si.get("load_curve") is not None:
+        raise InvalidValue(
+            "load_curve must be left out of a study of indexing drives, got one; use a constant "
+            "load_torque, or escapement.index for each drive"
+        )
+    contact = subject is ESCAPEMENT and plan.contact
+    solver = solver_for("any" if contact else "", solver)
     solver = solver if solver.engine else replace(solver, engine=DEFAULT_ENGINE)
-    plain["solver"], plan = solver.given, replace(plan, solver=solver)
+    plan = replace(plan, solver=solver)
+    if subject is ESCAPEMENT:
+        plain["solver"] = solver.given
     values = fixed | {name: column for along in varied.values() for name, column in along.items()}
     check_ratios(values)
     _check_lengths(plan, {n: value for n, value in values.items() if n in {*parameters, *counts}})

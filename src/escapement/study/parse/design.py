@@ -13,17 +13,17 @@ from numpy.typing import ArrayLike
 from escapement.base import validate
 from escapement.base.errors import InvalidValue
 from escapement.base.quantity import declared
+from escapement.constant_speed.index_case import IndexCase
 from escapement.mechanisms import KINDS, kind_of
 from escapement.mechanisms.protocol import Mechanism
 from escapement.model.escapement import Escapement
 from escapement.study.parse.configuration import parse_plan
 from escapement.study.plan import StudyPlan
-
-_NUMBERS = declared(Escapement)
+from escapement.study.subject import DRIVE
 
 
 def plan_from(
-    escapement: Escapement,
+    escapement: Escapement | IndexCase,
     axes: Mapping[str, ArrayLike | Mapping[str, Any]],
     *,
     sample: Mapping[str, Any] | None = None,
@@ -47,7 +47,7 @@ def plan_from(
     initial_speed : float or array
         Driver speed at the first pin entry [rad/s], >= 0; an array is the last axis.
     results : sequence of str, optional
-        Figures of merit to keep. Default: `result.DEFAULT`.
+        Figures of merit to keep. Default: those that its subject has by default.
     title : str, optional
         One line for people.
     **solver : optional
@@ -58,19 +58,30 @@ def plan_from(
     InvalidValue
         When an argument breaks its rule.
     """
-    if not isinstance(escapement, Escapement):
+    if not isinstance(escapement, Escapement | IndexCase):
         raise validate.fail("escapement", "an Escapement", escapement, "see escapement.Escapement")
     machine, described = _describe(escapement.mechanism)
-    speed, axes = {"initial_speed": initial_speed}, dict(axes)
-    if np.ndim(initial_speed) > 0:
-        axes, speed = axes | speed, {}
+    axes = dict(axes)
+    numbers: dict[str, Any] = {}
+    if isinstance(escapement, Escapement):
+        numbers["initial_speed"] = initial_speed
+        if np.ndim(initial_speed) > 0:
+            axes, numbers = axes | numbers, {}
+    elif np.any(initial_speed):
+        rule, remedy = "0 for an indexing drive, whose speed is constant", "leave it out"
+        raise validate.fail("initial_speed", rule, initial_speed, remedy)
+    entries = declared(type(escapement))
     given = escapement.settings.items()
-    numbers = {name: value for name, value in given if value != _NUMBERS[name].default}
-    tables = {"mechanism": machine, "inertia": asdict(escapement.inertia), "sweep": axes}
-    tables |= {role: asdict(train) for role, train in escapement.trains.items()}
+    numbers |= {name: value for name, value in given if value != entries[name].default}
+    tables: dict[str, Any] = {"mechanism": machine, "sweep": axes}
+    if isinstance(escapement, Escapement):
+        tables["inertia"] = asdict(escapement.inertia)
+        tables |= {role: asdict(train) for role, train in escapement.trains.items()}
+    else:
+        tables["study"] = DRIVE.name
     chosen = {"title": title, "results": results, "sample": sample, "solver": solver}
     chosen = {name: value for name, value in chosen.items() if value is not None}
-    return parse_plan(speed | numbers | tables | chosen, mechanism=described)
+    return parse_plan(numbers | tables | chosen, mechanism=described)
 
 
 def _describe(mechanism: Mechanism) -> tuple[dict[str, Any], Mechanism | None]:

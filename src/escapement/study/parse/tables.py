@@ -6,17 +6,20 @@ from typing import Any
 from escapement.base import validate
 from escapement.base.errors import InvalidValue
 from escapement.base.quantity import Numbers, Setting, declared
+from escapement.base.units import factor
 from escapement.base.validate import known_keys
-from escapement.dynamics.figure_table import FIGURES
 from escapement.engines.solver import Solver
 from escapement.mechanisms import KINDS, kind_of
 from escapement.mechanisms.wheel_checks import IMPERFECT
 from escapement.model.train import ROLES
-from escapement.study.plan import CASE, model_numbers
-from escapement.study.result import DEFAULT
+from escapement.study.plan import CASE
+from escapement.study.subject import ESCAPEMENT, SUBJECTS, Subject, model_numbers, subject_of
 
 SOLVER = declared(Solver)
-_TOP = ("title", "units", "results", "mechanism", "inertia", *ROLES, "sweep", "sample", "solver")
+_TOP = (
+    *("title", "units", "study", "results", "mechanism", "inertia", *ROLES),
+    *("sweep", "sample", "solver"),
+)
 Content = Mapping[str, Any]
 
 
@@ -35,14 +38,16 @@ def check_keys(content: Content, settings: Mapping[str, Setting]) -> None:
     own = any(entry.section == "mechanism" for entry in settings.values())
     known: dict[str, list[str]] = {"sweep": axes, "": [*_TOP]}
     known |= {"mechanism": ["kind"] if own else ["kind", "description"], "inertia": []}
-    known |= {role: [] for role in ROLES} | {"solver": [*SOLVER]}
+    subject = subject_of(content)
+    known |= {role: [] for role in ROLES}
+    known |= {"solver": [*SOLVER] if subject is ESCAPEMENT else []}
     for entry in settings.values():
         known[entry.section].append(entry.key)
     for section, keys in known.items():
         given = table(content, section)
         if not given.keys() <= {*keys}:
             where = f"in [{section}]" if section else "at the top level"
-            known_keys(given, keys, where, _homes(settings, section))
+            known_keys(given, keys, where, _homes(settings, section, subject))
     if not table(content, "sweep") and "sample" not in content:
         raise InvalidValue(
             "the study must sweep at least one parameter, got none; "
@@ -55,7 +60,7 @@ def _factors(settings: Mapping[str, Setting]) -> dict[str, str]:
     return {n: f"{n}_factor" for n in IMPERFECT if isinstance(settings.get(n), Numbers)}
 
 
-def _homes(settings: Mapping[str, Setting], section: str) -> dict[str, str]:
+def _homes(settings: Mapping[str, Setting], section: str, subject: Subject) -> dict[str, str]:
     """Where each key belongs that does not belong in this section."""
     machine = {name for name, entry in settings.items() if entry.section == "mechanism"}
     homes: dict[str, str] = {}
@@ -63,7 +68,10 @@ def _homes(settings: Mapping[str, Setting], section: str) -> dict[str, str]:
         for key in (*declared(kind_of(kind)), *kind_of(kind).other_sizes()):
             others = f"{homes[key]} or" if key in homes else "[mechanism] of kind"
             homes[key] = f"{others} {kind!r}"
-    for name in model_numbers().keys() - settings.keys():
+    for other in SUBJECTS.values():
+        for name in other.settings().keys() - settings.keys() if other is not subject else ():
+            homes[name] = f"a study with study = {other.name!r}"
+    for name in model_numbers().keys() - settings.keys() if subject is ESCAPEMENT else ():
         slot = "with" if model_numbers()[name].slotted else "without"
         homes[name] = f"a study of a mechanism {slot} a slot"
     homes |= dict.fromkeys(("kind", *machine), "[mechanism]") | dict.fromkeys(SOLVER, "[solver]")
@@ -90,7 +98,9 @@ def fixed_values(content: Content, settings: Mapping[str, Setting]) -> dict[str,
         elif entry.required and name not in varied:
             missing.append(f"{entry.label} ({entry.long_name})")
         elif entry.axis and entry.default is not None:
-            fixed[name] = entry.default
+            # in the units of the study, as everything that it gives
+            size = factor(entry.unit, entry.system)
+            fixed[name] = entry.default if size == 1.0 else entry.default / size
     if missing:
         raise InvalidValue(
             f"the study lacks {', '.join(missing)}; give each a fixed value or an axis"
@@ -100,20 +110,21 @@ def fixed_values(content: Content, settings: Mapping[str, Setting]) -> dict[str,
 
 def chosen_results(content: Content) -> dict[str, list[str]]:
     """The figures of merit to keep, if they differ from the default ones."""
-    given = content.get("results", DEFAULT)
+    subject = subject_of(content)
+    given = content.get("results", subject.usual)
     if isinstance(given, str) or not isinstance(given, Sequence) or not given:
         raise validate.fail("results", "a list of names", given, 'for example ["period"]')
     # the status is always kept, and a name that is given twice is kept once
-    every = (validate.choice("results", name, (*FIGURES, "status")) for name in given)
+    every = (validate.choice("results", name, (*subject.figures, "status")) for name in given)
     names = [name for name in dict.fromkeys(every) if name != "status"]
-    return {"results": names} if names != [*DEFAULT] else {}
+    return {"results": names} if names != [*subject.usual] else {}
 
 
 def title_of(content: Content, kind: str, varied: Mapping[str, Any]) -> str:
     """The title given, or one made from what varies."""
     over = [", ".join(name for name in varied if name != CASE)]
     over += ["a sample of " + ", ".join(varied[CASE])] if CASE in varied else []
-    default = f"{kind} escapement over {' and '.join(filter(None, over))}"
+    default = f"{kind} {subject_of(content).noun} over {' and '.join(filter(None, over))}"
     title = content.get("title", default)
     if not isinstance(title, str) or not title.isprintable():
         raise validate.fail("title", "one line of text", title, "put it in quotation marks")

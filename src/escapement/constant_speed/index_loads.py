@@ -1,0 +1,192 @@
+"""Force and stresses of the pin, impacts, ringing and locking of indexing drives.
+
+The formulas hold for the numbers of one drive, and for arrays with those of many.
+"""
+
+import math
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from escapement.constant_speed.index_torque import NAN, IndexTorque, given
+from escapement.constant_speed.knock import NOWHERE
+from escapement.model.materials import (
+    contact_modulus,
+    hertz_pressure,
+    material,
+    pin_bending,
+    pin_shear,
+    radius_for,
+)
+
+
+class IndexLoads(IndexTorque):
+    """What the pin, the load and the locking disc have to stand.
+
+    A subclass has besides `knock` and `ringing`, which hold NaN where there is no clearance and
+    where the shaft is rigid. A number that cannot be given is NaN.
+    """
+
+    # --- force and stresses of the pin ------------------------------------------------------
+
+    @cached_property
+    def _length(self: Any) -> Any:
+        """The crank radius [m]; NaN where there is none."""
+        return given(self.lengths["crank_radius"])
+
+    @property
+    def contact_moment_max(self: Any) -> Any:
+        """Greatest magnitude of the moment on the follower [N m]."""
+        return self.cycle.moment_max * self.inertial
+
+    @property
+    def contact_moment_max_angle(self: Any) -> Any:
+        """Where it is, from dead centre [rad]."""
+        return self.cycle.moment_max_angle
+
+    @cached_property
+    def contact_force_max(self: Any) -> Any:
+        """Greatest force on the pin [N]; NaN without a crank radius."""
+        return self.cycle.force_max * self.inertial / self._length
+
+    @property
+    def contact_force_max_angle(self: Any) -> Any:
+        """Where it is, from dead centre [rad]."""
+        return self.cycle.force_max_angle + 0.0 * self._length
+
+    @property
+    def _stressed_radius(self: Any) -> Any:
+        """Radius of what presses on the wall [m]; NaN where none is given."""
+        pin, roller = self.lengths["pin_radius"], self.lengths["roller_radius"]
+        return _first(self.pressure_pin_radius, roller, pin)
+
+    @property
+    def _pin_radius(self: Any) -> Any:
+        """Radius of the pin itself, also inside a roller [m]."""
+        return _first(self.lengths["pin_radius"], self.pressure_pin_radius)
+
+    @cached_property
+    def _modulus(self: Any) -> float:
+        return contact_modulus(material(self.pin_material), material(self.wheel_material))
+
+    @property
+    def pressure_max(self) -> Any:
+        """Greatest pressure between pin and wall [Pa]; NaN without radius and length of the pin."""
+        return self._pressure(self._stressed_radius)
+
+    def _pressure(self: Any, radius: Any) -> Any:
+        force = self.contact_force_max
+        return hertz_pressure(force, self._modulus, given(self.pin_length), radius)
+
+    @property
+    def pin_diameter_needed(self: Any) -> Any:
+        """Diameter of a pin whose pressure is `pressure_limit` under the same force [m]."""
+        force, limit = self.contact_force_max, given(self.pressure_limit)
+        return 2.0 * radius_for(force, self._modulus, given(self.pin_length), limit)
+
+    @property
+    def pin_bending_max(self: Any) -> Any:
+        """Greatest bending stress of the pin, a cantilever [Pa]."""
+        force, length = self.contact_force_max, given(self.pin_length)
+        return pin_bending(force, length, self.pin_gap, self._pin_radius)
+
+    @property
+    def pin_shear_max(self: Any) -> Any:
+        """Greatest mean shear stress of the pin [Pa]."""
+        return pin_shear(self.contact_force_max, self._pin_radius) + 0.0 * given(self.pin_length)
+
+    # --- impacts ----------------------------------------------------------------------------
+
+    @property
+    def entry_impact_angle(self: Any) -> Any:
+        """Where the pin meets the front wall, from dead centre [rad]; NaN without clearance."""
+        return self.knock.entry_angle
+
+    @property
+    def entry_impact_speed(self: Any) -> Any:
+        """Speed at which it does [m/s]."""
+        return self.knock.entry_distance * self._length * self.knock.entry_speed * self.speed
+
+    @property
+    def entry_impact_energy(self: Any) -> Any:
+        """Energy of the follower that the impact brings to speed, and as much is lost [J]."""
+        return 0.5 * self.inertial * self.knock.entry_speed**2
+
+    @property
+    def lift_off_angle(self: Any) -> Any:
+        """Where the pin leaves the front wall, from dead centre [rad]."""
+        return self.knock.lift_off
+
+    @property
+    def reversal_impact_angle(self: Any) -> Any:
+        """Where it meets a wall again; NaN if not before the exit [rad]."""
+        return self.knock.reversal_angle
+
+    @property
+    def reversal_flight_time(self: Any) -> Any:
+        """Time between the two [s]."""
+        return (self.knock.reversal_angle - self.knock.lift_off) / self.speed
+
+    @property
+    def reversal_impact_speed(self: Any) -> Any:
+        """Speed at which it meets the wall [m/s]."""
+        return self.knock.reversal_distance * self._length * self.knock.reversal_speed * self.speed
+
+    @property
+    def reversal_impact_energy(self: Any) -> Any:
+        """Energy lost in that impact if it is plastic [J]."""
+        return 0.5 * self.inertial * self.knock.reversal_speed**2
+
+    @property
+    def ends_in_flight(self: Any) -> Any:
+        """Whether the index ends before the pin meets a wall again."""
+        return ~np.isnan(self.knock.lift_off) & (np.asarray(self.knock.wall) == NOWHERE)
+
+    # --- ringing of the load ----------------------------------------------------------------
+
+    @property
+    def deflection_max(self: Any) -> Any:
+        """Greatest angle between load and wheel, besides that of a constant load [rad]."""
+        return self.ringing.deflection_max
+
+    @property
+    def residual_amplitude(self: Any) -> Any:
+        """Amplitude that is left when the index ends [rad]."""
+        return self.ringing.residual_amplitude
+
+    @property
+    def settling_time_load(self: Any) -> Any:
+        """Time after the index until the amplitude is `load_tolerance` [s]; inf without damping."""
+        ratio = self.residual_amplitude / self.load_tolerance
+        rate = 2.0 * math.pi * self.load_damping * self.load_frequency
+        needed = np.log(np.maximum(ratio, 1.0)) / given(rate)
+        for_ever = (ratio > 1.0) & (np.asarray(rate) == 0.0)
+        return np.where(for_ever, math.inf, np.where(ratio <= 1.0, 0.0, needed))[()]
+
+    @property
+    def dwell_left(self) -> Any:
+        """Time of the dwell that is left when the load is at rest; below zero it still rings."""
+        return self.dwell_time - self.settling_time_load
+
+    # --- locking disc -----------------------------------------------------------------------
+
+    @cached_property
+    def locking_torque(self: Any) -> Any:
+        """Friction of the locking disc under the load at rest [N m].
+
+        The disc carries the load by a force through the driver's axis, whose lever about the
+        follower is c_d sin(gamma) with the centre distance c_d.
+        """
+        distance = getattr(self.mechanism, "centre_distance", NAN) * self._length
+        lever = distance * np.sin(given(self.locking_angle))
+        return self.locking_friction * self.load_torque / lever * given(self.locking_radius)
+
+
+def _first(*values: Any) -> Any:
+    """The first that is not 0, NaN if there is none; of arrays element by element."""
+    found: Any = NAN
+    for value in reversed(values):
+        plain = isinstance(value, float | int) and isinstance(found, float)
+        found = value or found if plain else np.where(value != 0.0, value, found)
+    return found

@@ -1,0 +1,65 @@
+"""Many indexing drives of one mechanism: what is computed of each, in one call."""
+
+import math
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from escapement.base.quantity import declared
+from escapement.constant_speed.cycle_figures import CycleFigures
+from escapement.constant_speed.index_case import IndexCase
+from escapement.constant_speed.index_loads import IndexLoads
+from escapement.constant_speed.knock import NO_KNOCK, Knock
+from escapement.constant_speed.ringing import NO_RINGING, Ringing
+from escapement.constant_speed.row_kernel import GIVEN, KNOCK, RINGING, fill_rows
+from escapement.dynamics.needs import CONSTANT, NO_CURVE, NUMBERS
+from escapement.mechanisms.path import smooth_intervals, writeable
+from escapement.mechanisms.protocol import FloatArray, Mechanism, dwell_angle
+from escapement.model.natural import natural
+from escapement.model.scene import Scene, scene_tuple
+
+
+class IndexRows(IndexLoads):
+    """Many indexing drives of one mechanism: every figure is an array of shape (n,).
+
+    Parameters
+    ----------
+    mechanism : Mechanism
+        Common to all, with thin pins that fit their slots.
+    numbers : Mapping
+        What `IndexCase` declares, and the lengths of the mechanism, by name: numbers, or arrays
+        of shape (n,), in SI.
+    count : int
+        How many drives they are, n.
+    """
+
+    def __init__(self, mechanism: Mechanism, numbers: Mapping[str, Any], count: int) -> None:
+        every = {name: entry.default for name, entry in declared(IndexCase).items()}
+        every |= {name: x for name, x in numbers.items() if x is not None}
+        self.__dict__.update(every)
+        self.mechanism, self.inertial = mechanism, every["follower_inertia"] * every["speed"] ** 2
+        self.half = IndexCase.half.fget(self)  # type: ignore[attr-defined]
+        self.lengths = {name: every[name] for name in mechanism.lengths}
+        table = self._solved(every, count)
+        self.cycle = CycleFigures(*table[:KNOCK])
+        self.knock = Knock(*table[KNOCK:RINGING])
+        self.ringing = Ringing(*table[RINGING:])
+
+    def _solved(self, every: Mapping[str, Any], count: int) -> FloatArray:
+        """Fields of all figures, shape (m, n)."""
+        crank = np.where(np.asarray(every["crank_radius"]) > 0.0, every["crank_radius"], 1.0)
+        # the efficiency of this case is that of the drive, and gears have none of their own
+        others = {"torque": self.inertial, "driver_inertia": every["follower_inertia"]}
+        scene = natural({**every, **others, "efficiency": 1.0}, self.mechanism.meshed)
+        columns = [scene[name] for name in NUMBERS]
+        columns += [every["efficiency"], 0.5 * every["clearance"] / crank]
+        columns += [2.0 * math.pi * every["load_frequency"] / every["speed"], every["load_damping"]]
+        rows = np.column_stack([np.broadcast_to(x, count) for x in columns]).astype(float)
+        path = writeable(self.mechanism.path)
+        edges = smooth_intervals(path, self.mechanism.breaks)
+        torque, curve, dwell = np.array(CONSTANT), np.array(NO_CURVE), dwell_angle(self.mechanism)
+        shared = Scene(path, edges, dwell, torque, 0.0, curve, *rows[0, :GIVEN].tolist())
+        table = np.tile([*np.full(KNOCK, np.nan), *NO_KNOCK, *NO_RINGING], (count, 1))
+        fill_rows(scene_tuple(shared), self.half, rows, table)
+        return table.T

@@ -1,0 +1,114 @@
+"""A requirement for an indexing drive: a study with ranges, bounds and objectives, not axes."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from typing import Any
+
+from escapement.base import units, validate
+from escapement.base.files import AnyPath
+from escapement.base.quantity import Quantity
+from escapement.base.text import Shown
+from escapement.base.toml_file import read_toml
+from escapement.mechanisms import DEFAULT_KIND, KINDS, kind_of
+from escapement.study.plan import settings_of
+from escapement.study.subject import DRIVE
+
+Range = tuple[float, float]
+GREATER = "dwell_left", "greatest_speed", "greatest_follower_inertia", "torque_min"
+"""Figures that should be great; all others should be small."""
+_OWN = "ranges", "bounds", "objectives"
+
+
+@dataclass(frozen=True, repr=False)
+class DriveRequirement(Shown):
+    """What an indexing drive must do; numbers are in the units that `study` names.
+
+    study : content of a study file without axes, see `escapement.index` for its numbers.
+    ranges : ends between which numbers are searched, by the names of axes.
+    entries : the declarations of these numbers.
+    bounds : least and greatest value of figures, by names of results.
+    objectives : names of the figures to improve.
+    """
+
+    study: Mapping[str, Any]
+    ranges: Mapping[str, Range]
+    entries: Mapping[str, Quantity]
+    bounds: Mapping[str, Range]
+    objectives: tuple[str, ...]
+
+    @property
+    def system(self) -> str:
+        """The units of its numbers."""
+        return str(self.study.get("units", units.SYSTEMS[0]))
+
+
+def drive_requirement(requirement: Mapping[str, Any] | AnyPath) -> DriveRequirement:
+    """Read a requirement for an indexing drive, from its file or from the content of one.
+
+    Raises
+    ------
+    MissingInput, InputFileError
+        When there is no such file, or it is not TOML.
+    InvalidValue
+        When a key is unknown or its value breaks a rule.
+    """
+    content = requirement if isinstance(requirement, Mapping) else read_toml(requirement, "wish")
+    study = {name: value for name, value in content.items() if name not in _OWN}
+    study["study"] = DRIVE.name
+    system = validate.choice("units", study.get("units", units.SYSTEMS[0]), units.SYSTEMS)
+    ranges, bounds = (_table(content, name) for name in ("ranges", "bounds"))
+    machine = _table(study, "mechanism")
+    kind = kind_of(validate.choice("mechanism.kind", machine.get("kind", DEFAULT_KIND), [*KINDS]))
+    found = settings_of(kind, kind.meshed, system, DRIVE)
+    entries = {name: x for name, x in found.items() if isinstance(x, Quantity) and x.axis}
+    if not ranges:
+        remedy = "write for example speed = [3, 9] under [ranges]"
+        raise validate.fail("ranges", "a table of numbers to search", "none", remedy)
+    validate.known_keys(ranges, [*entries], "in [ranges]")
+    validate.known_keys(bounds, [*DRIVE.figures], "in [bounds]")
+    objectives = content.get("objectives", ["torque_rms"])
+    if isinstance(objectives, str) or not objectives:
+        remedy = 'for example ["torque_rms"]'
+        raise validate.fail("objectives", "a list of names", objectives, remedy)
+    return DriveRequirement(
+        study,
+        {name: _ends(entries[name], name, value) for name, value in ranges.items()},
+        {name: entries[name] for name in ranges},
+        {name: _bound(name, value, system) for name, value in bounds.items()},
+        tuple(validate.choice("objectives", x, [*DRIVE.figures]) for x in objectives),
+    )
+
+
+def _table(content: Mapping[str, Any], name: str) -> Mapping[str, Any]:
+    table = content.get(name, {})
+    if not isinstance(table, Mapping):
+        raise validate.fail(name, "a table", table, f"write [{name}] on a line of its own")
+    return table
+
+
+def _ends(entry: Quantity, name: str, given: Any) -> Range:
+    """The two ends of a range, in the units of the file."""
+    if not isinstance(given, list | tuple) or len(given) != 2:
+        raise validate.fail(name, "two ends, [low, high]", given, "give the least and the greatest")
+    low, high = (
+        x if isinstance(x, float) and math.isinf(x) else float(entry.read(name, x)) for x in given
+    )
+    if not low <= high:
+        raise validate.fail(name, "[low, high] with low at most high", given, "swap them")
+    return low, high
+
+
+def _bound(name: str, given: Any, system: str) -> Range:
+    """Least and greatest value; a single number is the greatest, or the least of `GREATER`."""
+    entry = Quantity(
+        long_name=name, unit=DRIVE.figures[name].kind, minimum=-math.inf, remedy="give a number",
+        name=name, key=name,
+    )  # fmt: skip
+    entry = replace(entry, system=system)
+    if isinstance(given, list | tuple):
+        return _ends(entry, name, given)
+    number = float(entry.read(name, given))
+    return (number, math.inf) if name in GREATER else (-math.inf, number)
