@@ -54,6 +54,10 @@ class BeatSolution(NamedTuple):
         assert beats is not None, "a fit ends at a wheel that runs, and so do all close to it"
         return beats
 
+    def same_as(self, other: "BeatSolution") -> bool:
+        """Whether both are the same errors of the parts."""
+        return self.parts.errors(self.unknowns).same_as(other.parts.errors(other.unknowns))
+
     def squares(self, unknowns: FloatArray) -> float:
         """The cost of other unknowns, infinite for a wheel that cannot run."""
         beats = self.parts.beats(unknowns)
