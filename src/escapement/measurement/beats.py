@@ -274,7 +274,7 @@ def fit_beats(
             if one.cost <= edge and not any(one.same_as(it) for it in sets):
                 sets.append(one)
         each = [known, *(it.tangent(noise, share) for it in sets[1:])]
-        found, several = joined_estimates(sets, each, edge)
+        found, several = joined_estimates(sets, each)
         combinations, told = best.told_steps(known)
         combinations, reasons = combinations if len(sets) == 1 else (), [several, told]
     fit = _fit_of(best, known, found, combinations, share, best.p_value(noise))
