@@ -1,21 +1,22 @@
 """What is measured against theory: readings of encoders (Prikhodko 2020), motions and beats.
 
+All of it ends in an `Estimate` of each number and a `Verdict` with three values (`estimate`).
+
 Readings of encoders: read `comparison` first.
 
-- `readings`, `stamps`, `rollover`, `encoder`: files of readings, times of coarse clocks, counters
-  of few bits, errors by the data sheet, and synthetic readings
+- `readings`, `loggers`, `encoder`: files of readings, what loggers do to them (coarse clocks,
+  counters of few bits), errors by the data sheet, and synthetic readings
 - `fit`, `comparison`: the fit of a position function, and errors with their statistics
 - `findings`: what readings may show, each with its size and its words
 - `finding`, `error_columns`, `normal_equations`, `noise`: the search for all of it at once
-- `slot_errors`, `changes`, `glitches`, `backlash`: slots and pins, changes for good, single
-  readings and free play in that search
+- `slot_errors`, `changes`, `backlash`: slots and pins, changes for good and single readings, and
+  free play in that search
 - `periodic`, `normality`: periodogram and distribution of the errors
 - `causes`, `other_reading`, `verdict`: what all of them say together
 - `measurement_record`: what is reported of a measurement and of a measured motion
 
-Motions and beats, which end in the same `Estimate` and `Verdict`:
+Motions and beats: least squares with the intervals of its `Tangent` (`estimate`).
 
-- `estimate`: a number with its interval, or the reason why it is not known
 - `motion_fit`, `motion_task`: the fit of a simulated motion to a measured run-up
 - `ticks`, `rounds`: beats without missed or doubled ticks, sorted by pin and slot
 - `beats`, `beat_unknowns`, `part_estimates`: the fit of parts to beats, and what it says

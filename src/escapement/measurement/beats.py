@@ -269,13 +269,12 @@ def fit_beats(
         reasons = [""]
     else:
         # a fit that is worse by no more than the edge of an interval may be true as well
-        edge, errors = best.cost + known.unit**2, best.parts.errors(best.unknowns)
-        sets = [best] + [
-            it for it in others
-            if it.cost <= edge and not it.parts.errors(it.unknowns).same_as(errors)
-        ]  # fmt: skip
+        edge, sets = best.cost + known.unit**2, [best]
+        for one in others:
+            if one.cost <= edge and not any(one.same_as(it) for it in sets):
+                sets.append(one)
         each = [known, *(it.tangent(noise, share) for it in sets[1:])]
-        found, several = joined_estimates(sets, each, edge)
+        found, several = joined_estimates(sets, each)
         combinations, told = best.told_steps(known)
         combinations, reasons = combinations if len(sets) == 1 else (), [several, told]
     fit = _fit_of(best, known, found, combinations, share, best.p_value(noise))

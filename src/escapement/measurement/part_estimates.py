@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Iterator
-from itertools import combinations, groupby
+from itertools import groupby
 from typing import NamedTuple
 
 import numpy as np
@@ -20,10 +20,7 @@ _CURVED = (
     "their intervals would not hold, because beats are no straight function of them within the "
     "noise; measure longer"
 )
-_JOINED = (
-    "very different sets of errors, and those between them, explain the beats equally well; "
-    "measure longer"
-)
+_SEVERAL = "very different sets of errors explain the beats equally well; measure longer"
 _TOO_GREAT = "they may be so great that the wheel would not run; measure longer"
 _PAIRED = (
     "each of {} pins meets only {} of {} slots, so the beats cannot separate errors of pins from "
@@ -53,6 +50,10 @@ class BeatSolution(NamedTuple):
         beats = self.parts.beats(unknowns)
         assert beats is not None, "a fit ends at a wheel that runs, and so do all close to it"
         return beats
+
+    def same_as(self, other: "BeatSolution") -> bool:
+        """Whether both are the same errors of the parts."""
+        return self.parts.errors(self.unknowns).same_as(other.parts.errors(other.unknowns))
 
     def squares(self, unknowns: FloatArray) -> float:
         """The cost of other unknowns, infinite for a wheel that cannot run."""
@@ -182,33 +183,28 @@ def pairs_of(
     return [Estimate(name, math.nan, math.nan, reason) for name in names], pairs
 
 
-def joined_estimates(
-    sets: list[BeatSolution], known: list[Tangent], edge: float
-) -> tuple[list[Estimate], str]:
+def joined_estimates(sets: list[BeatSolution], known: list[Tangent]) -> tuple[list[Estimate], str]:
     """Estimates whose intervals cover those of all solutions, which fit equally well, and a remark.
 
-    If sets of errors between them fit as well, no interval holds; nor does one that leaves the
-    range in which the wheel runs.
+    Solutions with different last slots differ in which slots are struck, and one of them is near
+    the true errors. Several with the same unknowns lie on both sides of a kink, where none need be:
+    then no interval holds. Nor does one that leaves the range in which the wheel runs.
     """
     each = [at.estimates(one) for at, one in zip(sets, known, strict=True)]
-    found, several = [spanned(same) for same in zip(*each, strict=True)], ""
-    if len(sets) > 1:
-        several = (
+    found, remark = [spanned(same) for same in zip(*each, strict=True)], ""
+    if len({one.parts.last for one in sets}) < len(sets):
+        found = [one.doubted(_SEVERAL * (one.half_width > 0.0)) for one in found]
+    elif len(sets) > 1:
+        remark = (
             f"{len(sets)} sets of errors explain the beats equally well: each interval covers all "
             "of them, and each estimate is the middle of its interval"
         )
-    for one, other in combinations(sets, 2):
-        between = 0.5 * (one.unknowns + other.unknowns)
-        if one.parts.last == other.parts.last and 0.5 * one.squares(between) <= edge:
-            found = [it.doubted(_JOINED * (it.half_width > 0.0)) for it in found]
-            several = ""
-            break
     limits = dict(zip(("slot", "pin"), sets[0].parts.range, strict=True))
     most = [limits.get(one.name.split()[0], math.inf) for one in found]
     return [
         one.doubted(_TOO_GREAT * (abs(one.value) + one.half_width > limit))
         for one, limit in zip(found, most, strict=True)
-    ], several
+    ], remark
 
 
 def undetermined(found: list[Estimate]) -> Iterator[str]:
