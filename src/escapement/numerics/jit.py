@@ -17,6 +17,7 @@ from typing import Any
 
 import numba
 from llvmlite.binding import get_host_cpu_name
+from numba.core import types
 from numba.core.runtime import rtsys  # type: ignore[attr-defined]
 
 from escapement.base.notice import notice
@@ -154,6 +155,21 @@ def _watch_cache(dispatcher: Any) -> None:
     store.save_overload = save_or_skip
 
 
+def _ignore_literals(dispatcher: Any) -> None:
+    """Compile once for all integers, and once for both truth values.
+
+    Numba gives a constant of the source a type of its own, even where it only is the first value of
+    a variable, and compiles a kernel that is called with it another time.
+    """
+    resolve = dispatcher.get_call_template
+
+    def without_literals(args: Any, named: Any) -> Any:
+        plain = {name: types.unliteral(kind) for name, kind in named.items()}
+        return resolve(tuple(map(types.unliteral, args)), plain)
+
+    dispatcher.get_call_template = without_literals
+
+
 _TRAITS: dict[str, dict[str, Any]] = {
     "allocates": {"_nrt": True},
     "reorders": {"fastmath": {"reassoc"}},
@@ -197,6 +213,7 @@ def jit(function: Any = None, **traits: bool) -> Any:
     finally:
         config.CACHE_DIR = previous
     _watch_cache(dispatcher)
+    _ignore_literals(dispatcher)
     return Kernel(dispatcher, function) if interprets() else dispatcher
 
 

@@ -10,8 +10,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from escapement.dynamics.codes import Event
-from escapement.dynamics.law import LOSSES
-from escapement.dynamics.needs import typed_scene
+from escapement.dynamics.law import LOSSES, scene_of
 from escapement.dynamics.state_table import losses_at
 from escapement.dynamics.torque import next_knot
 from escapement.dynamics.train_losses import flowing
@@ -94,7 +93,7 @@ def events_of(addresses, scene_tuple, cells, pattern, numbers, driver_angle, squ
     reached : ndarray
         w with which each leaves for the next, NaN where the march does not come to its end.
     """
-    scene, request = typed_scene(scene_tuple), request_of(Detail.EVERYTHING, rtol)
+    scene, request = scene_of(scene_tuple), request_of(Detail.EVERYTHING, rtol)
     room = _ROOM + 4 * scene.edges.size + MOST_KNOTS
     case = new_case(addresses, scene, cells, pattern, room)
     prepare(case)
