@@ -1,8 +1,8 @@
 """What a scene needs is part of its type, so that kernels are compiled for that alone.
 
 A scene of kind `Kind.IDEAL` has friction and a load, one of kind `Kind.STEADY` also losses in pins,
-bearings and air, and one of kind `Kind.WHOLE` has everything. Numbers that a kind does without
-are `Known` in the longest kernels: what they decide is decided when a kernel is compiled, and neither
+bearings and air, and one of kind `Kind.WHOLE` has everything. In the longest kernels, numbers that a
+kind does without are `Known`: what they decide is decided when a kernel is compiled, and neither
 passed on nor computed. All other kernels are compiled once, for scenes of any kind.
 """
 
