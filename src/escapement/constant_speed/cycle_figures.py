@@ -99,9 +99,10 @@ def sliding_sign(theta, side, scene):
     return np.copysign(1.0, slide_at(g, u, radius, side, scene))
 
 
-@inner_jit(allocates=True)
-def reversals_between(edges, scene):
+@jit(allocates=True)
+def reversals_between(scene_tuple, edges):
     """Driver angles inside (edges[0], edges[-1]) at which F changes its sign, ascending."""
+    scene = scene_of(scene_tuple)
     found = np.empty(_MOST_CUTS)
     used = 0
     for j in range(edges.size - 1):
@@ -146,23 +147,21 @@ def _extreme(low, high, which, sign, side, slide_sign, scene, efficiency):
 
 
 @jit(allocates=True)
-def cycle_figures(scene_tuple, edges, half, efficiency):
-    """Figures of an engagement, and the driver angles of its reversals.
+def cycle_figures(scene_tuple, cuts, half, efficiency):
+    """Figures of an engagement.
 
     Parameters
     ----------
     scene_tuple : as `model.scene.scene_tuple` makes it, in the units above.
-    edges : driver angles between which the quantities are smooth but for reversals, ascending.
-    half : driver angle at which the first half of the engagement ends; one of `edges`.
+    cuts : driver angles between which the quantities are smooth, ascending, reversals included.
+    half : driver angle at which the first half of the engagement ends; one of `cuts`.
     efficiency : of the drive, in (0, 1].
 
     Returns
     -------
-    CycleFigures, ndarray
+    CycleFigures
     """
     scene = scene_of(scene_tuple)
-    reversals = reversals_between(edges, scene)
-    cuts = np.unique(np.concatenate((edges, reversals)))
     torque, square = np.empty(N), np.empty(N)
     tops, angles = np.full(len(_SIGNS), -np.inf), np.full(len(_SIGNS), np.nan)
     whole = squares = first = sizes = 0.0
@@ -197,13 +196,12 @@ def cycle_figures(scene_tuple, edges, half, efficiency):
             _raise_tops(tops, angles, left, right, side, slide, scene, efficiency)
     # where driving and driven work cancel, what is left is rounding
     whole = 0.0 if abs(whole) <= _CANCELS * sizes else whole
-    found = CycleFigures(
+    return CycleFigures(
         torque_max=tops[0], torque_max_angle=angles[0], torque_min=-tops[1],
         torque_min_angle=angles[1], moment_max=tops[2], moment_max_angle=angles[2],
         force_max=tops[3], force_max_angle=angles[3], ratio_max=tops[4], bend_max=tops[5],
         torque_integral=whole, square_integral=squares, first_half=first,
     )  # fmt: skip
-    return found, reversals
 
 
 @inner_jit

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from escapement.base import validate
-from escapement.constant_speed.cycle_figures import CycleFigures, cycle_figures
+from escapement.constant_speed.cycle_figures import CycleFigures, cycle_figures, reversals_between
 from escapement.constant_speed.index_case import IndexCase
 from escapement.constant_speed.input_torque import DriveTorque
 from escapement.mechanisms.path import smooth_intervals
@@ -76,15 +76,16 @@ class IndexTorque(IndexCase):
         return found
 
     @cached_property
-    def _found(self) -> tuple[CycleFigures, FloatArray]:
-        result: tuple[CycleFigures, FloatArray] = cycle_figures(
-            scene_tuple(self._scene), self._edges, self.half, float(self.efficiency)
-        )
-        return result
+    def _reversals(self) -> FloatArray:
+        found: FloatArray = reversals_between(scene_tuple(self._scene), self._edges)
+        return found
 
-    @property
+    @cached_property
     def _cycle(self) -> CycleFigures:
-        return self._found[0]
+        cuts = np.unique(np.concatenate([self._edges, self._reversals]))
+        given = scene_tuple(self._scene), cuts, self.half, float(self.efficiency)
+        result: CycleFigures = cycle_figures(*given)
+        return result
 
     @property
     def _length(self) -> float:
@@ -191,7 +192,7 @@ class IndexTorque(IndexCase):
     @property
     def reversals(self) -> FloatArray:
         """Driver angles from dead centre where the pin changes walls [rad]."""
-        return self._found[1]
+        return self._reversals
 
     @property
     def thin(self) -> DriveTorque:

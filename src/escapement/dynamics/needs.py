@@ -1,8 +1,8 @@
 """What a scene needs is part of its type, so that kernels are compiled for that alone.
 
 A scene of kind `Kind.IDEAL` has friction and a load, one of kind `Kind.STEADY` also losses in pins,
-bearings and air, and one of kind `Kind.WHOLE` has everything. In the longest kernels, numbers that a
-kind does without are `Known`: what they decide is decided when a kernel is compiled, and neither
+bearings and air, and one of kind `Kind.WHOLE` has everything. In the longest kernels, numbers that
+a kind does without are `Known`: what they decide is decided when a kernel is compiled, and neither
 passed on nor computed. All other kernels are compiled once, for scenes of any kind.
 """
 
@@ -10,8 +10,8 @@ from collections.abc import Iterable
 from enum import IntEnum
 from typing import Any
 
+import numba
 import numpy as np
-from numba import typeof, types
 from numba.extending import intrinsic
 
 from escapement.mechanisms.path import OFFSET, Path
@@ -50,6 +50,8 @@ _KNOWN: dict[Kind, dict[str, Any]] = {
     Kind.WHOLE: {},
 }
 """The numbers that scenes of a kind do without."""
+_PLAIN = np.array([float(_KNOWN[Kind.IDEAL].get(name, np.nan)) for name in NUMBERS])
+_WITHOUT = {kind: [NUMBERS.index(name) for name in known] for kind, known in _KNOWN.items()}
 
 
 def kind_of(path: Path, torque: Any, numbers: Iterable[Any]) -> Kind:
@@ -62,13 +64,17 @@ def kind_of(path: Path, torque: Any, numbers: Iterable[Any]) -> Kind:
     """
     if len(torque) != len(CONSTANT):
         return Kind.WHOLE
-    given = dict(zip(NUMBERS, numbers, strict=True))
+    plain = (np.reshape([*numbers], (len(NUMBERS), -1)) == _PLAIN[:, None]).all(axis=1)
     for kind in Kind:
         # only a slot through the axis is ideal
         fits = kind > Kind.IDEAL or path.table or path.numbers[OFFSET] == 0.0
-        if fits and all(np.all(given[name] == value) for name, value in _KNOWN[kind].items()):
+        if fits and plain[_WITHOUT[kind]].all():
             return kind
     return Kind.WHOLE
+
+
+_typeof: Any = numba.typeof
+_named_tuple: Any = numba.types.NamedTuple
 
 
 def _in_python(scene: Scene, _kind: Any) -> Scene:
@@ -77,11 +83,13 @@ def _in_python(scene: Scene, _kind: Any) -> Scene:
 
 @intrinsic
 def _compiled(_context: Any, scene: Any, kind: Any) -> Any:
-    known = _KNOWN[Kind(int(kind.value))]
+    known: dict[str, Any] = _KNOWN[Kind(int(kind.value))]
     if not known:
         return scene(scene, kind), lambda context, builder, signature, values: values[0]
     fixed = {**known, "torque": CONSTANT, "driver_angle": 0.0}
-    kinds = [typeof(fixed[x]) if x in fixed else scene[k] for k, x in enumerate(scene.fields)]
+    kinds: list[Any] = [*scene.types]
+    for name, value in fixed.items():
+        kinds[scene.fields.index(name)] = _typeof(value)
 
     def emit(context: Any, builder: Any, signature: Any, values: Any) -> Any:
         made, result = context.get_constant_undef(signature.return_type), signature.return_type
@@ -92,7 +100,7 @@ def _compiled(_context: Any, scene: Any, kind: Any) -> Any:
             made = builder.insert_value(made, value, k)
         return made
 
-    return types.NamedTuple(kinds, Scene)(scene, kind), emit
+    return _named_tuple(kinds, Scene)(scene, kind), emit
 
 
 needed_scene = in_both_forms(_compiled, _in_python)

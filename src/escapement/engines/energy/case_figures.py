@@ -91,7 +91,8 @@ def figures(case, handoffs, rows, w, rtol, extent, out):
     engagement, which `escapement.terminal` tells first.
     """
     start, size, constant_gain = w, case.data.size, _gains_alike(case)
-    out[: cycle.FIGURES] = np.nan
+    for i in range(cycle.FIGURES):
+        out[i] = np.nan
     if constant_gain and _only_gains(case.scene):
         return NO_TERMINAL
     request, before = request_of(Detail.EXTREMA, rtol), cycle.Attempt(w, w)
@@ -208,7 +209,7 @@ def _leap_on(case, request, start, w, k, found, extent, rows, out):
     goals, size = rows[GOALS], case.data.size
     if np.isnan(goals[0]) and size > 1:
         # the extremes of a pattern's engagements differ, and what is left is marched
-        goals[:2] = final * (1.0 - NEAR_BAND if w < final else 1.0 + NEAR_BAND)
+        goals[0] = goals[1] = final * (1.0 - NEAR_BAND if w < final else 1.0 + NEAR_BAND)
     elif np.isnan(goals[0]):
         far = max(w, 0.8 * final) if w < final else min(w, 1.25 * final)
         goals[0] = _first_in_band(case, request, w, found.rising, RISE_BAND, False, out)

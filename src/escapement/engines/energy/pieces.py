@@ -70,8 +70,14 @@ def _append(table, filled, engagement, kind, angle, time, w, side):
 
 
 @inner_jit
+def _set_all(row, value):
+    # assigning to a slice would take long to compile, because of its error messages
+    for i in range(row.size):
+        row[i] = value
+
+
+@inner_jit
 def _copy(table, to, filled):
-    # assigning to a slice would take a tenth of all compilation, because of its error messages
     for i in range(filled):
         row, other = to[i], table[i]
         row.engagement, row.kind, row.side = other.engagement, other.kind, other.side
@@ -199,8 +205,8 @@ def _states_in(scene, store, ends, left, w, side, rtol, asked, losses, peaks):
     store.panels[panels.FIRST_PANEL].locked = side == 0.0
     waiting = panels_solved = 0
     part = Section(left, _next(scene, left, asked.end), 0.0, w)
-    losses[:] = 0.0
-    peaks[:] = 0.0
+    _set_all(losses, 0.0)
+    _set_all(peaks, 0.0)
     values = np.empty((N + 2, peaks.size))
     for j in range(asked.times.size):
         asked.theta[j], asked.squares[j] = left, w
@@ -279,7 +285,7 @@ def _stay(since, angle, asked):
 @inner_jit
 def _forget(since, asked, losses):
     """Set the states from a time on, and the work lost, to NaN."""
-    losses[:] = np.nan
+    _set_all(losses, np.nan)
     for j in range(asked.times.size):
         if not asked.times[j] < since:
             asked.theta[j] = asked.squares[j] = np.nan
