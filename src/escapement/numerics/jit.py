@@ -11,6 +11,7 @@ import hashlib
 import os
 import re
 import tempfile
+from collections.abc import Iterator
 from functools import cache, partial
 from pathlib import Path
 from typing import Any
@@ -29,6 +30,10 @@ from escapement.numerics.interpreted import (
 
 # other modules import it from here, since `jit` decides whether this process interprets
 from escapement.numerics.interpreted import in_both_forms as in_both_forms
+
+fcntl: Any = None
+with contextlib.suppress(ImportError):  # Windows has none
+    import fcntl
 
 _IMPORT = re.compile(rb"^(?:from|import) +([\w.]+)(?: +import +(\([^)]*\)|[^\n]*))?", re.MULTILINE)
 
@@ -124,6 +129,20 @@ def _choose() -> None:
         begin_interpreted()
 
 
+@contextlib.contextmanager
+def _alone(folder: str) -> Iterator[None]:
+    """Keep other processes from saving into a folder at the same time, where the system can.
+
+    Numba numbers the files of a kernel by those in its index. Two processes that saved different
+    variants of a kernel at once would give both the same number, and later processes would run
+    the code of one for the other.
+    """
+    with open(Path(folder, "lock"), "w") as file:
+        if fcntl is not None:
+            fcntl.flock(file, fcntl.LOCK_EX)  # until the file is closed
+        yield
+
+
 def _watch_cache(dispatcher: Any) -> None:
     """Announce that a kernel has to be compiled, and survive a cache that cannot be written.
 
@@ -131,7 +150,7 @@ def _watch_cache(dispatcher: Any) -> None:
     linear algebra, which is a third of the time to a first result. Code that is loaded
     needs only the runtime that allocates arrays.
     """
-    store = dispatcher._cache
+    store, folder = dispatcher._cache, _cache_directory()
     load = getattr(store, "_load_overload", store.load_overload)  # there may be no cache
     save = store.save_overload
 
@@ -147,7 +166,7 @@ def _watch_cache(dispatcher: Any) -> None:
 
     def save_or_skip(signature: Any, data: Any) -> None:
         # the kernel itself is ready, so that it works without a copy on disk
-        with contextlib.suppress(OSError):
+        with contextlib.suppress(OSError), _alone(folder) if folder else contextlib.nullcontext():
             save(signature, data)
         notice.end()
 
