@@ -2,8 +2,8 @@
 
 ``python benchmarks/compile_times.py [COMMIT]``
 
-A process compiles what ``escapement compile`` compiles, of the files here or of a commit, in an empty
-folder. ``variants`` is how often a kernel is compiled, for arguments of different types.
+A process compiles what ``escapement compile`` compiles, of the files here or of a commit, in an
+empty folder. ``variants`` is how often a kernel is compiled, for arguments of different types.
 ``inclusive`` contains the kernels that are compiled because this one calls them, ``exclusive`` does
 not, so that its sum is the whole time.
 """
