@@ -91,8 +91,7 @@ def figures(case, handoffs, rows, w, rtol, extent, out):
     engagement, which `escapement.terminal` tells first.
     """
     start, size, constant_gain = w, case.data.size, _gains_alike(case)
-    for i in range(cycle.FIGURES):
-        out[i] = np.nan
+    _forget(out)
     if constant_gain and _only_gains(case.scene):
         return NO_TERMINAL
     request, before = request_of(Detail.EXTREMA, rtol), cycle.Attempt(w, w)
@@ -151,6 +150,13 @@ def figures(case, handoffs, rows, w, rtol, extent, out):
     if in_band < 2 * size:
         out[cycle.SETTLING] = np.nan
     return OK if cycle_known else NOT_CONVERGED
+
+
+@inner_jit
+def _forget(out):
+    """Set all figures to NaN."""
+    for i in range(cycle.FIGURES):
+        out[i] = np.nan
 
 
 @inner_jit
@@ -343,8 +349,7 @@ def _first_guess(w, step, before, following):
 @inner_jit
 def _stopped(found, k, out):
     """Write the angle and the engagement of a stall into `out`; returns the status."""
-    for i in range(cycle.FIGURES):
-        out[i] = np.nan
+    _forget(out)
     out[0], out[1] = found.angle, k + found.pair
     return found.status
 
