@@ -185,9 +185,10 @@ def _in_python(plan: StudyPlan) -> bool:
 
     Otherwise kernels are compiled from now on, which must not happen while several threads run.
     """
-    if not together(plan) or math.prod(scene_shape(plan)) > FEW:
+    few = interprets() and together(plan) and math.prod(scene_shape(plan)) <= FEW
+    if not few:
         compile_from_now_on()
-    return interprets()
+    return few
 
 
 def _check(plan: StudyPlan, options: Options) -> None:
