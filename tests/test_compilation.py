@@ -186,6 +186,29 @@ caching.IndexDataCacheFile.{call} = fail
     assert run(failing + use, **toy) == "2.0"
 
 
+def test_one_process_at_a_time_saves_kernels(toy):
+    """Numba's index of a kernel would else lead to the code of another process."""
+    pytest.importorskip("fcntl")
+    code = """
+import fcntl, os, pathlib
+from numba.core import caching
+save = caching.IndexDataCacheFile.save
+def look(*given):
+    (lock,) = pathlib.Path(os.environ["NUMBA_CACHE_DIR"]).rglob("lock")
+    with open(lock) as file:
+        try:
+            fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            print("free")
+        except BlockingIOError:
+            print("held")
+    return save(*given)
+caching.IndexDataCacheFile.save = look
+from toy.f import f
+f(1.0)
+"""
+    assert run(code, **toy).split() == ["held", "held"]  # those of g and f
+
+
 def test_kernels_of_the_cache_do_without_what_compiling_takes(toy, tmp_path):
     """Arrays come and go, and whoever has to compile after that still can."""
     (tmp_path / "toy" / "h.py").write_text(

@@ -9,6 +9,8 @@ import numpy as np
 import pytest
 
 import escapement as esc
+from escapement.study import running
+from escapement.study.parse.design import plan_from
 
 RUN = [
     *("-m", "escapement", "run", "--units", "in-lbf-s", "--torque", ".1", "--friction", ".35"),
@@ -91,6 +93,36 @@ def test_interpreted_and_compiled_results_agree(tmp_path):
     exec(SCENES, names)
     for found, wanted in zip(interpreted, names["results"](), strict=True):
         np.testing.assert_allclose(found, wanted, rtol=1e-12)
+
+
+STUDY = """
+import json
+import escapement as esc
+timer = esc.Escapement(esc.Geneva(4), esc.Inertia(3.39e-7, 5.65e-6), 0.0113)
+def periods():
+    study = esc.sweep(timer, friction=[0.2, 0.3], torque=[0.01, 0.011, 0.012], workers=2)
+    return study.results["period"].tolist()
+"""
+
+
+def test_a_study_of_few_scenes_needs_no_compiling(tmp_path):
+    found = json.loads(ask(["-c", STUDY + "print(json.dumps(periods()))"], tmp_path)[0])
+    assert not list(tmp_path.rglob("*.nb?"))
+    names = {}
+    exec(STUDY, names)
+    np.testing.assert_allclose(found, names["periods"](), rtol=1e-12)
+
+
+@pytest.mark.parametrize(("frictions", "compiles"), [(64, False), (65, True)])
+def test_a_study_of_many_scenes_is_compiled(monkeypatch, frictions, compiles):
+    """From rest without a load the torque only changes the unit of time."""
+    asked = []
+    monkeypatch.setattr(running, "compile_from_now_on", lambda: asked.append(True))
+    monkeypatch.setattr(running, "interprets", lambda: True)
+    timer = esc.Escapement(esc.Geneva(4), esc.Inertia(3.39e-7, 5.65e-6), 0.0113)
+    axes = {"friction": np.linspace(0.1, 0.3, frictions), "torque": [0.01, 0.011]}
+    running.run_plan(plan_from(timer, axes))
+    assert bool(asked) == compiles
 
 
 CHANGE = """

@@ -37,10 +37,10 @@ class Judged:
                 raise AttributeError(self.name)
             return self.default[0]
         result.judge()
-        return vars(result)[self.name]
+        return result.__dict__[self.name]
 
     def __set__(self, result: Any, value: Any) -> None:
-        vars(result)[self.name] = value
+        result.__dict__[self.name] = value
 
 
 class JudgedResult:
@@ -52,7 +52,7 @@ class JudgedResult:
     @property
     def outcome(self) -> Status:
         """The status by the engine alone, before the energy balance decides on it."""
-        status: Status = vars(self)["status"]
+        status: Status = self.__dict__["status"]
         return status
 
     def add_notes(self, *notes: str | None) -> None:

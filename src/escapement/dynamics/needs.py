@@ -1,20 +1,22 @@
 """What a scene needs is part of its type, so that kernels are compiled for that alone.
 
 A scene of kind `Kind.IDEAL` has friction and a load, one of kind `Kind.STEADY` also losses in pins,
-bearings and air, and one of kind `Kind.WHOLE` has everything. Numbers that a kind does without
-are `Known`: what they decide is decided when a kernel is compiled, and neither passed on nor
-computed. `plain_scene` has what a kernel is given, of which `typed_scene` makes a `Scene`.
+bearings and air, and one of kind `Kind.WHOLE` has everything. In the longest kernels, numbers that
+a kind does without are `Known`: what they decide is decided when a kernel is compiled, and neither
+passed on nor computed. All other kernels are compiled once, for scenes of any kind.
 """
 
 from collections.abc import Iterable
 from enum import IntEnum
 from typing import Any
 
+import numba
 import numpy as np
-from numba.extending import overload
+from numba.extending import intrinsic
 
 from escapement.mechanisms.path import OFFSET, Path
-from escapement.model.scene import Scene, scene_tuple
+from escapement.model.scene import Scene
+from escapement.numerics.jit import in_both_forms
 from escapement.numerics.known import Known
 
 FIXED = Scene._fields.index("rho")
@@ -51,6 +53,8 @@ _KNOWN: dict[Kind, dict[str, Any]] = {
     Kind.WHOLE: {},
 }
 """The numbers that scenes of a kind do without."""
+_PLAIN = np.array([float(_KNOWN[Kind.IDEAL].get(name, np.nan)) for name in NUMBERS])
+_WITHOUT = {kind: [NUMBERS.index(name) for name in known] for kind, known in _KNOWN.items()}
 
 
 def kind_of(path: Path, torque: Any, numbers: Iterable[Any]) -> Kind:
@@ -63,61 +67,49 @@ def kind_of(path: Path, torque: Any, numbers: Iterable[Any]) -> Kind:
     """
     if len(torque) != len(CONSTANT):
         return Kind.WHOLE
-    given = dict(zip(NUMBERS, numbers, strict=True))
+    plain = (np.reshape([*numbers], (len(NUMBERS), -1)) == _PLAIN[:, None]).all(axis=1)
     for kind in Kind:
         # only a slot through the axis is ideal
         fits = kind > Kind.IDEAL or path.table or path.numbers[OFFSET] == 0.0
-        if fits and all(np.all(given[name] == value) for name, value in _KNOWN[kind].items()):
+        if fits and plain[_WITHOUT[kind]].all():
             return kind
     return Kind.WHOLE
 
 
-def known_scene(scene: Scene, kind: Kind) -> Scene:
-    """A scene with `Known` numbers where a kind does without them."""
-    if kind == Kind.WHOLE:
-        return scene
-    return scene._replace(torque=CONSTANT, driver_angle=0.0, load_curve=NO_CURVE, **_KNOWN[kind])
+_typeof: Any = numba.typeof
+_named_tuple: Any = numba.types.NamedTuple
 
 
-def plain_scene(scene: Scene, kind: Kind) -> tuple[Any, ...]:
-    """What kernels need of a scene of a kind, as nested plain tuples; see `scene_tuple`."""
-    if kind == Kind.WHOLE:
-        return scene_tuple(scene)
-    chosen = (getattr(scene, name) for name in NUMBERS if name not in _KNOWN[kind])
-    return tuple(scene.path), scene.edges, scene.dwell, *chosen
+def _in_python(scene: Scene, _kind: Any) -> Scene:
+    return scene
 
 
-def _ideal(plain: Any) -> Any:
-    path, edges, dwell, rho, plus, minus, load = plain
-    return Scene(
-        Path(path[0], path[1]), edges, dwell, CONSTANT, 0.0, NO_CURVE, rho, plus, minus, load,
-        _NO, _NO, _NO, _NO, _NO, _NO, _NO, _NO, _ONE, _UNKNOWN, _NO, _ONE, _NO, _ONE, _NO,
-    )  # fmt: skip
+@intrinsic
+def _compiled(_context: Any, scene: Any, kind: Any) -> Any:
+    known: dict[str, Any] = _KNOWN[Kind(int(kind.value))]
+    if not known:
+        return scene(scene, kind), lambda context, builder, signature, values: values[0]
+    fixed = {**known, "torque": CONSTANT, "driver_angle": 0.0, "load_curve": NO_CURVE}
+    kinds: list[Any] = [*scene.types]
+    for name, value in fixed.items():
+        kinds[scene.fields.index(name)] = _typeof(value)
+
+    def emit(context: Any, builder: Any, signature: Any, values: Any) -> Any:
+        made, result = context.get_constant_undef(signature.return_type), signature.return_type
+        for k, name in enumerate(scene.fields):
+            value = builder.extract_value(values[0], k)
+            if name in fixed:
+                value = context.get_constant_generic(builder, result[k], fixed[name])
+            made = builder.insert_value(made, value, k)
+        return made
+
+    return _named_tuple(kinds, Scene)(scene, kind), emit
 
 
-def _steady(plain: Any) -> Any:
-    path, edges, dwell, rho, plus, minus, load, bearing, air, wind, pin, one, two = plain
-    return Scene(
-        Path(path[0], path[1]), edges, dwell, CONSTANT, 0.0, NO_CURVE, rho, plus, minus, load,
-        bearing, air, wind, _NO, _NO, pin, one, two, _ONE, _UNKNOWN, _NO, _ONE, _NO, _ONE, _NO,
-    )  # fmt: skip
+needed_scene = in_both_forms(_compiled, _in_python)
+"""needed_scene(scene, kind) is a scene with `Known` numbers where a `KINDS` does without them.
 
-
-def _whole(plain: Any) -> Any:
-    path = plain[0]
-    return Scene(Path(path[0], path[1]), *plain[1:])
-
-
-_MAKERS = {FIXED - 3 + len(NUMBERS) - len(_KNOWN[Kind.IDEAL]): _ideal}
-_MAKERS |= {FIXED - 3 + len(NUMBERS) - len(_REST): _steady, len(Scene._fields): _whole}
-"""Functions that make a scene, by the length of its plain tuple."""
-
-
-def typed_scene(plain: Any) -> Any:
-    """The scene that belongs to the nested tuples of `plain_scene`, in kernels that allocate."""
-    return _MAKERS[len(plain)](plain)
-
-
-@overload(typed_scene, strict=False)
-def _typed_scene(plain: Any) -> Any:
-    return _MAKERS[len(plain)]
+Kernels that are compiled for the kind go on with it; in Python it is the scene itself.
+"""
+KINDS = tuple(Known(float(kind)) for kind in Kind)
+"""The kinds as numbers whose value is part of their type."""

@@ -34,6 +34,7 @@ _FOLDERS = {
     **{("energy", ""): "energy", ("ivp", ""): "ivp"},
     **{("contact", law): f"contact.{law}" for law in ("rigid", "compliant")},
 }
+_LOSSLESS = "simulate.lossless"
 _FULL = "the figures are those of the full spring, whose torque falls as it runs down"
 _AT_START = "the figures are those of the torque at the start of the motion"
 _NO_START = "the torque curve begins with no torque, which has no cycle"
@@ -218,8 +219,7 @@ def _terminal(escapement: Escapement, engine: str, settings: dict[str, Any]) -> 
         return replace(base, status=Status.PAINLEVE, message=message)
     if why := _undriven(escapement):
         return replace(base, status=Status.STALL, message=why)
-    struck = any(pair.kind == "strike" for pair in escapement.pairs)
-    if not (contact or struck) and is_lossless(escapement.scene) and _ends_alike(escapement):
+    if not contact and _is_lossless(escapement) and _ends_alike(escapement):
         # every engagement gains the same energy, so that one tells whether all stop, or none
         # is steady
         round_ = {"engagements": len(escapement.pairs), "duration": None}
@@ -238,6 +238,16 @@ def _terminal(escapement: Escapement, engine: str, settings: dict[str, Any]) -> 
     figures: Figures = _engine(engine, contact, "terminal")(escapement, base, **settings)
     figures.add_notes(uniqueness_note(escapement))
     return figures
+
+
+def _is_lossless(escapement: Escapement) -> bool:
+    """Whether neither a loss nor an impact grows with the speed."""
+    kept = escapement.kept
+    if _LOSSLESS not in kept:
+        struck = any(pair.kind == "strike" for pair in escapement.pairs)
+        kept[_LOSSLESS] = not struck and bool(is_lossless(escapement.scene))
+    found: bool = kept[_LOSSLESS]
+    return found
 
 
 def _undriven(escapement: Escapement) -> str:

@@ -1,7 +1,7 @@
 """Settings of the engines, which are checked here without loading an engine."""
 
 import math
-from dataclasses import asdict, dataclass, field, fields, replace
+from dataclasses import dataclass, field, fields, replace
 from functools import cached_property, lru_cache
 from typing import Any
 
@@ -80,7 +80,8 @@ class Solver(Declared):
     @property
     def given(self) -> dict[str, Any]:
         """The settings that are not left to the engine."""
-        return {name: value for name, value in asdict(self).items() if value is not None}
+        every = ((setting.name, getattr(self, setting.name)) for setting in fields(self))
+        return {name: value for name, value in every if value is not None}
 
     @property
     def tolerance(self) -> float:

@@ -11,12 +11,14 @@ import hashlib
 import os
 import re
 import tempfile
+from collections.abc import Iterator
 from functools import cache, partial
 from pathlib import Path
 from typing import Any
 
 import numba
 from llvmlite.binding import get_host_cpu_name
+from numba.core import types
 from numba.core.runtime import rtsys  # type: ignore[attr-defined]
 
 from escapement.base.notice import notice
@@ -28,6 +30,10 @@ from escapement.numerics.interpreted import (
 
 # other modules import it from here, since `jit` decides whether this process interprets
 from escapement.numerics.interpreted import in_both_forms as in_both_forms
+
+fcntl: Any = None
+with contextlib.suppress(ImportError):  # Windows has none
+    import fcntl
 
 _IMPORT = re.compile(rb"^(?:from|import) +([\w.]+)(?: +import +(\([^)]*\)|[^\n]*))?", re.MULTILINE)
 
@@ -123,6 +129,20 @@ def _choose() -> None:
         begin_interpreted()
 
 
+@contextlib.contextmanager
+def _alone(folder: str) -> Iterator[None]:
+    """Keep other processes from saving into a folder at the same time, where the system can.
+
+    Numba numbers the files of a kernel by those in its index. Two processes that saved different
+    variants of a kernel at once would give both the same number, and later processes would run
+    the code of one for the other.
+    """
+    with open(Path(folder, "lock"), "w") as file:
+        if fcntl is not None:
+            fcntl.flock(file, fcntl.LOCK_EX)  # until the file is closed
+        yield
+
+
 def _watch_cache(dispatcher: Any) -> None:
     """Announce that a kernel has to be compiled, and survive a cache that cannot be written.
 
@@ -130,7 +150,7 @@ def _watch_cache(dispatcher: Any) -> None:
     linear algebra, which is a third of the time to a first result. Code that is loaded
     needs only the runtime that allocates arrays.
     """
-    store = dispatcher._cache
+    store, folder = dispatcher._cache, _cache_directory()
     load = getattr(store, "_load_overload", store.load_overload)  # there may be no cache
     save = store.save_overload
 
@@ -146,12 +166,27 @@ def _watch_cache(dispatcher: Any) -> None:
 
     def save_or_skip(signature: Any, data: Any) -> None:
         # the kernel itself is ready, so that it works without a copy on disk
-        with contextlib.suppress(OSError):
+        with contextlib.suppress(OSError), _alone(folder) if folder else contextlib.nullcontext():
             save(signature, data)
         notice.end()
 
     store.load_overload = load_or_say
     store.save_overload = save_or_skip
+
+
+def _ignore_literals(dispatcher: Any) -> None:
+    """Compile once for all integers, and once for both truth values.
+
+    Numba gives a constant of the source a type of its own, even where it only is the first value of
+    a variable, and compiles a kernel that is called with it another time.
+    """
+    resolve = dispatcher.get_call_template
+
+    def without_literals(args: Any, named: Any) -> Any:
+        plain = {name: types.unliteral(kind) for name, kind in named.items()}
+        return resolve(tuple(map(types.unliteral, args)), plain)
+
+    dispatcher.get_call_template = without_literals
 
 
 _TRAITS: dict[str, dict[str, Any]] = {
@@ -197,6 +232,7 @@ def jit(function: Any = None, **traits: bool) -> Any:
     finally:
         config.CACHE_DIR = previous
     _watch_cache(dispatcher)
+    _ignore_literals(dispatcher)
     return Kernel(dispatcher, function) if interprets() else dispatcher
 
 

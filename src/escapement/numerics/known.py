@@ -78,15 +78,3 @@ def where_known(field: str, short: Callable[..., Any]) -> Callable[..., Any]:
         return function
 
     return decorate
-
-
-def as_given(value: float, like: float) -> float:
-    """A value for a field that holds `like`: `like` itself where that is known."""
-    return like if isinstance(like, Known) else value
-
-
-@overload(as_given, strict=False, jit_options=_OPTIONS)
-def _as_given(value: Any, like: Any) -> Callable[..., Any]:
-    if isinstance(like, KnownType):
-        return lambda value, like: like
-    return lambda value, like: value

@@ -1,5 +1,6 @@
 """Running a study into memory or into a file, on threads or on a Dask cluster."""
 
+import math
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import AbstractContextManager, nullcontext
 from dataclasses import replace
@@ -16,7 +17,7 @@ from escapement.base.progress import Progress
 from escapement.constant_speed.index_case import IndexCase
 from escapement.engines.solver import Solver, choose_solver
 from escapement.model.escapement import Escapement
-from escapement.numerics.interpreted import compile_from_now_on
+from escapement.numerics.interpreted import compile_from_now_on, interprets
 from escapement.study import table_files
 from escapement.study.block import Block, blocks_of
 from escapement.study.parse import plan_from
@@ -24,9 +25,13 @@ from escapement.study.plan import StudyPlan
 from escapement.study.pool import Pool, in_cluster, in_threads
 from escapement.study.reader import read_study
 from escapement.study.result import Study
+from escapement.study.scenes import scene_shape, together
 from escapement.study.solving import Work, mixed, numerics, solve_block, solved_scenes
 from escapement.study.stored import LAYOUT
 from escapement.study.writer import Unfinished, study_writer
+
+FEW = 64
+"""So many different scenes take less time in plain Python than compiling does."""
 
 Report = Callable[[int, int, int], object]
 
@@ -143,7 +148,8 @@ def run_plan(plan: StudyPlan, path: AnyPath | None = None, **options: Unpack[Opt
 
     workers = options.get("workers", 1)
     # starting a thread takes as long as solving many cases
-    pool = in_threads(workers) if workers > 1 else nullcontext(Pool())
+    alone = _in_python(plan) or workers == 1
+    pool = nullcontext(Pool()) if alone else in_threads(workers)
     _run(plan, Unfinished(cut, range(len(cut)), 0, 0, add), pool, options, encoded=False)
     shaped = {name: values.reshape(frame.shape) for name, values in results.items()}
     return replace(frame, results=shaped)
@@ -167,8 +173,23 @@ def write_plan(plan: StudyPlan, path: AnyPath, **options: Unpack[Options]) -> Ta
     workers, scheduler = options.get("workers", 1), options.get("scheduler")
     with study_writer(path, frame_of(plan), numerics=version, **keep) as study:
         here = scheduler is None or not study.missing
-        pool = in_threads(workers) if here else in_cluster(scheduler, workers)
+        pool: AbstractContextManager[Pool] = nullcontext(Pool())
+        if not here:
+            pool = in_cluster(scheduler, workers)
+        elif not _in_python(plan):
+            pool = in_threads(workers)
         return _run(plan, study, pool, options, encoded=True)
+
+
+def _in_python(plan: StudyPlan) -> bool:
+    """Whether a plan has so few scenes that plain Python solves them, in one thread.
+
+    Otherwise kernels are compiled from now on, which must not happen while several threads run.
+    """
+    few = interprets() and together(plan) and math.prod(scene_shape(plan)) <= FEW
+    if not few:
+        compile_from_now_on()
+    return few
 
 
 def _check(plan: StudyPlan, options: Options) -> None:
@@ -185,7 +206,6 @@ def _run(
     encoded: bool,
 ) -> Tally:
     """Solve the missing blocks, and keep each as it is finished."""
-    compile_from_now_on()
     done, failed, progress = study.resumed, study.failed, options.get("progress")
     shown = nullcontext(progress) if callable(progress) else Progress(quiet=not progress)
     with pool as solvers, shown as report:

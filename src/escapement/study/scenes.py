@@ -74,13 +74,18 @@ class SharedScenes(NamedTuple):
         return self.figures[:, scenes], self.status[scenes]
 
 
-def shared_scenes(plan: StudyPlan) -> SharedScenes | None:
-    """The scenes to solve before the blocks of a plan; None if that is useless or impossible."""
+def scene_shape(plan: StudyPlan) -> tuple[int, ...]:
+    """Sizes of the dimensions of a plan, 1 where a dimension does not change the scene."""
     deciding = {*plan.parameters}
     if not any(np.any(plan.every(name)) for name in (SPEED, NO_LOAD, *TORQUES) if name in deciding):
         deciding -= {TORQUE, SPEED, NO_LOAD, *TORQUES}
     sizes = zip(plan.shape, plan.varied.values(), strict=True)
-    shape = tuple(1 if deciding.isdisjoint(names) else size for size, names in sizes)
+    return tuple(1 if deciding.isdisjoint(names) else size for size, names in sizes)
+
+
+def shared_scenes(plan: StudyPlan) -> SharedScenes | None:
+    """The scenes to solve before the blocks of a plan; None if that is useless or impossible."""
+    shape = scene_shape(plan)
     if not together(plan) or math.prod(shape) >= min(plan.cases, MOST_SHARED + 1):
         return None
     indices = np.indices(shape).reshape(len(shape), -1)

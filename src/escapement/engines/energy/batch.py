@@ -6,16 +6,9 @@ from typing import Any
 import numpy as np
 
 from escapement.base.status import Status
+from escapement.dynamics.law import scene_of
 from escapement.dynamics.load import has_load_curve
-from escapement.dynamics.needs import (
-    CONSTANT,
-    NO_CURVE,
-    NUMBERS,
-    Kind,
-    kind_of,
-    plain_scene,
-    typed_scene,
-)
+from escapement.dynamics.needs import CONSTANT, NO_CURVE, NUMBERS, Kind, kind_of
 from escapement.engines.energy.calls import kernel_addresses
 from escapement.engines.energy.case_figures import figures, transient_memory
 from escapement.engines.energy.cells import NO_CELLS, cells_of
@@ -26,10 +19,9 @@ from escapement.mechanisms.path import smooth_intervals, writeable
 from escapement.mechanisms.pattern import PAIR, POSSIBLE, lay_pattern
 from escapement.mechanisms.protocol import FloatArray, Mechanism, dwell_angle
 from escapement.mechanisms.slotted import slide_edges
-from escapement.model.scene import Scene
+from escapement.model.scene import Scene, scene_tuple
 from escapement.numerics.altered import altered
 from escapement.numerics.jit import inner_jit, jit
-from escapement.numerics.known import as_given
 
 Errors = tuple[FloatArray, FloatArray, FloatArray]
 """Errors of the parts of each scene: `longer`, `pins` and `slots` as `lay_pattern` takes them."""
@@ -45,14 +37,8 @@ def _scene_with(shared, edges, row):
     """The scene `shared` with other edges, and with the numbers in a row."""
     return Scene(
         shared.path, edges, shared.dwell, shared.torque, shared.driver_angle, shared.load_curve,
-        row[0], row[1], row[2], row[3], as_given(row[4], shared.bearing),
-        as_given(row[5], shared.driver_drag), as_given(row[6], shared.follower_drag),
-        as_given(row[7], shared.driver_viscous), as_given(row[8], shared.follower_viscous),
-        as_given(row[9], shared.pin), as_given(row[10], shared.driver_journal),
-        as_given(row[11], shared.follower_journal), as_given(row[12], shared.gain),
-        as_given(row[13], shared.flow), as_given(row[14], shared.barrel),
-        as_given(row[15], shared.barrel_efficiency), as_given(row[16], shared.load_train),
-        as_given(row[17], shared.load_train_efficiency), as_given(row[18], shared.motor),
+        row[0], row[1], row[2], row[3], row[4], row[5], row[6], row[7], row[8], row[9], row[10],
+        row[11], row[12], row[13], row[14], row[15], row[16], row[17], row[18],
     )  # fmt: skip
 
 
@@ -74,7 +60,7 @@ def solve_rows(addresses, scene_tuple, cells, patterns, none, numbers, rtol, ext
     table, status : results, described in `solve`; of a stall the first two columns hold the
         driver angle [rad] and the engagement. A scene with another status than OK is left out.
     """
-    shared, size = typed_scene(scene_tuple), patterns.shape[1]
+    shared, size = scene_of(scene_tuple), patterns.shape[1]
     room, handoffs, rows = transient_memory(shared.edges, size)
     fixed = new_case(addresses, shared, cells, patterns[0], room)
     for i in range(status.size):
@@ -153,7 +139,7 @@ def solve(
         np.array(NO_CURVE),
         **dict.fromkeys(NUMBERS, 0.0),
     )
-    fixed = kernel_addresses(kind), plain_scene(scene, kind)
+    fixed = kernel_addresses(kind), scene_tuple(scene)
     cells = NO_CELLS if size else cells_of(path, edges)
     for first in range(0, len(rows), at_once):
         some = slice(first, first + at_once)

@@ -1,7 +1,7 @@
 """The two long kernels of the engine, `march` and `refine`, which others call by address.
 
-If they were called by name they would be compiled again in every caller, and all kernels
-together would take 31 s to compile instead of 20 s.
+If they were called by name they would be compiled again in every caller. Their callers take
+scenes of any kind, and the address decides for which of them the kernel was compiled.
 """
 
 from functools import cache
@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numba import typeof, types
 
-from escapement.dynamics.needs import FIXED, Kind, kind_of, known_scene, plain_scene
+from escapement.dynamics.needs import FIXED, KINDS, Kind, kind_of
 from escapement.engines.energy import located_events as _events
 from escapement.engines.energy import march as _march
 from escapement.engines.energy.cells import CELL, NO_CELLS, cells_of
@@ -20,7 +20,7 @@ from escapement.engines.energy.passage import Detail, Request
 from escapement.mechanisms.path import Path
 from escapement.mechanisms.pattern import PAIR
 from escapement.model.escapement import Escapement
-from escapement.model.scene import Scene
+from escapement.model.scene import Scene, scene_tuple
 from escapement.numerics.by_address import by_address
 from escapement.numerics.interpreted import when_compiled
 
@@ -33,17 +33,15 @@ _KEY = "energy.cells"
 _numbers = np.empty(0)
 _path, _zeros = Path(False, _numbers), (0.0,) * (len(Scene._fields) - 6)
 _sample = Scene(_path, _numbers, 0.0, _numbers, 0.0, _numbers, *_zeros)
-_scenes = [typeof(known_scene(_sample, kind)) for kind in Kind]
+_scene = typeof(_sample)
 _store = typeof(Store(np.empty(0, PANEL), np.empty(0, WORKSPACE)))
 _cells, _event = typeof(np.empty((0, 0), CELL)), typeof(np.empty(0, EVENT))
 _request = typeof(Request(Detail.MAP, 0.0, 0.0))
 _f, _i = types.float64, types.int64
 
-_inputs = (_cells, _store, _i, _request, _f, _f, _event, _i)
-march, _march_address = by_address(_march.march, 0, [(scene, *_inputs) for scene in _scenes])
-refine, _refine_address = by_address(
-    _events.refine, 1, [(scene, _store, _event, _i) for scene in _scenes]
-)
+_inputs = (_scene, _cells, _store, _i, _request, _f, _f, _event, _i)
+march, _march_address = by_address(_march.march, 0, KINDS, _inputs)
+refine, _refine_address = by_address(_events.refine, 1, KINDS, (_scene, _store, _event, _i))
 
 
 @cache
@@ -80,6 +78,6 @@ def prepared(escapement: Escapement) -> tuple[Any, ...]:
         kind = max(kind_of(one.path, one.torque, one[FIXED:]) for one in escapement.scenes)
         kind = Kind.WHOLE if scene.load_curve.size > 1 else kind
         cells = NO_CELLS if pattern.size else cells_of(scene.path, scene.edges)
-        kept[_KEY] = kernel_addresses(kind), plain_scene(scene, kind), cells, pattern
+        kept[_KEY] = kernel_addresses(kind), scene_tuple(scene), cells, pattern
     result: tuple[Any, ...] = kept[_KEY]
     return result

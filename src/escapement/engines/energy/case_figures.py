@@ -93,7 +93,7 @@ def figures(case, handoffs, rows, w, rtol, extent, out):
     engagement, which `escapement.terminal` tells first.
     """
     start, size, constant_gain = w, case.data.size, _gains_alike(case)
-    out[: cycle.FIGURES] = np.nan
+    _forget(out)
     if constant_gain and _only_gains(case.scene):
         return NO_TERMINAL
     request, before = request_of(Detail.EXTREMA, rtol), cycle.Attempt(w, w)
@@ -156,6 +156,13 @@ def figures(case, handoffs, rows, w, rtol, extent, out):
 
 
 @inner_jit
+def _forget(out):
+    """Set all figures to NaN."""
+    for i in range(cycle.FIGURES):
+        out[i] = np.nan
+
+
+@inner_jit
 def _gains_alike(case):
     """Whether every round adds the same energy: nothing is lost, and its ends are alike."""
     slope = 0.0
@@ -214,7 +221,7 @@ def _leap_on(case, request, start, w, k, found, extent, rows, out):
     goals = rows[GOALS]
     if np.isnan(goals[0]) and size > 1:
         # the extremes of a pattern's engagements differ, and what is left is marched
-        goals[:2] = final * (1.0 - NEAR_BAND if w < final else 1.0 + NEAR_BAND)
+        goals[0] = goals[1] = final * (1.0 - NEAR_BAND if w < final else 1.0 + NEAR_BAND)
     elif np.isnan(goals[0]):
         far = max(w, 0.8 * final) if w < final else min(w, 1.25 * final)
         goals[0] = _first_in_band(case, request, w, found.rising, RISE_BAND, False, out)
@@ -347,8 +354,7 @@ def _first_guess(w, step, before, following):
 @inner_jit
 def _stopped(found, k, out):
     """Write the angle and the engagement of a stall into `out`; returns the status."""
-    for i in range(cycle.FIGURES):
-        out[i] = np.nan
+    _forget(out)
     out[0], out[1] = found.angle, k + found.pair
     return found.status
 

@@ -5,6 +5,8 @@ known before any motion is. Cell 1 is a whole interval, and cells 2k and 2k + 1 
 of cell k.
 """
 
+from functools import lru_cache
+
 import numpy as np
 
 from escapement.engines.energy.panels import END, ROW, WORKSPACE, fill_end
@@ -55,6 +57,13 @@ def tabulate_cells(path, edges, work, ends, cells):
 
 def cells_of(path: Path, edges: FloatArray) -> FloatArray:
     """The first cells of every interval between the edges of a mechanism."""
+    return _cells_of(path.table, path.numbers.tobytes(), edges.tobytes())
+
+
+# a study asks for those of the same mechanism again and again
+@lru_cache(32)
+def _cells_of(table: bool, numbers: bytes, angles: bytes) -> FloatArray:
+    path, edges = Path(table, np.frombuffer(numbers).copy()), np.frombuffer(angles).copy()
     # a table has many intervals, which are short and need few halvings
     most = 2**5 if edges.size < 8 else 2**2
     cells = np.empty((edges.size - 1, most), CELL)

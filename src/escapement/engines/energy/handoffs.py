@@ -2,8 +2,7 @@
 
 import numpy as np
 
-from escapement.dynamics.law import is_lossless
-from escapement.dynamics.needs import typed_scene
+from escapement.dynamics.law import is_lossless, scene_of
 from escapement.dynamics.torque import is_constant, is_spent
 from escapement.engines.energy.located_events import NO_EVENTS
 from escapement.engines.energy.march import OK, SPENT, STALL
@@ -53,7 +52,7 @@ def handoffs(addresses, scene_tuple, cells, pattern, w, limit, rtol, clock, time
         [rad], and times[done] the time. A plain tuple is returned, because Python makes it in
         a third of the time that a named one takes.
     """
-    scene = typed_scene(scene_tuple)
+    scene = scene_of(scene_tuple)
     room = round_events(scene.edges, min(pattern.size, 1))
     case = new_case(addresses, scene, cells, pattern, room)
     status, data = prepare(case), case.data

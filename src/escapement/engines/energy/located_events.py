@@ -9,8 +9,9 @@ import numpy as np
 from escapement.dynamics.codes import Event
 from escapement.dynamics.law import bent_pose, net_torque, reduced_inertia, root_of
 from escapement.dynamics.load import load_at
+from escapement.dynamics.needs import needed_scene
 from escapement.dynamics.torque import torque_at
-from escapement.dynamics.train_losses import in_flow, is_lossy
+from escapement.dynamics.train_losses import in_flow
 from escapement.engines.energy import panels
 from escapement.engines.energy.locate import locate, weights_to
 from escapement.engines.energy.panels import (
@@ -139,7 +140,7 @@ def _rough_square(scene, work, panel, solution, point):
 
 
 @inner_jit
-def refine(scene, store, events, i):
+def refine(kind, scene, store, events, i):
     """Make the angle, time and w of event i exact.
 
     J theta_ddot is rougher than E, for which the panel was made fine enough. Its root at the
@@ -149,26 +150,27 @@ def refine(scene, store, events, i):
     work, event = store.workspace[0], events[i]
     if event.exact:
         return
-    if is_lossy(scene):
+    if scene.flow != event.flow:
         scene = in_flow(scene, event.flow)
+    here = needed_scene(scene, kind)
     x, slope = locate(work, event.net_torque, event.point, event.first, event.final, event.high)
     angle = event.angle + event.half * (1.0 + x)
-    elapsed, energy = _up_to(scene, work, event, x, angle)
-    g, c, k = bent_pose(angle, event.side, scene)
-    pull = torque_at(angle, scene)[0] - scene.bearing
-    w = energy / (scene.rho + g * g)
+    elapsed, energy = _up_to(scene, here, work, event, x, angle)
+    g, c, k = bent_pose(angle, event.side, here)
+    pull = torque_at(angle, here)[0] - here.bearing
+    w = energy / (here.rho + g * g)
     # the first step of Newton's method: `slope` is d(J theta_ddot)/dx
-    load = load_at(angle, event.side, scene)
-    torque = net_torque(g, c, k, pull, w, root_of(w, scene), scene, load)
+    load = load_at(angle, event.side, here)
+    torque = net_torque(g, c, k, pull, w, root_of(w, here), here, load)
     correction = -torque * event.half / slope
     correction = correction if abs(correction) < LARGEST_CORRECTION * event.half else 0.0
     # over the step theta_ddot falls linearly to zero, so dw = 2 theta_ddot correction/2
-    w += correction * torque / reduced_inertia(g, c, scene)
+    w += correction * torque / reduced_inertia(g, c, here)
     if event.coarse and correction != 0.0:
-        g, c, k = bent_pose(angle + correction, event.side, scene)
-        pull = torque_at(angle + correction, scene)[0] - scene.bearing
-        load = load_at(angle + correction, event.side, scene)
-        left_over = net_torque(g, c, k, pull, w, root_of(w, scene), scene, load)
+        g, c, k = bent_pose(angle + correction, event.side, here)
+        pull = torque_at(angle + correction, here)[0] - here.bearing
+        load = load_at(angle + correction, event.side, here)
+        left_over = net_torque(g, c, k, pull, w, root_of(w, here), here, load)
         # a secant step; where the first step did not halve the torque, that was only rounding
         correction *= torque / (torque - left_over) if abs(left_over) < 0.5 * abs(torque) else 1.0
     event.angle, event.w = angle + correction, w
@@ -177,8 +179,11 @@ def refine(scene, store, events, i):
 
 
 @inner_jit
-def _up_to(scene, work, event, x, angle):
-    """Time from the left end of an event's panel to x, where the driver angle is `angle`; and E."""
+def _up_to(scene, here, work, event, x, angle):
+    """Time from the left end of an event's panel to x, where the driver angle is `angle`; and E.
+
+    `here` is the scene as its kind needs it.
+    """
     if not event.coarse:
         weights_to(work, x)
         cumulate(event.slowness, work.scratch)
@@ -188,9 +193,9 @@ def _up_to(scene, work, event, x, angle):
     panel = work.spare
     panel.locked = event.side == 0.0
     panels.evaluate_geometry(work, panel, scene, event.angle, angle)
-    solve_side(scene, work, panel, event.side, event.left_energy)
+    solve_side(here, work, panel, event.side, event.left_energy)
     solution = solution_of(panel, event.side)
-    sample_panel(scene, work, panel, solution, event.side, event.left_energy)
+    sample_panel(here, work, panel, solution, event.side, event.left_energy)
     return duration(work)[0], solution.alpha_end * event.left_energy + solution.beta_end
 
 

@@ -28,6 +28,7 @@ import numpy as np
 from escapement.base.status import Status
 from escapement.dynamics.codes import Event
 from escapement.dynamics.law import drive_sign, side_at
+from escapement.dynamics.needs import needed_scene
 from escapement.dynamics.torque import REST, has_knot, is_held, is_undriven
 from escapement.dynamics.train_losses import flowing, is_lossy
 from escapement.engines.energy import locate, panels, sampling
@@ -63,11 +64,12 @@ TOO_MANY_NARROW = 24
 
 
 @inner_jit
-def march(scene, cells, store, count, request, w, rising, events, used):
+def march(kind, scene, cells, store, count, request, w, rising, events, used):
     """March over one cell: from the entry to the exit of an engagement, and over the dwell.
 
     Parameters
     ----------
+    kind : one of `needs.KINDS`, which is enough for the scene.
     scene : Scene
     cells : geometry of the scene's path, tabulated by `cells.tabulate_cells`.
     store, count : the memory of the panels, and the number of those in use. If that is 0, the chain
@@ -85,9 +87,10 @@ def march(scene, cells, store, count, request, w, rising, events, used):
     """
     # With trains that lose power `scene` changes from panel to panel, and so does its rho.
     # `first_scene` is the scene as given; with its rho the result gives E at entry and exit.
-    first_scene, lossy = scene, is_lossy(scene)
+    first_scene, here = scene, needed_scene(scene, kind)
+    lossy = is_lossy(here)
     # the knots of the torque divide the panels, so a chain with a knot serves one cell only
-    knotted = has_knot(scene)
+    knotted = has_knot(here)
     most = (TOO_MANY_NARROW if lossy else TOO_MANY_PANELS) + 2 * scene.edges.size
     if knotted or count == panels.NO_PANELS or count > most:
         count = panels.lay_out(scene, cells, store, request.loose)
@@ -97,15 +100,16 @@ def march(scene, cells, store, count, request, w, rising, events, used):
         panels.turn_to(store, scene)
     if lossy:
         scene = flowing(first.left, 1.0, w, first_scene)
+        here = needed_scene(scene, kind)
         panels.fill_again(store, first, scene, cells)
-    state = _enter(scene, first, w, rising, used)
+    state = _enter(here, first, w, rising, used)
     # A driver at rest stays at rest if nothing accelerates it. A driver that nothing drives counts
     # as at rest if w is at most `REST`: drag alone might never stop it.
     still = w == 0.0 and (
-        is_held(first.left, scene)
-        or sampling.net_torque_at(first.entry, state.side, 0.0, scene) <= 0.0
+        is_held(first.left, here)
+        or sampling.net_torque_at(first.entry, state.side, 0.0, here) <= 0.0
     )
-    if still or (w <= REST and is_undriven(first.left, scene)):
+    if still or (w <= REST and is_undriven(first.left, here)):
         return ended(STALL, state, first.left, 0.0, count)
     if lossy:
         state = with_rho(state, first.entry.g, first_scene.rho, scene.rho)
@@ -114,27 +118,28 @@ def march(scene, cells, store, count, request, w, rising, events, used):
         if lossy:
             side, before = 0.0 if chained.locked else state.side, scene.rho
             scene = flowing(chained.left, side, state.w, first_scene)
+            here = needed_scene(scene, kind)
             if chained.flow != scene.flow:
                 panels.fill_again(store, chained, scene, cells)
             state = with_rho(state, chained.entry.g, before, scene.rho)
         if state.panel != panels.FIRST_PANEL and not chained.locked:
-            state = _face(scene, chained, state, events)
-        starting = choose(scene, work, chained, state, request)
+            state = _face(here, chained, state, events)
+        starting = choose(here, work, chained, state, request)
         panel = work.spare if starting else chained
-        passage = pass_over(scene, work, panel, starting, state, request)
+        passage = pass_over(here, work, panel, starting, state, request)
         if passage.has_stalled:
             return ended(STALL, state, passage.angle, passage.time, count)
         # the events of the left end come before those of the inside, in the order of time
         if not passage.split and request.detail > Detail.TIME:
-            state = _note_left_end(scene, work, chained, state, events)
-        extremum = _check(scene, work, panel, starting, state, passage, request)
-        inside = _note_inside(scene, work, panel, state, passage, extremum, request, events)
+            state = _note_left_end(here, work, chained, state, events)
+        extremum = _check(here, work, panel, starting, state, passage, request)
+        inside = _note_inside(here, work, panel, state, passage, extremum, request, events)
         if inside.split:
             if count >= panels.MAX_PANELS or panel.half < panels.SMALLEST:
                 return ended(NOT_CONVERGED, state, 0.0, state.time, count)
             count = panels.halve(scene, cells, store, state.panel, count, passage.angle)
             continue
-        state = _advance(scene, panel, chained.next, state, passage, extremum, inside)
+        state = _advance(here, panel, chained.next, state, passage, extremum, inside)
         if state.used >= events.shape[0]:
             return ended(NOT_CONVERGED, state, 0.0, state.time, count)
     if lossy:

@@ -95,8 +95,6 @@ class Store(NamedTuple):
 UNSOLVED = -1.0
 # The flow of a panel that must be filled again.
 NO_FLOW = -2.0
-# Numba gives an integer constant a type of its own, and compiles a kernel that is called with one
-# as an argument another time; these stand in variables and named tuples, which share one type.
 FIRST_PANEL, CHAIN_END = 0, -1
 NO_PANELS = 0
 MAX_PANELS = 2048
@@ -277,7 +275,7 @@ def finish_geometry(panel, scene, count):
 
 
 @inner_jit
-def halve(scene, cells, store, index, count, cut=0.0):
+def halve(scene, cells, store, index, count, cut):
     """Split the panel at `index` in two at a driver angle, 0 for its middle; returns the new number
     of panels.
 
@@ -344,7 +342,7 @@ def lay_out(scene, cells, store, loose):
     index, limit = FIRST_PANEL, GEOMETRY_SHARE * loose
     while index != CHAIN_END:
         while store.panels[index].geometry_tail > limit and count < MAX_PANELS // 8:
-            count = halve(scene, cells, store, index, count)
+            count = halve(scene, cells, store, index, count, 0.0)
         index = store.panels[index].next
     return count
 

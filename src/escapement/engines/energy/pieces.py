@@ -10,8 +10,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from escapement.dynamics.codes import Event
-from escapement.dynamics.law import LOSSES
-from escapement.dynamics.needs import typed_scene
+from escapement.dynamics.law import LOSSES, scene_of
 from escapement.dynamics.state_table import losses_at
 from escapement.dynamics.torque import next_knot
 from escapement.dynamics.train_losses import flowing
@@ -71,8 +70,14 @@ def _append(table, filled, engagement, kind, angle, time, w, side):
 
 
 @inner_jit
+def _set_all(row, value):
+    # assigning to a slice would take long to compile, because of its error messages
+    for i in range(row.size):
+        row[i] = value
+
+
+@inner_jit
 def _copy(table, to, filled):
-    # assigning to a slice would take a tenth of all compilation, because of its error messages
     for i in range(filled):
         row, other = to[i], table[i]
         row.engagement, row.kind, row.side = other.engagement, other.kind, other.side
@@ -94,7 +99,7 @@ def events_of(addresses, scene_tuple, cells, pattern, numbers, driver_angle, squ
     reached : ndarray
         w with which each leaves for the next, NaN where the march does not come to its end.
     """
-    scene, request = typed_scene(scene_tuple), request_of(Detail.EVERYTHING, rtol)
+    scene, request = scene_of(scene_tuple), request_of(Detail.EVERYTHING, rtol)
     room = _ROOM + 4 * scene.edges.size + MOST_KNOTS
     case = new_case(addresses, scene, cells, pattern, room)
     prepare(case)
@@ -200,8 +205,8 @@ def _states_in(scene, store, ends, left, w, side, rtol, asked, losses, peaks):
     store.panels[panels.FIRST_PANEL].locked = side == 0.0
     waiting = panels_solved = 0
     part = Section(left, _next(scene, left, asked.end), 0.0, w)
-    losses[:] = 0.0
-    peaks[:] = 0.0
+    _set_all(losses, 0.0)
+    _set_all(peaks, 0.0)
     values = np.empty((N + 2, peaks.size))
     for j in range(asked.times.size):
         asked.theta[j], asked.squares[j] = left, w
@@ -280,7 +285,7 @@ def _stay(since, angle, asked):
 @inner_jit
 def _forget(since, asked, losses):
     """Set the states from a time on, and the work lost, to NaN."""
-    losses[:] = np.nan
+    _set_all(losses, np.nan)
     for j in range(asked.times.size):
         if not asked.times[j] < since:
             asked.theta[j] = asked.squares[j] = np.nan

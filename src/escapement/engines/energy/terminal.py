@@ -1,5 +1,6 @@
 """Terminal cycle and figures of merit of the fast engine."""
 
+import math
 from dataclasses import replace
 from typing import Any
 
@@ -16,36 +17,46 @@ from escapement.engines.energy.calls import prepared
 from escapement.engines.energy.case_figures import LONGEST_PATTERN, Extent
 from escapement.engines.energy.cells import NO_CELLS
 from escapement.engines.energy.simulate import simulate
+from escapement.mechanisms.protocol import FloatArray
 from escapement.model.escapement import Escapement
 
+_KEY = "energy.numbers"
 _TIMES = {name: cycle.COLUMNS.index(name) for name in TRANSIENT}
+
+
+def _numbers_of(escapement: Escapement) -> FloatArray:
+    """The row of `batch.solve_rows` for an escapement, with room for w; a copy of what is kept."""
+    kept = escapement.kept
+    if _KEY not in kept:
+        kept[_KEY] = np.array([[*escapement.scene[FIXED:], 0.0]])
+    return np.copy(kept[_KEY])
 
 
 def terminal(
     escapement: Escapement, base: Figures, *, initial_speed: float, rtol: float
 ) -> Figures:
     """Figures of merit without following the motion in time; see `escapement.terminal`."""
-    clock, scene, count = escapement.time_unit, escapement.scene, len(escapement.scenes)
-    w, extent = (initial_speed * clock) ** 2, int(Extent.FALLEN)
-    numbers, codes = np.array([[*scene[FIXED:], w]]), np.zeros(1, dtype=np.uint8)
+    clock, count, extent = escapement.time_unit, len(escapement.scenes), int(Extent.FALLEN)
+    numbers, codes = _numbers_of(escapement), np.zeros(1, dtype=np.uint8)
+    numbers[0, -1] = (initial_speed * clock) ** 2
     addresses, plain, cells, pattern = prepared(escapement)
     table = np.empty((1, cycle.FIGURES))
     given = addresses, plain, cells, pattern[None], NO_CELLS, numbers
     solve_rows(*given, rtol, extent, table, codes)
-    out, code = table[0], int(codes[0])
-    status = Status(code)
+    # numbers of Python are faster here than those of NumPy
+    out, status = table[0].tolist(), Status(int(codes[0]))
     if status is not Status.OK:
         stalled = status is Status.STALL
         message = stall_message(out[0], int(out[1])) if stalled else MESSAGES[status]
         return replace(base, status=status, message=message)
-    handoff = float(out[cycle.HANDOFF] / clock)
+    handoff = out[cycle.HANDOFF] / clock
     motion = simulate(
         escapement, engagements=count, duration=None, initial_speed=handoff, rtol=rtol
     )
     # the period of the motion that is returned, so that its end time has the same digits
     period = float(motion.end_time) / count
-    times: dict[str, Any] = {name: float(out[column] * clock) for name, column in _TIMES.items()}
-    missing = [name for name, time in times.items() if np.isnan(time)]
+    times: dict[str, Any] = {name: out[column] * clock for name, column in _TIMES.items()}
+    missing = [name for name, time in times.items() if math.isnan(time)]
     message = base.message
     if missing:
         count_text = f"{MAX_ENGAGEMENTS if count == 1 else LONGEST_PATTERN:_}".replace("_", " ")
@@ -56,12 +67,12 @@ def terminal(
     return replace(
         base,
         **times,
-        velocity_max=float(out[cycle.V_MAX] / clock),
-        velocity_min=float(out[cycle.V_MIN] / clock),
+        velocity_max=out[cycle.V_MAX] / clock,
+        velocity_min=out[cycle.V_MIN] / clock,
         velocity_mean=escapement.mechanism.cell_angle / period,
         period=period,
         handoff_velocity=handoff,
-        contraction=float(out[cycle.CONTRACTION]),
+        contraction=out[cycle.CONTRACTION],
         motion=motion,
         message=message,
     )
