@@ -66,8 +66,7 @@ def execute(args: Arguments) -> int:
     fit: Any = None
     keeping = None
     if not run_up:
-        pins = getattr(escapement.mechanism, "pins", 0) if escapement else 0
-        pattern = args.pattern or pins or 2
+        pattern = args.pattern or (escapement.mechanism.pins if escapement else 2) or 2
         keeping = esc.timekeeping(beats, nominal=nominal, pattern=pattern, **share)
     try:
         if parts and escapement:

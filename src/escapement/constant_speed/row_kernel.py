@@ -4,9 +4,8 @@ from escapement.constant_speed.cycle_figures import CycleFigures, figures_of
 from escapement.constant_speed.knock import Knock, knock
 from escapement.constant_speed.ringing import ringing
 from escapement.dynamics.law import scene_of
-from escapement.dynamics.needs import NUMBERS
+from escapement.dynamics.needs import NUMBERS, scene_with
 from escapement.mechanisms.slotted import slide_edges
-from escapement.model.scene import Scene
 from escapement.numerics.jit import inner_jit, jit
 
 GIVEN = len(NUMBERS)
@@ -15,16 +14,6 @@ EFFICIENCY, HALF_CLEARANCE, SWING, DAMPING = range(GIVEN, GIVEN + 4)
 KNOCK = len(CycleFigures._fields)
 RINGING = KNOCK + len(Knock._fields)
 """First columns of what is found of impacts and of ringing."""
-
-
-@inner_jit(inlined=True)
-def _scene_with(shared, edges, row):
-    """The scene `shared` with other edges, and with the numbers in a row."""
-    return Scene(
-        shared.path, edges, shared.dwell, shared.torque, shared.driver_angle, shared.load_curve,
-        row[0], row[1], row[2], row[3], row[4], row[5], row[6], row[7], row[8], row[9], row[10],
-        row[11], row[12], row[13], row[14], row[15], row[16], row[17], row[18],
-    )  # fmt: skip
 
 
 @jit(allocates=True)
@@ -43,10 +32,10 @@ def fill_rows(scene_tuple, half, numbers, table):
     for i in range(numbers.shape[0]):
         row, found = numbers[i], table[i]
         edges = shared.edges
-        scene = _scene_with(shared, edges, row)
+        scene = scene_with(shared, edges, row)
         if not scene.path.table:
             edges = slide_edges(scene.path, scene.pin, shared.edges)
-            scene = _scene_with(shared, edges, row)
+            scene = scene_with(shared, edges, row)
         figures, _reversals = figures_of(scene, edges, half, row[EFFICIENCY])
         _put(found, 0, figures)
         if row[HALF_CLEARANCE] > 0.0:

@@ -76,7 +76,7 @@ from escapement.measurement.recording import read_recording as read_recording
 from escapement.measurement.rounds import Rounds as Rounds
 from escapement.measurement.run_up import RunUp as RunUp
 from escapement.measurement.run_up import fit_run_up as fit_run_up
-from escapement.measurement.synthetic_sound import Frame as Frame
+from escapement.measurement.synthetic_sound import Resonances as Resonances
 from escapement.measurement.synthetic_sound import synthetic_recording as synthetic_recording
 from escapement.measurement.synthetic_sound import write_recording as write_recording
 from escapement.measurement.timekeeping import Stability as Stability

@@ -60,16 +60,16 @@ def read_times(path: AnyPath, time_unit: str | None = None) -> FloatArray:
     column, name, unit, rows = _column_of(rows, path)
     unit = time_unit or (unit if unit in TIMES else "s")
     values = TIMES[unit] * np.array([_number(row, column, path) for row in rows])
-    known = values[np.isfinite(values)]
-    instants = name in _TIMES or (name not in INTERVALS and bool((np.diff(known) > 0.0).all()))
+    filled = values[np.isfinite(values)]
+    instants = name in _TIMES or (name not in INTERVALS and bool((np.diff(filled) > 0.0).all()))
     if instants:
-        return np.asarray(known)
-    if known.size < values.size or not (known > 0.0).all():
+        return np.asarray(filled)
+    if filled.size < values.size or not (filled > 0.0).all():
         raise InputFileError(
             f"file of beats {path} must have an interval greater than 0 in each row, got "
             f"{values[~(values > 0.0)][0]:g} s; give times of the beats instead"
         )
-    return np.concatenate([[0.0], np.cumsum(known)])
+    return np.concatenate([[0.0], np.cumsum(filled)])
 
 
 def _separator(lines: list[str]) -> str:
@@ -101,9 +101,9 @@ def _column_of(
             f"file of beats {path} must have times in {', '.join(TIMES)}, got {unknown}; convert "
             "them, or give --time-unit (time_unit)"
         )
-    known = [i for i, (name, _) in enumerate(named) if name in (*_TIMES, *INTERVALS, "")]
-    column = known[0] if known else 0
-    if not known and len(head) > 1:
+    usual = [i for i, (name, _) in enumerate(named) if name in (*_TIMES, *INTERVALS, "")]
+    column = usual[0] if usual else 0
+    if not usual and len(head) > 1:
         raise InputFileError(
             f"file of beats {path} must name its columns, one of them time or interval, got "
             f"{', '.join(head)}; rename the column of times"

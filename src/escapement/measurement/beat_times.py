@@ -30,7 +30,7 @@ class BeatTimes(Shown):
         The instant at which the sound of each beat begins [s]; NaN where it was not heard. As
         they are, they can be given to `fit_beats` with `times=True`.
     deviations : ndarray, shape (n,)
-        Standard deviation of each, NaN where it is not known [s].
+        Standard deviation of each, NaN where it is not heard [s].
     loudness : ndarray, shape (n,)
         Root mean square of each sound over that of the noise before it [-]; NaN of a text file.
     doubles : ndarray, shape (m,)
@@ -78,11 +78,11 @@ class BeatTimes(Shown):
             )
         if extra > 0:
             found.append(f"{extra} other sounds are left out")
-        known = self.times[self.heard]
-        silent = max(float(known[0]), self.duration - float(known[-1]))
+        heard = self.times[self.heard]
+        silent = max(float(heard[0]), self.duration - float(heard[-1]))
         if silent > 10.0 * self.period:
             found.append(
-                f"beats are heard from {known[0]:.3g} s to {known[-1]:.3g} s of "
+                f"beats are heard from {heard[0]:.3g} s to {heard[-1]:.3g} s of "
                 f"{self.duration:.3g} s"
             )
         return "; ".join(found)

@@ -97,10 +97,10 @@ def find_rhythm(
         every = every[begin::per_beat]
     used = {*every.tolist()}
     others = [i for i in sorted({*certain.tolist(), *found.values()}) if i not in used]
-    known = np.flatnonzero(every >= 0)
-    span = times[every[known[-1]]] - times[every[known[0]]]
-    period = float(span / (known[-1] - known[0]))
-    return Rhythm(every[known[0] : known[-1] + 1], np.array(others, int), period, per_beat)
+    filled = np.flatnonzero(every >= 0)
+    span = times[every[filled[-1]]] - times[every[filled[0]]]
+    period = float(span / (filled[-1] - filled[0]))
+    return Rhythm(every[filled[0] : filled[-1] + 1], np.array(others, int), period, per_beat)
 
 
 def _cycle_of(times: FloatArray) -> _Cycle:
@@ -207,8 +207,8 @@ def _add_weak(
     cycle: _Cycle, apart: FloatArray,
 ) -> None:  # fmt: skip
     """Fill slots in which nothing is sure with a weak sound that is close to its time."""
-    count, known = cycle.shares.size, sorted(found)
-    missing = np.setdiff1d(np.arange(known[0], known[-1] + 1), known)
+    count, filled = cycle.shares.size, sorted(found)
+    missing = np.setdiff1d(np.arange(filled[0], filled[-1] + 1), filled)
     if not (weak.size and missing.size):
         return
     # the rhythm runs straight from one sure sound to the next one of its kind
@@ -218,7 +218,7 @@ def _add_weak(
     if not possible.size:
         return
     for k in range(count):
-        same = np.array([slot for slot in known if slot % count == k])
+        same = np.array([slot for slot in filled if slot % count == k])
         here = missing[missing % count == k]
         if same.size < 2 or not here.size:
             continue

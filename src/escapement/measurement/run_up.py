@@ -160,8 +160,10 @@ def fit_run_up(
     each = zip((*names, "release_time"), values.tolist(), halves.tolist(), strict=True)
     *fitted, release = (Estimate(*one) for one in each)
     return RunUp(
-        built(found.x), tuple(fitted), release._replace(value=release.value + float(times[0])),
-        found.fun, known_fit.noise, _chance(found.fun, found.jac), correlation(found.fun),
+        escapement=built(found.x), numbers=tuple(fitted),
+        release=release._replace(value=release.value + float(times[0])), residuals=found.fun,
+        noise=known_fit.noise, p_value=_chance(found.fun, found.jac),
+        autocorrelation=correlation(found.fun),
     )  # fmt: skip
 
 

@@ -19,10 +19,10 @@ _PEAK = 0.7  # greatest amplitude in a file, of full scale
 _BITS = 16
 
 
-class Frame(NamedTuple):
-    """Resonances of a frame, from which each tick is made.
+class Resonances(NamedTuple):
+    """Resonances of the frame, of which each tick is made.
 
-    frequencies : of the resonances [Hz].
+    frequencies : their frequencies [Hz].
     decay : time in which their amplitude falls to 1/e [s].
     """
 
@@ -37,7 +37,7 @@ def synthetic_recording(
     rate: int = 48000,
     signal_to_noise: float = 30.0,
     room: float = 0.0,
-    frame: Frame | None = None,
+    resonances: Resonances | None = None,
     duration: float | None = None,
     seed: int = 0,
 ) -> FloatArray:
@@ -56,8 +56,8 @@ def synthetic_recording(
     room : float
         Amplitude with which the tail of the room begins, as a share of that of the tick [-]; it
         decays to 1/e within 30 ms.
-    frame : Frame, optional
-        Resonances of the frame.
+    resonances : Resonances, optional
+        Those of the frame that ring.
     duration : float, optional
         Length of the recording [s]. Default: it ends a quarter of a second after the last tick.
     seed : int
@@ -80,7 +80,7 @@ def synthetic_recording(
             "times", "a row of instants, each 0 or greater", times, "give them in s"
         )
     frequency = validate.integer("rate", rate, 1000, "give the samples a second in Hz")
-    parts, rng = frame or Frame(), np.random.default_rng(seed)
+    parts, rng = resonances or Resonances(), np.random.default_rng(seed)
     length = math.ceil((duration or float(at.max()) + 0.25) * frequency)
     sound = np.zeros(length)
     reach = min(math.ceil(_LONGEST * max(parts.decay, 0.03 if room else 0.0) * frequency), length)
@@ -93,10 +93,12 @@ def synthetic_recording(
     return np.asarray(sound + noise)
 
 
-def _tick(after: FloatArray, frame: Frame, room: float, rng: np.random.Generator) -> FloatArray:
+def _tick(
+    after: FloatArray, resonances: Resonances, room: float, rng: np.random.Generator
+) -> FloatArray:
     """The sound of one strike at some times after it."""
-    waves = np.cos(2.0 * np.pi * np.outer(frame.frequencies, after)).mean(axis=0)
-    tick = np.exp(-after / frame.decay) * waves
+    waves = np.cos(2.0 * np.pi * np.outer(resonances.frequencies, after)).mean(axis=0)
+    tick = np.exp(-after / resonances.decay) * waves
     if room:
         tick += room * np.exp(-after / 0.03) * rng.normal(size=after.size)
     return np.asarray(tick)

@@ -144,8 +144,9 @@ def timekeeping(
         error = Estimate("beat_error", 2.0 * offsets[0], 2.0 * float(half[2]))
     rest = times - times.mean() - period * (heard - heard.mean()) - late[heard % size]
     return Timekeeping(
-        hourly, rate, error, positions, changes, fit.noise, fit.jitter,
-        _stability(rest, heard, period, share), rest - rest.mean(), share,
+        beats_per_hour=hourly, rate=rate, beat_error=error, offsets=positions, drift=changes,
+        scatter=fit.noise, jitter=fit.jitter, stability=_stability(rest, heard, period, share),
+        residuals=rest - rest.mean(), confidence=share,
     )  # fmt: skip
 
 

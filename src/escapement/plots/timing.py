@@ -83,8 +83,8 @@ def plot_run_up(beats: BeatTimes, fit: RunUp, ax: Axes | None = None) -> Axes:
 
 def _sound(ax: Axes, beats: BeatTimes, recording: Recording) -> None:
     """The sound of the first beats, as the range of its amplitude, and their instants."""
-    known = beats.times[beats.heard][: _SHOWN + 1]
-    start, stop = max(known[0] - 0.3 * beats.period, 0.0), known[-1]
+    heard = beats.times[beats.heard][: _SHOWN + 1]
+    start, stop = max(heard[0] - 0.3 * beats.period, 0.0), heard[-1]
     low, high = int(start * recording.rate), int(stop * recording.rate) + 1
     piece = recording.samples[low:high].astype(float)
     size = max(piece.size // _BINS, 1)
@@ -92,7 +92,7 @@ def _sound(ax: Axes, beats: BeatTimes, recording: Recording) -> None:
     at = (low + size * (np.arange(len(rows)) + 0.5)) / recording.rate
     top = float(np.abs(piece).max()) or 1.0
     ax.fill_between(at, rows.min(axis=1) / top, rows.max(axis=1) / top, color=style.BLUE, lw=0.4)
-    for k, instant in enumerate(known[:-1]):
+    for k, instant in enumerate(heard[:-1]):
         label = "beat" if k == 0 else None
         ax.axvline(instant, color=style.VERMILLION, lw=1.2, ls="--", label=label)
     style.finished(ax, ("time", "s"), ("sound", ""), 2)

@@ -8,7 +8,7 @@ import numpy as np
 from escapement.base.status import Status
 from escapement.dynamics.law import scene_of
 from escapement.dynamics.load import has_load_curve
-from escapement.dynamics.needs import CONSTANT, NO_CURVE, NUMBERS, Kind, kind_of
+from escapement.dynamics.needs import CONSTANT, NO_CURVE, NUMBERS, Kind, kind_of, scene_with
 from escapement.engines.energy.calls import kernel_addresses
 from escapement.engines.energy.case_figures import figures, transient_memory
 from escapement.engines.energy.cells import NO_CELLS, cells_of
@@ -21,7 +21,7 @@ from escapement.mechanisms.protocol import FloatArray, Mechanism, dwell_angle
 from escapement.mechanisms.slotted import slide_edges
 from escapement.model.scene import Scene, scene_tuple
 from escapement.numerics.altered import altered
-from escapement.numerics.jit import inner_jit, jit
+from escapement.numerics.jit import jit
 
 Errors = tuple[FloatArray, FloatArray, FloatArray]
 """Errors of the parts of each scene: `longer`, `pins` and `slots` as `lay_pattern` takes them."""
@@ -30,16 +30,6 @@ _PIN = NUMBERS.index("pin")
 _INVALID = int(Status.INVALID)
 # So many pairs are laid out at once.
 _AT_ONCE = 1 << 16
-
-
-@inner_jit(inlined=True)
-def _scene_with(shared, edges, row):
-    """The scene `shared` with other edges, and with the numbers in a row."""
-    return Scene(
-        shared.path, edges, shared.dwell, shared.torque, shared.driver_angle, shared.load_curve,
-        row[0], row[1], row[2], row[3], row[4], row[5], row[6], row[7], row[8], row[9], row[10],
-        row[11], row[12], row[13], row[14], row[15], row[16], row[17], row[18],
-    )  # fmt: skip
 
 
 @jit(allocates=True)
@@ -65,11 +55,11 @@ def solve_rows(addresses, scene_tuple, cells, patterns, none, numbers, rtol, ext
     fixed = new_case(addresses, shared, cells, patterns[0], room)
     for i in range(status.size):
         row = numbers[i]
-        scene, known = _scene_with(shared, shared.edges, row), cells
+        scene, known = scene_with(shared, shared.edges, row), cells
         if size == 0 and scene.pin > 0.0 and not has_load_curve(scene):
             # a pin with a radius has its own breaks, between which nothing is tabulated
             edges = slide_edges(shared.path, scene.pin, shared.edges)
-            scene, known = _scene_with(shared, edges, row), none
+            scene, known = scene_with(shared, edges, row), none
         case = altered(fixed, "scene", scene, "cells", known, "pattern", patterns[i])
         if status[i] == OK:
             status[i] = prepare(case)

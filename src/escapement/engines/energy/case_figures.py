@@ -123,9 +123,8 @@ def figures(case, handoffs, rows, w, rtol, extent, out):
             if _worth_seeking(case, w, step, k, used):
                 status = _seek(case, w, step, before, found, rtol, rows, out)
                 sought, cycle_known, first = True, status == OK, NO_EVENTS
-                if status in (NOT_CONVERGED, NO_TERMINAL) or (
-                    cycle_known and extent == Extent.CYCLE
-                ):
+                known = cycle_known and extent == Extent.CYCLE
+                if known or status in (NOT_CONVERGED, NO_TERMINAL):
                     return status
                 if cycle_known:
                     for passed in range(0, k + 1, size):
@@ -142,8 +141,8 @@ def figures(case, handoffs, rows, w, rtol, extent, out):
         settled = cycle_known and in_band >= 2 * size
         if settled and (extent < Extent.FALLEN or out[cycle.RISE_98] >= 0.0):
             return OK
-        slow = ready and out[cycle.CONTRACTION] > 1.0 - GENTLE_TRAINS
-        if k >= attempt and (slow or (sought and not cycle_known)):
+        stalls = sought and not cycle_known
+        if k >= attempt and (stalls or (ready and out[cycle.CONTRACTION] > 1.0 - GENTLE_TRAINS)):
             passed = _leap_on(case, request, start, w, k, found, extent, rows, out)
             attempt = k if passed.number > 0 else k + RETRY * size
             k, w, time = k + passed.number * size, passed.w, time + passed.time

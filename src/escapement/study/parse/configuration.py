@@ -125,16 +125,8 @@ def parse_plan(configuration: Mapping[str, Any], mechanism: Mechanism | None = N
         fingerprint=fingerprint, curve=curve,
         replaced=tuple(name for name in replaced if _is_given(settings[name], content)),
     )  # fmt: skip
-    if subject is not ESCAPEMENT and not plan.perfect:
-        raise InvalidValue(
-            "the parts of an indexing drive must be perfect in a study, got errors of them; "
-            "leave them out"
-        )
-    if subject is not ESCAPEMENT and plan.fixed_si.get("load_curve") is not None:
-        raise InvalidValue(
-            "load_curve must be left out of a study of indexing drives, got one; use a constant "
-            "load_torque, or escapement.index for each drive"
-        )
+    if subject is not ESCAPEMENT:
+        _check_drives(plan)
     contact = subject is ESCAPEMENT and plan.contact
     solver = solver_for("any" if contact else "", solver)
     solver = solver if solver.engine else replace(solver, engine=DEFAULT_ENGINE)
@@ -150,6 +142,20 @@ def parse_plan(configuration: Mapping[str, Any], mechanism: Mechanism | None = N
             "shorten an axis"
         )
     return plan
+
+
+def _check_drives(plan: StudyPlan) -> None:
+    """Raise InvalidValue for what many indexing drives cannot be computed with at once."""
+    if not plan.perfect:
+        raise InvalidValue(
+            "the parts of an indexing drive must be perfect in a study, got errors of them; "
+            "leave them out"
+        )
+    if plan.fixed_si.get("load_curve") is not None:
+        raise InvalidValue(
+            "load_curve must be left out of a study of indexing drives, got one; use a constant "
+            "load_torque, or escapement.index for each drive"
+        )
 
 
 def _replaces(name: str, forms: Mapping[str, Any]) -> bool:
