@@ -77,7 +77,7 @@ def kind_of(path: Path, torque: Any, numbers: Iterable[Any]) -> Kind:
 
 
 @inner_jit(inlined=True)
-def scene_with(shared, edges, row):
+def scene_with(shared: Any, edges: Any, row: Any) -> Scene:
     """The scene `shared` with other edges, and with the numbers in a row."""
     return Scene(
         shared.path, edges, shared.dwell, shared.torque, shared.driver_angle, shared.load_curve,
