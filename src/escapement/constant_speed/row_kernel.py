@@ -3,8 +3,8 @@
 from escapement.constant_speed.cycle_figures import CycleFigures, figures_of
 from escapement.constant_speed.knock import Knock, knock
 from escapement.constant_speed.ringing import ringing
-from escapement.dynamics.law import scene_of
-from escapement.dynamics.needs import NUMBERS, scene_with
+from escapement.dynamics.law import scene_of, scene_with
+from escapement.dynamics.needs import NUMBERS
 from escapement.mechanisms.slotted import slide_edges
 from escapement.numerics.jit import inner_jit, jit
 

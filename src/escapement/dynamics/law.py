@@ -69,6 +69,16 @@ SLIGHTEST_IMPACT = 1e-4
 """An impact that takes a smaller share of the speed is no extremum of it [-]."""
 
 
+@inner_jit(inlined=True)
+def scene_with(shared, edges, row):
+    """The scene `shared` with other edges, and with the numbers in a row."""
+    return Scene(
+        shared.path, edges, shared.dwell, shared.torque, shared.driver_angle, shared.load_curve,
+        row[0], row[1], row[2], row[3], row[4], row[5], row[6], row[7], row[8], row[9], row[10],
+        row[11], row[12], row[13], row[14], row[15], row[16], row[17], row[18],
+    )  # fmt: skip
+
+
 @inner_jit(allocates=True, inlined=True)
 def scene_of(scene_tuple):
     """The scene that belongs to the nested tuples of `model.scene.scene_tuple`."""

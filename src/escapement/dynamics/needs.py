@@ -16,7 +16,7 @@ from numba.extending import intrinsic
 
 from escapement.mechanisms.path import OFFSET, Path
 from escapement.model.scene import Scene
-from escapement.numerics.jit import in_both_forms, inner_jit
+from escapement.numerics.jit import in_both_forms
 from escapement.numerics.known import Known
 
 FIXED = Scene._fields.index("rho")
@@ -74,16 +74,6 @@ def kind_of(path: Path, torque: Any, numbers: Iterable[Any]) -> Kind:
         if fits and plain[_WITHOUT[kind]].all():
             return kind
     return Kind.WHOLE
-
-
-@inner_jit(inlined=True)
-def scene_with(shared: Any, edges: Any, row: Any) -> Scene:
-    """The scene `shared` with other edges, and with the numbers in a row."""
-    return Scene(
-        shared.path, edges, shared.dwell, shared.torque, shared.driver_angle, shared.load_curve,
-        row[0], row[1], row[2], row[3], row[4], row[5], row[6], row[7], row[8], row[9], row[10],
-        row[11], row[12], row[13], row[14], row[15], row[16], row[17], row[18],
-    )  # fmt: skip
 
 
 _typeof: Any = numba.typeof

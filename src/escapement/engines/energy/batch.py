@@ -6,9 +6,9 @@ from typing import Any
 import numpy as np
 
 from escapement.base.status import Status
-from escapement.dynamics.law import scene_of
+from escapement.dynamics.law import scene_of, scene_with
 from escapement.dynamics.load import has_load_curve
-from escapement.dynamics.needs import CONSTANT, NO_CURVE, NUMBERS, Kind, kind_of, scene_with
+from escapement.dynamics.needs import CONSTANT, NO_CURVE, NUMBERS, Kind, kind_of
 from escapement.engines.energy.calls import kernel_addresses
 from escapement.engines.energy.case_figures import figures, transient_memory
 from escapement.engines.energy.cells import NO_CELLS, cells_of
