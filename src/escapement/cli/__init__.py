@@ -39,7 +39,7 @@ COMMANDS = {
     "export": "write parts as DXF or SVG, after a check of the motion",
     "index": "an indexing drive: torque, power, forces, impacts, ringing of its load",
     "drive-torque": "the old name of index",
-    "measure": "measured positions against theory, with statistics",
+    "measure": "measured positions, motions and beats against theory, with statistics",
     "reproduce": "a source's printed numbers compared with computed ones",
     "compile": "compile the numerical code, so that all later work begins at once",
     "bench": "run time against error of all engines",
