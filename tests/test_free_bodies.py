@@ -14,7 +14,7 @@ move, shared, thrust = (from_python(f) for f in (bodies.move, bodies.shared, _th
 
 def random_body(rng, lossy=True):
     near, far, drag, viscous = 10.0 ** rng.uniform(-2, 1, 4)
-    return bodies.FreeBody(near, far, rng.uniform(0.3, 0.95) if lossy else 1.0, drag, viscous)
+    return bodies.FreeBody(near, far, rng.uniform(0.3, 0.95) if lossy else 1.0, drag, viscous, 0.0)
 
 
 @pytest.mark.parametrize("lossy", [True, False], ids=["lossy", "lossless"])

@@ -144,7 +144,7 @@ def test_help_and_page_have_the_usual_names_of_columns(command):
 
 
 WRONG = {
-    "no file": ([], 2, "DATA.csv"),
+    "no file": ([], 2, "DATA"),
     "missing": (["none.csv"], 66, "none.csv does not exist"),
     "folder": (["folder"], 65, "readable text file"),
     "broken": (["broken.csv"], 65, "broken.csv, line 3 must have 2 fields"),
