@@ -177,7 +177,7 @@ def _export(kind):
 
 def _old_name(kind):
     case = {"speed": 10, "load_torque": 0.01, "follower_inertia": 1e-4}
-    return [{**_wheels(kind)[0], **case}] if kind == "geneva" else []
+    return [{**_wheels(kind)[0], **case, "friction": 0.1}] if kind == "geneva" else []
 
 
 def _index(kind):
@@ -275,7 +275,7 @@ ADDED = {
     **{"pin_angle_errors": "0,0.001", "crank_radius_errors": "0,1e-5", "friction": 0.25},
     **{"slot_angle_errors": "0,0,0,0,0,0.001", "slot_offsets": "0,0,0,0,0,1e-5"},
     **{"barrel_ratio": 3, "load_train_ratio": 3, "engine": "ivp", "method": "RK45"},
-    **{"least_wall": 1.0, "teeth": 25},
+    **{"least_wall": 1.0, "teeth": 25, "load_curve": "load.csv"},
 }
 """What an option is given that a scene does not have; another number is small."""
 NOT_TRIED = {
@@ -352,6 +352,7 @@ FILES = {
     "sample.toml": STUDY + "[sample]\nmethod = 'random'\nsize = 100\n"
     "friction = { tolerance = 0.05 }\ntorque = { tolerance = 0.001 }\n"
     "[limits]\nperiod = [0.01, 0.2]\n",
+    "load.csv": "angle_deg,torque\n0,0\n90,1e-4\n180,0\n270,-1e-4\n360,0\n",
     "wish.toml": "period = 0.05\ntorque = 0.01\nslots = 4\nfriction = [0.2, 0.3]\n"
     "bounds = { size = 0.1 }\n",
 }

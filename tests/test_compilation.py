@@ -43,6 +43,7 @@ def copy_compiling(toy):
     for name in (
         "numerics/jit.py",
         "numerics/by_address.py",
+        "numerics/known.py",
         "numerics/interpreted.py",
         "base/notice.py",
     ):
@@ -239,15 +240,18 @@ def test_a_kernel_called_by_its_address(cached, tmp_path):
 from numba import float64, int64
 from toy.numerics.by_address import by_address
 from toy.numerics.jit import jit
+from toy.numerics.known import Known
+
+LEADS = Known(0.0), Known(1.0)
 
 @jit
-def weighed(x, factor, count):
+def weighed(lead, x, factor, count):
     total = 0.0
     for i in range(count):
         total += 2.0 * x[i]
     return total, factor * total, count + 1
 
-weighed_at, address = by_address(weighed, 1, [(float64[::1], float64, int64)])
+weighed_at, address = by_address(weighed, 1, LEADS, (float64[::1], float64, int64))
 
 @jit
 def f(calls, x, factor):
