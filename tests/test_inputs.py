@@ -25,7 +25,7 @@ WRITTEN = {"explore": "page.html", "plot": "x.png"}
 def test_every_output_begins_with_the_inputs(command, monkeypatch, name, units):
     results = SimpleNamespace(as_dict=dict, machine={}, standings=[], points=[])
     monkeypatch.setattr(work_precision, "run", lambda **_: results)
-    monkeypatch.setattr("escapement.cli.compile.compile_all", lambda: None)
+    monkeypatch.setattr("escapement.cli.compile.compile_all", lambda processes: 0)
     write_inputs(name, "geneva")
     scene = FILES.get(name) or next(iter(scenes_of(name, "geneva")), {})
     extra = ["--quiet", "--force"] if name == "sweep" else []
