@@ -147,12 +147,13 @@ class TwoBodies:
             change = impulse / inertia
             to_end = goal - total if goal < np.inf else -(normal @ v) / (normal @ change)
             to_stick = np.inf if held is not None else sliding / (tangent @ change)
+            to_stick = to_stick if to_stick > 1e-15 else np.inf
             to_rest = np.min(-v[slows] / change[slows], initial=np.inf)
             if to_rest < min(to_stick, to_end):
                 rests = slows & (np.abs(v) <= to_rest * np.abs(change))
                 v, total = np.where(rests, 0.0, v + change * to_rest), total + to_rest
                 continue
-            if 1e-15 < to_stick < to_end:
+            if to_stick < to_end:
                 v, total = v + change * to_stick, total + to_stick
                 own = tangent / inertia
                 hold = -(normal @ own) / (tangent @ own)

@@ -246,3 +246,19 @@ def test_walls_that_yield_tend_to_rigid_ones():
     # what rebounds costs more with a train that loses power: here 4e-4, without one 1e-5
     assert bounce.period / rigid.period - 1.0 > 2e-4
     assert soft.period == pytest.approx(bounce.period, rel=1e-4)
+
+
+def test_a_driver_that_an_impact_throws_back_turns_its_barrel_back():
+    """Behind the reversal the driver pushes the barrel, which then resists by 1/eta."""
+    wheel = esc.Geneva(4, crank_radius=0.01, clearance=2e-4)
+    barrel = esc.Train(0.2, 0.787, 3.5e-9)
+    drive = esc.Escapement(
+        wheel, esc.Inertia(1.1e-7, 5.65e-6), 0.0113 * 0.2, friction=0.005, restitution=0.788,
+        barrel=barrel,
+    )  # fmt: skip
+    motion = esc.simulate(drive, 2, initial_speed=60.0)
+    assert motion.at(np.linspace(0.0, motion.end_time, 9001)).theta_dot.min() < -1.0
+    times, speeds = TwoBodies(drive, CHATTER).run(2, 60.0)
+    np.testing.assert_allclose(motion.handoff_times, times, rtol=1e-8)
+    np.testing.assert_allclose(motion.handoff_velocities, speeds, rtol=1e-8)
+    assert abs(motion.ledger.residual) < 1e-12
