@@ -32,8 +32,8 @@ def execute(args: Arguments) -> int:
 def compile_all(processes: int = 1) -> int:
     """Solve a small case of each kind, and note that all is compiled.
 
-    Returns the number of functions that were compiled. With two processes the contact of pins and
-    walls is compiled in another one, where kernels are saved by one process at a time.
+    Returns the number of functions that were compiled. Two processes share the work where
+    kernels can be saved by one of them at a time.
     """
     from multiprocessing import get_context
 
@@ -46,7 +46,7 @@ def compile_all(processes: int = 1) -> int:
     if processes > 1 and jit.fcntl is not None:
         context = get_context("spawn")
         found = context.Value("i", 0)
-        apart = context.Process(target=_solve_contact, args=(found,))
+        apart = context.Process(target=_solve_apart, args=(found,))
         apart.start()
     for timer in (free := [*_timers()]):
         _solve(timer, ("energy", "ivp"))
@@ -55,13 +55,16 @@ def compile_all(processes: int = 1) -> int:
         apart.join()
         other = found.value
     if apart is None or apart.exitcode != 0:
-        _solve_contact()
+        _solve_apart()
     jit.note_all_compiled()
     return notice.done + other
 
 
-def _solve_contact(found: Any = None) -> None:
-    """Solve a case of each kind of contact, and tell how many functions that took."""
+def _solve_apart(found: Any = None) -> None:
+    """Solve what shares little code with the rest, and tell how many functions that took.
+
+    These are a case of each kind of contact, and drives at constant speed.
+    """
     import escapement as esc
     from escapement.base.notice import notice
     from escapement.numerics.interpreted import compile_from_now_on
@@ -72,6 +75,7 @@ def _solve_contact(found: Any = None) -> None:
     compliant = esc.Escapement(wheel, _inertia(), _TORQUE, friction=0.2, stiffness=1e6)
     for timer in (rigid, compliant):
         _solve(timer, ("contact",))
+    _solve_drives()
     if found is not None:
         found.value = notice.done
 
@@ -110,7 +114,7 @@ def _solve(timer: "Escapement", engines: tuple[str, ...]) -> None:
 
 
 def _solve_others(timer: "Escapement") -> None:
-    """A run-down, a study, limits, and a drive at constant speed."""
+    """A run-down, a study, and limits."""
     from dataclasses import replace
 
     import escapement as esc
@@ -118,7 +122,13 @@ def _solve_others(timer: "Escapement") -> None:
     esc.rundown(replace(timer, spring_rate=6e-4))
     esc.sweep(timer, friction=[0.2, 0.3])
     esc.critical_friction(timer.mechanism, timer.inertia)
-    for mechanism in (timer.mechanism, esc.Geneva(slots=6, internal=True)):
+
+
+def _solve_drives() -> None:
+    """Drives at constant speed, and a study of them."""
+    import escapement as esc
+
+    for mechanism in (esc.Geneva(slots=4), esc.Geneva(slots=6, internal=True)):
         esc.drive_torque(mechanism, 10.0, 0.1, 1e-4, friction=0.1)
     wheel = esc.Geneva(6, pins=1, crank_radius=0.05, clearance=1e-4)
     drive = esc.index(wheel, 6.0, follower_inertia=0.4, load_frequency=15.0)
