@@ -36,6 +36,8 @@ WORTH = 64
 SHARE = 0.9
 # The greatest change of log q in a leap.
 WIDEST = 1.0
+# So often a leap that fails is tried over a quarter of its length.
+SHORTER = 6
 # The share that the series of a leap may miss.
 ROUGHEST = 1e-9
 GAIN, GAP, SLOPE, TIME, GOALS = range(5)
@@ -96,14 +98,30 @@ def leap(case, request, w, final, goal, most, rows):
     """
     lay_out_again(case)
     none, half = Leap(0, w, 0.0), half_way(w, final, goal)
+    for _ in range(SHORTER):
+        sound = _fill(case, request, w, final, half, rows)
+        if sound:
+            found = pass_over(case.store.workspace[0], w, final, half, most, rows)
+            if found.number > 0:
+                return found
+        # where the powers in trains turn round, h has a kink: leap up to it
+        half *= 0.25
+        if not abs(half) > WORTH * rows[GAP, 0]:
+            break
+    return none
+
+
+@inner_jit
+def _fill(case, request, w, final, half, rows):
+    """Fill the rows of a leap from w; returns whether all rounds are sound."""
     for i in range(N):
         here, rows[SLOPE, i] = point_of(i, w, final, half)
         found = pass_round(case, Start(here, 0.0, NO_EVENTS), request)
         gap = -np.expm1(found.slope)
         if found.status != OK or not gap > 0.0:
-            return none
+            return False
         rows[GAIN, i], rows[GAP, i], rows[TIME, i] = found.source - gap * here, gap, found.time
-    return pass_over(case.store.workspace[0], w, final, half, most, rows)
+    return True
 
 
 @inner_jit
