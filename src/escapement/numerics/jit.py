@@ -98,10 +98,15 @@ def _cache_directory() -> str | None:
 
 
 def _all_compiled() -> Path | None:
-    """File that says that all kernels are compiled for this processor; None without a cache."""
+    """File that says that all kernels are compiled for this processor; None without a cache.
+
+    Numba keeps kernels by the path of their source, so that each installation has its own.
+    """
     folder = _cache_directory()
     config: Any = numba.config
-    return Path(folder, f"{config.CPU_NAME or get_host_cpu_name()}.complete") if folder else None
+    place = hashlib.sha256(os.fsencode(Path(__file__).resolve())).hexdigest()[:12]
+    name = f"{config.CPU_NAME or get_host_cpu_name()}-{place}.complete"
+    return Path(folder, name) if folder else None
 
 
 def is_all_compiled() -> bool:
