@@ -46,7 +46,7 @@ def compile_all(processes: int = 1) -> int:
     if processes > 1 and jit.fcntl is not None:
         context = get_context("spawn")
         found = context.Value("i", 0)
-        apart = context.Process(target=_solve_apart, args=(found,))
+        apart = context.Process(target=_solve_apart, args=(found,), daemon=True)
         apart.start()
     for timer in (free := [*_timers()]):
         _solve(timer, ("energy", "ivp"))

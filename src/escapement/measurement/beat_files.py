@@ -63,6 +63,13 @@ def read_times(path: AnyPath, time_unit: str | None = None) -> FloatArray:
     filled = values[np.isfinite(values)]
     instants = name in _TIMES or (name not in INTERVALS and bool((np.diff(filled) > 0.0).all()))
     if instants:
+        back = np.flatnonzero(np.diff(filled) <= 0.0)
+        if back.size:
+            raise InputFileError(
+                f"file of beats {path} must have times that increase, got "
+                f"{filled[back[0] + 1]:g} s after {filled[back[0]]:g} s; sort them, or name the "
+                "column interval"
+            )
         return np.asarray(filled)
     if filled.size < values.size or not (filled > 0.0).all():
         raise InputFileError(

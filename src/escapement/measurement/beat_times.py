@@ -30,7 +30,7 @@ class BeatTimes(Shown):
         The instant at which the sound of each beat begins [s]; NaN where it was not heard. As
         they are, they can be given to `fit_beats` with `times=True`.
     deviations : ndarray, shape (n,)
-        Standard deviation of each, NaN where it is not heard [s].
+        Standard deviation of each [s]; NaN where it was not heard, and of a text file.
     loudness : ndarray, shape (n,)
         Root mean square of each sound over that of the noise before it [-]; NaN of a text file.
     doubles : ndarray, shape (m,)

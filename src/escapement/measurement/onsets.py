@@ -1,9 +1,9 @@
 """Instants at which the ticks of a recording begin, each with its standard deviation.
 
 The recording is cut into short frames. In each frequency the median power of all frames tells the
-noise, which ticks hardly change, and the mean square tells in which frequencies there are bursts.
-Frequencies are weighted by S/(1 + S), where S is the power of a tick over that of the noise, and
-frames whose weighted power stands out from those before them are candidates.
+noise, which ticks hardly change. The band in which frames stand out most from this noise gives the
+first ticks. From these, frequencies are weighted by S/(1 + S), where S is the power of a tick over
+that of the noise, and frames whose weighted power stands out from those before them are candidates.
 
 The beginning of a tick is then searched sample by sample. A causal filter with the same weights,
 which also makes the noise white, moves no sound before its beginning. Behind the beginning the
@@ -26,17 +26,17 @@ ndimage = Lazy("scipy.ndimage")
 signal = Lazy("scipy.signal")
 special = Lazy("scipy.special")
 _FRAME = 1.4e-3  # length of a frame, half of which lies beyond the one before it [s]
-_BEFORE = 8  # frames before a candidate that tell the noise there
-_NEAR = 3  # and the nearest of them
+_GUARD = 2  # frames before a candidate that the tick may reach already
+_BEFORE = 8  # frames before those that tell the noise there
+_NEAR = 3  # the nearest of these frames, which tell it where the noise decays
 _LEAST = 0.1  # share of the frames that are taken to hold noise alone
-_GUARD = 2  # frames between them, which a tick may reach already
 _APART = 2  # frames between two ticks, at least
 _WINDOWS = (1, 2, 4)  # lengths in frames that are tried
 _WEAK = 0.02  # probability with which noise makes a candidate, which only a rhythm may confirm
 _SHARED = np.array([1.0, 16.0, 36.0, 16.0, 1.0]) / 36.0
 """Correlation of the powers of noise in frequencies beside each other, with a Hann window."""
-_SHARE = 5e-4  # or so many for each sure one
-_FALSE = 0.02  # candidates that noise alone is allowed to make in a recording
+_FALSE = 0.02  # sure candidates that noise alone is allowed to make in a recording
+_SHARE = 5e-4  # or so many for each sure candidate, where that is more
 _BLOCK = 1 << 15  # frames that are transformed at a time
 _SAMPLED = 1 << 14  # frames that tell the noise
 _RARE = 1e-6  # probability of the power beyond which a frame counts as a burst
