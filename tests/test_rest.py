@@ -189,3 +189,22 @@ def test_a_motion_ends_with_the_blow_that_stops_both_bodies():
     assert motion.impacts.time[-1] <= motion.end_time
     end = motion.at(motion.end_time)
     assert (float(end.theta_dot), float(end.phi_dot)) == (0.0, 0.0)
+
+
+def test_a_follower_that_the_load_stops_beyond_a_wall_strikes_where_that_wall_is():
+    """The driver is held; the follower would come to rest just beyond the wall behind the pin."""
+    wheel = esc.Geneva(5, 1, crank_radius=RADIUS, clearance=1.5e-5)
+    own = esc.Escapement(
+        wheel, esc.Inertia(2.23e-7, 5e-6), 0.01, 0.07, load_torque=2e-4, spring_rate=7e-4,
+        driver_bearing_torque=0.01, restitution=0.11,
+    )  # fmt: skip
+    for speed in np.linspace(9.0, 15.0, 25):
+        motion = esc.simulate(own, 4, initial_speed=speed)
+        impacts = motion.impacts
+        phi = motion.at(impacts.time).phi
+        # the pin as seen from the follower's axis
+        x = RADIUS / np.sin(np.pi / 5) - RADIUS * np.cos(impacts.theta)
+        y = RADIUS * np.sin(impacts.theta)
+        ahead = y * np.cos(phi) - x * np.sin(phi)
+        assert_allclose(ahead, 0.5 * wheel.clearance * impacts.wall, rtol=0, atol=1e-12 * RADIUS)
+        assert abs(motion.ledger.residual) < 1e-13

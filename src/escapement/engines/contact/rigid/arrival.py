@@ -151,7 +151,7 @@ def _touching(work, frame, half_clearance, flight, side, low, beyond):
         step, t = abs(guess - t), guess
         # how far the next step of Newton's method would go, by the bend of D
         bent = abs(slope - slope_before) * step * step
-        if bent <= 2e-16 * (1.0 + t) * abs(slope) * before or step <= 1e-15 * (1.0 + t):
+        if bent < 2e-16 * (1.0 + t) * abs(slope) * before or step <= 1e-15 * (1.0 + t):
             break
         before, slope_before = step, slope
         distance, pace = pin_offset(frame, *state_at(work, flight, t))
