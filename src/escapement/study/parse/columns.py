@@ -15,6 +15,7 @@ from escapement.base.errors import InvalidValue
 from escapement.base.quantity import Quantity
 from escapement.base.validate import known_keys
 from escapement.mechanisms.protocol import FloatArray
+from escapement.model.friction_pairs import friction_range
 
 NEVER = 1e-10
 """Share of a normal distribution at either side that no draw reaches."""
@@ -43,7 +44,8 @@ def axis_values(form: Any, parameter: Quantity) -> Column:
     ----------
     form : number, text with a unit, sequence, one-dimensional array or mapping
         A mapping holds `start`, `stop` and `num`, and may hold `log`: true for equal
-        ratios instead of equal differences.
+        ratios instead of equal differences. Of a coefficient of friction, `pair` instead of both
+        ends names a range of `model.friction_pairs`.
     parameter : Quantity
         The rule every value obeys.
 
@@ -79,6 +81,11 @@ def axis_values(form: Any, parameter: Quantity) -> Column:
 def _even_values(form: Mapping[str, Any], parameter: Quantity) -> Column:
     """Values at equal differences, or with `log` at equal ratios."""
     name = parameter.name
+    if "pair" in form and name.endswith("friction"):
+        known_keys(form, ("pair", "num", "log"), f"in axis {name} with a pair")
+        pair = friction_range(f"{name}.pair", str(form["pair"]))
+        rest = {key: value for key, value in form.items() if key != "pair"}
+        form = {"start": pair.low, "stop": pair.high} | rest
     known_keys(form, ("start", "stop", "num", "log"), f"in axis {name}")
     start, stop = (parameter.read(f"{name}.{end}", form.get(end)) for end in ("start", "stop"))
     fewest = 1 if start == stop else 2
@@ -123,6 +130,9 @@ def _distributed(
             f"{label} must be left out, whole numbers and fractions cannot be drawn at random; "
             f'write {parameter.name} in [sweep], or use method = "list"'
         )
+    if isinstance(form, str) and parameter.name.endswith("friction"):
+        pair = friction_range(label, form)
+        form = {"low": pair.low, "high": pair.high}
     if not isinstance(form, Mapping):
         remedy = "write for example { relative_tolerance = 0.05 }"
         raise validate.fail(label, "a table that says how it varies", form, remedy)
