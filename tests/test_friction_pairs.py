@@ -69,7 +69,7 @@ def test_a_sample_that_names_no_pair_is_refused(form, said):
 
 def test_only_coefficients_of_friction_take_a_pair():
     table = {"method": "random", "size": 4, "torque": "steel on brass"}
-    with pytest.raises(InvalidValue, match="sample.torque must be a table"):
+    with pytest.raises(InvalidValue, match=r"sample\.torque must be a table"):
         esc.sweep(TIMER, sample=table)
 
 

@@ -58,7 +58,6 @@ from escapement.mechanisms import Geneva as Geneva
 from escapement.mechanisms import Tabulated as Tabulated
 from escapement.model.escapement import Escapement as Escapement
 from escapement.model.escapement import Inertia as Inertia
-from escapement.model.friction_pairs import FrictionRange as FrictionRange
 from escapement.model.friction_pairs import friction_of as friction_of
 from escapement.model.load_curve import LoadCurve as LoadCurve
 from escapement.model.load_curve import Unbalance as Unbalance
