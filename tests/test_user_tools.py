@@ -163,7 +163,7 @@ def test_a_package_that_is_missing_is_told_in_a_line(tmp_path, monkeypatch, pack
     monkeypatch.setitem(sys.modules, package, None)
     with pytest.raises(MissingPackage) as caught:
         call()
-    assert f"needs {package}, which is not installed; install it with: pip" in str(caught.value)
+    assert f"needs {package}, which is not installed; install it in a clone" in str(caught.value)
     assert caught.value.exit_code == 2
     assert list(tmp_path.iterdir()) == []
 

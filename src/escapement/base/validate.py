@@ -147,5 +147,5 @@ def package(name: str, what: str, extra: str = "data") -> Any:
     except ModuleNotFoundError:
         raise MissingPackage(
             f"{what} needs {name}, which is not installed; "
-            f"install it with: pip install 'geneva-escapement[{extra}]'"
+            f"install it in a clone of the repository with: pip install '.[{extra}]'"
         ) from None

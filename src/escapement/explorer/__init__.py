@@ -29,9 +29,7 @@ MODULES = (
     *("design", "picture", "plots", "charts", "report", "played", "fields", "page"),
 )
 """Files of the page's script, in their order."""
-_LEAD = (
-    "Drag a number: the motion is computed anew, exactly, in this page. Nothing is sent anywhere."
-)
+_LEAD = "Drag a number: this page computes the motion again, exactly. Nothing is sent anywhere."
 _TITLES = {"explore": "Geneva escapement explorer", "play": "Motion of an escapement"}
 _MODULE = re.compile(r"^import .*?;\n|^export (?=\w)", re.MULTILINE | re.DOTALL)
 

@@ -131,7 +131,9 @@ class Requirement(Shown):
             raise validate.fail("period", rule, self.period, remedy)
         if (self.total_time is None) != (self.turns is None):
             remedy = "give total_time and turns, or the period"
-            raise validate.fail("turns", "given just if total_time is", self.turns, remedy)
+            raise validate.fail(
+                "turns", "given if total_time is, and only then", self.turns, remedy
+            )
         if self.torque_lost and self.turns is None:
             remedy = "give total_time and turns"
             raise validate.fail("torque_lost", "0 without total_time", self.torque_lost, remedy)

@@ -88,5 +88,5 @@ def plot_beat_spectrum(
         ax.axhline(level, lw=1.0, ls="--", color=style.GREY, label="1 % of noise")
     ax.set_ylim(0.0, None)
     return style.finished(
-        ax, ("cycles a turn of the driver", ""), ("amplitude", unit), 5, legend=legend
+        ax, ("cycles per turn of the driver", ""), ("amplitude", unit), 5, legend=legend
     )

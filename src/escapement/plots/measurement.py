@@ -172,7 +172,7 @@ def plot_periodogram(result: Measurement, ax: Axes | None = None, *, legend: boo
     Returns
     -------
     Axes
-        Cycles a turn of the input and share of the variance explained [%], from the
+        Cycles per turn of the input and share of the variance explained [%], from the
         lowest frequency on at which the samples tell a sinusoid from its mean. Broken
         line: one set of independent errors in a hundred has a higher peak anywhere.
         Dotted: once a turn of the input, of the output, and once a cell.
@@ -192,7 +192,7 @@ def plot_periodogram(result: Measurement, ax: Axes | None = None, *, legend: boo
             ax.axvline(frequency, color=look.color, lw=0.9, ls=look.linestyle, label=name, zorder=0)
     ax.set(xlim=(0.0, found.frequency[-1]), ylim=(0.0, None))
     return _finished(
-        ax, result, legend, ("cycles a turn of the input", ""), ("share of variance", "%")
+        ax, result, legend, ("cycles per turn of the input", ""), ("share of variance", "%")
     )
 
 

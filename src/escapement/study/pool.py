@@ -139,7 +139,7 @@ def _connected(scheduler: Any, workers: int) -> Iterator[Any]:
     except ImportError:
         raise InvalidValue(
             f"scheduler must be left out without Dask, got {scheduler!r}; "
-            "install it with: pip install 'geneva-escapement[dask]'"
+            "install it in a clone of the repository with: pip install '.[dask]'"
         ) from None
     if isinstance(scheduler, distributed.Client):
         if scheduler.status != _CONNECTED or scheduler.asynchronous:
