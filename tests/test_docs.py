@@ -1,5 +1,6 @@
 """Documentation: its code runs, its sessions print what they show, its links lead somewhere."""
 
+import ast
 import contextlib
 import inspect
 import io
@@ -328,6 +329,26 @@ def test_links_lead_somewhere(page):
         linked = page.parent / path if path else page
         assert linked.exists(), target
         assert not anchor or anchor in anchors(linked), target
+
+
+def moved() -> dict[str, str]:
+    """The pages of conf.py that have moved; read without Sphinx."""
+    tree = ast.parse((DOCS / "conf.py").read_text("utf-8"))
+    (found,) = (
+        node.value
+        for node in tree.body
+        if isinstance(node, ast.AnnAssign) and ast.unparse(node.target) == "MOVED"
+    )
+    return ast.literal_eval(found)
+
+
+def test_pages_have_moved_to_places_that_are_there():
+    for old, new in moved().items():
+        name, _, anchor = new.partition("#")
+        assert not (DOCS / f"{old}.md").exists()
+        place = DOCS / f"{name}.md"
+        assert place.exists(), new
+        assert not anchor or anchor in anchors(place), new
 
 
 @pytest.mark.parametrize(
