@@ -52,7 +52,11 @@ html_math_renderer = "drawn"
 DOCS = Path(__file__).parent
 EXPLORER = "explorer-page.html"
 # where the content of a page that is no more now stands, so that old links are answered
-MOVED: dict[str, str] = {}
+MOVED: dict[str, str] = {
+    "configuration": "studies",
+    "files": "studies#the-file-of-a-study",
+    "large-studies": "studies#large-studies",
+}
 # what a page links to outside this folder and a site cannot offer as a file
 _OUTSIDE = re.compile(r"\[([^\]]+)\]\(\.\./(?:runs|benchmarks/README\.md)\)")
 _FENCED = re.compile(r"(^```.*?^```$)", re.MULTILINE | re.DOTALL)
