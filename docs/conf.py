@@ -21,7 +21,7 @@ import escapement as esc
 from escapement.explorer import page
 
 sys.path.insert(0, str(Path(__file__).parent))
-from site_links import broken
+from site_links import answer_moved, broken
 
 project = "escapement"
 author = "The escapement developers"
@@ -51,6 +51,12 @@ html_math_renderer = "drawn"
 
 DOCS = Path(__file__).parent
 EXPLORER = "explorer-page.html"
+# where the content of a page that is no more now stands, so that old links are answered
+MOVED: dict[str, str] = {
+    "configuration": "studies",
+    "files": "studies#the-file-of-a-study",
+    "large-studies": "studies#large-studies",
+}
 # what a page links to outside this folder and a site cannot offer as a file
 _OUTSIDE = re.compile(r"\[([^\]]+)\]\(\.\./(?:runs|benchmarks/README\.md)\)")
 _FENCED = re.compile(r"(^```.*?^```$)", re.MULTILINE | re.DOTALL)
@@ -171,7 +177,7 @@ def skipped(app, what, name: str, value, skip: bool, options) -> bool | None:
 
 
 def finish(app, error: Exception | None) -> None:
-    """Write the explorer beside the first page, which shows it in a frame; check all links."""
+    """Write the explorer, which the first page shows, and old addresses; follow all links."""
     if error is None and app.builder.format == "html":
         timer = esc.Escapement(
             esc.Geneva(4, crank_radius=0.02),
@@ -180,6 +186,7 @@ def finish(app, error: Exception | None) -> None:
             friction=0.35,
         )
         (Path(app.outdir) / EXPLORER).write_text(page(timer), encoding="utf-8")
+        answer_moved(Path(app.outdir), MOVED)
         for line in broken(Path(app.outdir)):
             getLogger(__name__).warning(line)  # which fails a build with --fail-on-warning
 

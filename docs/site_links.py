@@ -1,12 +1,35 @@
-"""Links and pictures of the built site that lead nowhere: conf.py looks for them after a build.
+"""Links of the built site: those to pages that have moved are answered, and all are followed.
 
-Addresses of other sites are not tried.
+conf.py calls both after a build. Addresses of other sites are not tried.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from html.parser import HTMLParser
 from pathlib import Path
 from urllib.parse import unquote, urlsplit
+
+_MOVED = """<!DOCTYPE html>
+<meta charset="utf-8">
+<title>Moved</title>
+<meta http-equiv="refresh" content="0; url={0}">
+<p>This page has moved to <a href="{0}">{0}</a>.</p>
+"""
+
+
+def answer_moved(site: Path, moved: Mapping[str, str]) -> None:
+    """Write a page at each old address that leads to the new one.
+
+    Parameters
+    ----------
+    site : path
+        The folder that Sphinx filled.
+    moved : mapping of str
+        The new place, "page" or "page#heading", by the old page.
+    """
+    for old, new in moved.items():
+        page, sharp, place = new.partition("#")
+        text = _MOVED.format(f"{page}.html{sharp}{place}")
+        (site / f"{old}.html").write_text(text, encoding="utf-8")
 
 
 class _Page(HTMLParser):

@@ -1,13 +1,13 @@
-"""The check of the built site finds what leads nowhere, and nothing else."""
+"""Old addresses of the built site lead on; its check finds what leads nowhere, and nothing else."""
 
 import runpy
 from pathlib import Path
 
 import pytest
 
-broken = runpy.run_path(str(Path(__file__).resolve().parents[1] / "docs" / "site_links.py"))[
-    "broken"
-]
+DOCS = Path(__file__).resolve().parents[1] / "docs"
+site_links = runpy.run_path(str(DOCS / "site_links.py"))
+answer_moved, broken = site_links["answer_moved"], site_links["broken"]
 GOOD = (
     '<h2 id="teeth">Teeth</h2><a name="old"></a><a href="#teeth">here</a><a href="">top</a>'
     '<a href="sub/b%20c.html?d=1#caf%C3%A9">there</a><img src="_images/p.png" alt="">'
@@ -46,3 +46,10 @@ def test_each_fault_is_told_once(site, fault, told):
     (site / "a.html").write_text(GOOD + 2 * fault, "utf-8")
     (line,) = broken(site)
     assert line.endswith(told)
+
+
+def test_an_old_address_leads_to_the_new_page(site):
+    answer_moved(site, {"old": "a#teeth", "older": "a", "wrong": "a#tooth"})
+    assert 'content="0; url=a.html#teeth"' in (site / "old.html").read_text("utf-8")
+    assert 'content="0; url=a.html"' in (site / "older.html").read_text("utf-8")
+    assert list(broken(site)) == ["wrong.html: a.html#tooth leads to no place on that page"]

@@ -21,7 +21,8 @@ from escapement.base import spoken, validate
 from escapement.base.errors import EscapementError, InvalidValue
 from escapement.base.files import FILMS, FORMATS, REPORTS
 from escapement.base.quantity import Choice, Numbers, Quantity, Setting, Truth
-from escapement.base.units import SYSTEMS
+from escapement.base.results import Result
+from escapement.base.units import SYSTEMS, printed
 from escapement.mechanisms import DEFAULT_KIND, KINDS, kind_of
 from escapement.mechanisms.kind import Kind
 
@@ -356,6 +357,16 @@ def _add_drawn(
     text += "; replaced if it exists"
     entry = OutputFile(name=name, long_name=text, metavar=file, formats=formats, drawn=True)
     add_setting(group, entry)
+
+
+def tell_results(parser: Parser, results: Mapping[str, Result]) -> None:
+    """End the help with what the command computes, by the keys of its JSON."""
+    lines = ["results, by their keys with --json:"]
+    for name, result in results.items():
+        unit = printed(result.kind, SYSTEMS[0])
+        text = f"{name:<25} {result.long_name}{f' [{unit}]' if unit else ''}"
+        lines.append(textwrap.fill(text, 79, initial_indent="  ", subsequent_indent=28 * " "))
+    parser.epilog = "\n".join(lines)
 
 
 def require(args: Arguments, settings: Mapping[str, Setting], where: str = "") -> None:

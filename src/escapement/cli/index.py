@@ -10,6 +10,7 @@ from escapement.base.text import as_csv, print_columns, words
 from escapement.cli import _arguments, _output
 from escapement.cli._arguments import Arguments, Parser
 from escapement.constant_speed.index_case import IndexCase
+from escapement.constant_speed.index_record import INDEX, doubt_of, record_of
 from escapement.mechanisms import DEFAULT_KIND
 from escapement.mechanisms.cam_indexer import LAWS
 from escapement.model.inputs import inputs_of_mechanism, inputs_of_settings
@@ -32,12 +33,11 @@ def configure(parser: Parser) -> None:
     output = parser.add_argument_group("output")
     _arguments.add_output(output, "FILE.csv", "write states over the driver angle, in SI")
     _arguments.add_plot(output, "draw motion, torque, force and ringing")
+    _arguments.tell_results(parser, INDEX)
 
 
 def execute(args: Arguments) -> int:
     """Print the figures; write and draw what was asked for."""
-    from escapement.constant_speed.index_record import doubt_of, record_of
-
     _arguments.require(args, declared(IndexCase))
     mechanism = _arguments.read_mechanism(args)
     drive = esc.index(mechanism, **_arguments.typed(args, declared(IndexCase)))

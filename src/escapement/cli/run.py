@@ -13,6 +13,8 @@ from escapement.base.records import Record
 from escapement.base.status import Status
 from escapement.cli import SOME_FAILED, _arguments, _log, _output
 from escapement.cli._arguments import ArgumentGroup, Arguments, Parser, UsageError, option
+from escapement.dynamics.figure_record import BEATS, ENGAGEMENTS, record_of_motion
+from escapement.dynamics.figure_table import FIGURES
 from escapement.engines.solver import Solver
 from escapement.model.escapement import Escapement, Run, model_settings
 from escapement.model.inputs import inputs_of
@@ -57,6 +59,7 @@ def configure(parser: Parser) -> None:
     _arguments.add_output(output, "FILE.h5", text, MOTIONS)
     _arguments.add_plot(output, "draw the velocities", "or film the motion")
     _arguments.add_report(output)
+    _arguments.tell_results(parser, FIGURES | {"beats": BEATS} | ENGAGEMENTS)
 
 
 def model() -> dict[str, Setting]:
@@ -150,8 +153,6 @@ def _shown(motion: "esc.Motion", what: str) -> "Progress":
 
 def _found(motion: "esc.Motion", figures: "esc.Figures", jammed: "JamCycle | None") -> Record:
     """Figures of merit and engagements, those of the rule for jams, and what to know of them."""
-    from escapement.dynamics.figure_record import record_of_motion
-
     record, message = record_of_motion(motion, figures)
     if jammed is not None:
         record |= _by_rule(jammed)
@@ -163,8 +164,6 @@ def _found(motion: "esc.Motion", figures: "esc.Figures", jammed: "JamCycle | Non
 
 def _by_rule(cycle: "JamCycle") -> Record:
     """Results of the rule for jams."""
-    from escapement.dynamics.figure_table import FIGURES
-
     same = "period", "handoff_velocity", "velocity_max"
     found: dict[str, Any] = {f"jam_rule_{name}": getattr(cycle, name) for name in same}
     found["jam_rule_angles_deg"] = [math.degrees(angle) for angle in cycle.jam_angles]
