@@ -335,8 +335,8 @@ def test_links_lead_somewhere(page):
     [
         ("meyer.md", "## What the thesis says and asks, and what is true", 16),
         ("drive-torque.md", "### What the paper says, and where it is answered", 12),
-        ("gear-driven.md", "### What the paper says, and where it is answered", 12),
-        ("elliptical-planetary.md", "### What the paper says, and where it is answered", 10),
+        ("gear-driven.md", "## What the paper says, and where it is answered", 12),
+        ("elliptical-planetary.md", "## What the paper says, and where it is answered", 10),
     ],
 )
 def test_every_statement_of_a_source_has_an_answer(name, heading, least):
