@@ -118,7 +118,7 @@ def compare(shown: str, printed: str) -> None:
     assert matches(lines, found), f"shown:\n{shown}\nprinted:\n{printed}"
 
 
-LONG = ("inverse-design.md", "elliptical-planetary.md")
+LONG = ("timer-design.md",)
 
 
 @pytest.mark.parametrize("page", [
@@ -361,8 +361,8 @@ def test_pages_have_moved_to_places_that_are_there():
     [
         ("meyer.md", "## What the thesis says and asks, and what is true", 16),
         ("drive-torque.md", "### What the paper says, and where it is answered", 12),
-        ("gear-driven.md", "### What the paper says, and where it is answered", 12),
-        ("elliptical-planetary.md", "### What the paper says, and where it is answered", 10),
+        ("gear-driven.md", "## What the paper says, and where it is answered", 12),
+        ("elliptical-planetary.md", "## What the paper says, and where it is answered", 10),
     ],
 )
 def test_every_statement_of_a_source_has_an_answer(name, heading, least):

@@ -142,6 +142,25 @@ def test_the_page_has_the_figures_of_his_parts():
             assert " | ".join([*times, f"{found['critical_friction']:.3f}"]) in PAGE
 
 
+def test_the_table_has_the_numbers_of_its_rows():
+    names = "printed", "as_published", "program_1973", "true"
+    rows = re.findall(r"^\| (\d+), (\w+) \| (\w+) \| (.+) \| [^|]+ \|$", PAGE, flags=re.MULTILINE)
+    assert len(rows) == 5
+    for number, pins, figure, cells in rows:
+        row = meyer.appendix_e()[int(number) - 1]
+        assert {"three": 3, "four": 4, "six": 6}[pins] == row["pins"]
+        for name, shown in zip(names, cells.split(" | "), strict=True):
+            digits = len(shown.partition(".")[2])
+            assert f"{row[name][figure]:.{digits}f}" == shown, (number, name)
+
+
+def test_the_page_tells_how_many_rows_agree():
+    rows = meyer.appendix_e()
+    counts = [meyer.agreement(rows, name)[1:4] for name in ("as_published", "true")]
+    told = [f"{a}, {b} and {c}" for a, b, c in counts]
+    assert "as published meet {}, the true ones {}.".format(*told) in " ".join(PAGE.split())
+
+
 def test_every_conclusion_and_recommendation_has_one_answer():
     places = [f"conclusion {k}" for k in (1, 2, 3)] + [f"recommendation {k}" for k in range(1, 8)]
     assert all(answer(place).count(" | ") == 2 for place in places)

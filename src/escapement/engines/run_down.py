@@ -171,7 +171,7 @@ def rundown(
     """Let a timer run down.
 
     With a spring, thousands of engagements are computed from series through a few of them if
-    these are as exact as the tolerance; otherwise each is computed. See docs/rundown.md.
+    these are as exact as the tolerance; otherwise each is computed. See docs/timer-design.md.
 
     Parameters
     ----------
