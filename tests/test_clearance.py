@@ -203,7 +203,8 @@ def test_impulse_and_momentum_with_friction():
 def test_impulse_of_a_plastic_impact_is_that_of_the_formula():
     # of the theory: P = I_d I_f v / (R h J), for a pin without a radius that slides as it moves
     drive = timer()
-    impacts, own, far = esc.terminal(drive).motion.impacts, drive.inertia.driver, drive.inertia.follower
+    impacts = esc.terminal(drive).motion.impacts
+    own, far = drive.inertia.driver, drive.inertia.follower
     arm, c = RADIUS * np.exp(-1j * impacts.theta), drive.joint.half_clearance * RADIUS
     path, s = RADIUS * math.sqrt(2.0) - arm, impacts.wall
     q, lever = 1j * arm / path, np.sqrt(np.abs(path) ** 2 - c**2)
