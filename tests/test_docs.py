@@ -230,10 +230,13 @@ def test_sensitivities_are_those_of_the_model():
             assert f"{100.0 * change:+.2f}" == cell, (name, figure)
 
 
-def test_the_table_of_effects_is_what_its_script_prints(monkeypatch):
+@pytest.mark.parametrize(
+    ("script", "page"), [("effects", "effects.md"), ("imperfect", "tolerances.md")]
+)
+def test_a_table_is_what_its_script_prints(script, page, monkeypatch):
     monkeypatch.syspath_prepend(str(DOCS))
-    found = import_module("pages.effects").table().splitlines()
-    shown = page_text("effects.md").splitlines()
+    found = import_module(f"pages.{script}").table().splitlines()
+    shown = page_text(page).splitlines()
     assert [line for line in found if "---" not in line and line not in shown] == []
 
 

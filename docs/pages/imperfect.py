@@ -108,25 +108,6 @@ def imperfect_response() -> Figure:
     return figure
 
 
-IMPERFECT = esc.Geneva(
-    4, crank_radius=CRANK, centre_distance_error=2e-5, pin_angle_errors=(1e-3, -1e-3, 0, 0),
-    crank_radius_errors=(0, 2e-5, 0, 0), slot_angle_errors=(0, 2e-3, -1e-3, 0),
-    slot_offsets=(0, 0, 2e-5, -2e-5),
-)  # fmt: skip
-
-
-@drawn
-def imperfect_wheel() -> Figure:
-    """A wheel to scale, and with its errors sixty times as large."""
-    figure = style.new_figure(style.TWO_COLUMN, 3.2)
-    for ax, factor in zip(figure.subplots(1, 2), (1.0, 60.0), strict=True):
-        plots.plot_mechanism(IMPERFECT, 0.2, ax, exaggerate=factor)
-        enlarged = f"errors times {factor:g}; broken lines: perfect wheel"
-        title = "to scale" if factor == 1.0 else enlarged
-        ax.set_title(title, fontsize=style.LABEL_SIZE)
-    return figure
-
-
 PINS = (0.9e-3, -1.3e-3, 0.4e-3)
 SLOTS = (-1.6e-3, -0.8e-3, 0.4e-3, 0.7e-3, 1.3e-3)
 

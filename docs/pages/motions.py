@@ -71,14 +71,6 @@ def contact_moment() -> Figure:
 
 
 @drawn
-def phase_portrait() -> Figure:
-    """From rest to the terminal cycle with little friction."""
-    ax = plots.new_axes(5.4, 3.6)
-    plots.plot_phase_portrait(esc.simulate(timer(4, 0.05, 0.10), 9), ax)
-    return ax.figure
-
-
-@drawn
 def handoff_map() -> Figure:
     """Squared handoff speed against the one before, and the handoff speeds."""
     figure, (left, right) = panels(2, 3.3)

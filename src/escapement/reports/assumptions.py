@@ -14,7 +14,7 @@ ALWAYS = (
 def left_out(escapement: Escapement) -> list[tuple[str, str]]:
     """Effects without numbers in this design, and the change that they usually cause.
 
-    The sizes are those of docs/effects.md and docs/imperfect-parts.md, for Geneva wheels at
+    The sizes are those of docs/effects.md and docs/tolerances.md, for Geneva wheels at
     frictions from 0.20 to 0.35.
     """
     real, wheel = escapement, escapement.mechanism
