@@ -53,9 +53,15 @@ DOCS = Path(__file__).parent
 EXPLORER = "explorer-page.html"
 # where the content of a page that is no more now stands, so that old links are answered
 MOVED: dict[str, str] = {
+    "compliant": "clearance#walls-that-yield",
     "configuration": "studies",
+    "explorer": "first-timer#the-explorer",
     "files": "studies#the-file-of-a-study",
+    "imperfect-parts": "tolerances#errors-of-the-parts",
+    "inverse-design": "timer-design",
     "large-studies": "studies#large-studies",
+    "other-tools": "literature#other-programs",
+    "rundown": "timer-design#a-spring-that-runs-down",
 }
 # what a page links to outside this folder and a site cannot offer as a file
 _OUTSIDE = re.compile(r"\[([^\]]+)\]\(\.\./(?:runs|benchmarks/README\.md)\)")
