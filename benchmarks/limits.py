@@ -18,7 +18,7 @@ import numpy as np
 from common import write_rows
 from scipy.integrate import solve_ivp
 
-from escapement.benchmark.problems import METHODS, PROBLEMS, derivative, pieces_of, reversal
+from escapement.benchmark.problems import PROBLEMS, derivative, pieces_of, reversal
 from escapement.engines.simulate import simulate
 
 PROBLEM, ERROR = PROBLEMS[0], 1e-10
@@ -165,21 +165,6 @@ def arithmetic(alpha, beta, inverse, dg, g, width, rounds):
     return now, energy, least
 
 
-def cheapest(solve):
-    """The run within `ERROR` that has the fewest evaluations, and their number."""
-    found = []
-    for method in METHODS[1:3] + METHODS[5:]:
-        for power in range(-13, -6):
-            count = Count()
-            answer = solve(method, 10.0**power, count)
-            error = PROBLEM.error(answer[0] * PROBLEM.clock, answer[1] / PROBLEM.clock)
-            if error <= ERROR:
-                found.append(
-                    (count.points, error, f"{method}", partial(solve, method, 10.0**power))
-                )
-    return min(found, key=lambda one: one[0])
-
-
 def spent(run):
     """Processor time of a run, repeated if it is short."""
     began, runs = time.process_time(), 0
@@ -189,11 +174,26 @@ def spent(run):
     return (time.process_time() - began) / runs
 
 
+def fastest(solve):
+    """The fastest run within `ERROR`: its evaluations, error and method, and the run itself."""
+    found = []
+    for method in ("RK45", "DOP853", "LSODA"):
+        for power in range(-13, -6):
+            count = Count()
+            answer = solve(method, 10.0**power, count)
+            error = PROBLEM.error(answer[0] * PROBLEM.clock, answer[1] / PROBLEM.clock)
+            if error <= ERROR:
+                run = partial(solve, method, 10.0**power)
+                took = min(spent(partial(run, Count())) for _ in range(2))
+                found.append((took, count.points, error, method, run))
+    return min(found, key=lambda one: one[0])[1:]
+
+
 def motions():
     """Rows of one motion."""
     rows = []
     for name, solve in (("solve_ivp in time", in_time), ("solve_ivp over the angle", over_angle)):
-        points, error, method, run = cheapest(solve)
+        points, error, method, run = fastest(solve)
         rows.append((f"{name}, {method}", points, error, partial(run, Count())))
     for size in range(8, 65, 4):
         gauss, count = Gauss(size), Count()
