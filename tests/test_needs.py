@@ -10,7 +10,7 @@ from escapement.dynamics.needs import FIXED, Kind, kind_of
 from escapement.engines.energy.calls import NO_PATTERN, kernel_addresses
 from escapement.engines.energy.cells import cells_of
 from escapement.engines.energy.handoffs import handoffs
-from escapement.model.scene import scene_tuple
+from escapement.model.scene import packed
 
 INERTIA = esc.Inertia(driver=3.39e-7, follower=5.65e-6)
 IDEAL = esc.Escapement(esc.Geneva(slots=4, pins=4), INERTIA, torque=0.0113, friction=0.35)
@@ -36,7 +36,7 @@ def test_each_kind_gives_the_bits_of_the_whole(timer, kind):
     for each in Kind:
         if each >= kind:
             times, speeds = np.empty(30), np.empty(30)
-            inputs = kernel_addresses(each), scene_tuple(scene), cells, NO_PATTERN
+            inputs = kernel_addresses(each), packed(scene), cells, NO_PATTERN
             handoffs(*inputs, 0.0, np.inf, 1e-12, 1.0, times, speeds)
             found.append((times.tobytes(), speeds.tobytes()))
     assert len(set(found)) == 1

@@ -120,12 +120,12 @@ def _extreme(theta, low, high, which, sign, side, slide_sign, scene, efficiency)
 
 
 @jit(allocates=True)
-def cycle_figures(scene_tuple, edges, half, efficiency):
+def cycle_figures(packed, edges, half, efficiency):
     """Figures of an engagement, and the driver angles of its reversals.
 
     Parameters
     ----------
-    scene_tuple : as `model.scene.scene_tuple` makes it, in the units above.
+    packed : as `model.scene.packed` makes it, in the units above.
     edges : driver angles between which the quantities are smooth but for reversals, ascending.
     half : driver angle at which the first half of the engagement ends, between the edges.
     efficiency : of the drive, in (0, 1].
@@ -134,7 +134,7 @@ def cycle_figures(scene_tuple, edges, half, efficiency):
     -------
     CycleFigures, ndarray
     """
-    return figures_of(scene_of(scene_tuple), edges, half, efficiency)
+    return figures_of(scene_of(packed), edges, half, efficiency)
 
 
 @inner_jit(allocates=True)
@@ -233,13 +233,13 @@ def _raise_tops(tops, angles, samples, left, right, side, slide_sign, scene, eff
 
 
 @jit
-def contact_states(scene_tuple, theta, efficiency, table):
+def contact_states(packed, theta, efficiency, table):
     """Fill rows of `table`, shape (n, 5), at driver angles of the engagement.
 
     The columns are torque of the drive, moment on the follower, magnitude of the contact force,
     g and g'.
     """
-    scene = scene_of(scene_tuple)
+    scene = scene_of(packed)
     for i in range(theta.size):
         side = 1.0 if follower_moment(theta[i], scene) >= 0.0 else -1.0
         slide = sliding_sign(theta[i], side, scene)

@@ -17,7 +17,7 @@ from escapement.dynamics.needs import CONSTANT, NO_CURVE, NUMBERS
 from escapement.mechanisms.path import smooth_intervals, writeable
 from escapement.mechanisms.protocol import FloatArray, Mechanism, dwell_angle
 from escapement.model.natural import natural
-from escapement.model.scene import Scene, scene_tuple
+from escapement.model.scene import Scene, packed
 
 
 class IndexRows(IndexLoads):
@@ -61,5 +61,5 @@ class IndexRows(IndexLoads):
         torque, curve, dwell = np.array(CONSTANT), np.array(NO_CURVE), dwell_angle(self.mechanism)
         shared = Scene(path, edges, dwell, torque, 0.0, curve, *rows[0, :GIVEN].tolist())
         table = np.tile([*np.full(KNOCK, np.nan), *NO_KNOCK, *NO_RINGING], (count, 1))
-        fill_rows(scene_tuple(shared), self.half, rows, table)
+        fill_rows(packed(shared), self.half, rows, table)
         return table.T

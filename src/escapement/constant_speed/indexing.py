@@ -22,7 +22,7 @@ from escapement.constant_speed.knock import NO_KNOCK, Knock, knock
 from escapement.constant_speed.ringing import NO_RINGING, Ringing, deflections, ringing
 from escapement.mechanisms.protocol import FloatArray, Mechanism
 from escapement.model.escapement import Escapement, Inertia
-from escapement.model.scene import Scene, scene_tuple
+from escapement.model.scene import Scene, packed
 
 
 class IndexState(NamedTuple):
@@ -86,7 +86,7 @@ class IndexingDrive(IndexLoads, IndexCase):
     @cached_property
     def _found(self) -> tuple[CycleFigures, FloatArray]:
         result: tuple[CycleFigures, FloatArray] = cycle_figures(
-            scene_tuple(self._scene), self._scene.edges, self.half, float(self.efficiency)
+            packed(self._scene), self._scene.edges, self.half, float(self.efficiency)
         )
         return result
 
@@ -138,7 +138,7 @@ class IndexingDrive(IndexLoads, IndexCase):
         engaged, locked = within_cell(self.mechanism, angles)
         flat = np.ascontiguousarray(engaged).reshape(-1)
         table = np.empty((flat.size, 5))
-        contact_states(scene_tuple(self._scene), flat, float(self.efficiency), table)
+        contact_states(packed(self._scene), flat, float(self.efficiency), table)
         table[:, :3] *= self.inertial
         table[:, 2] /= self._length
         table[:, 3] *= self.speed

@@ -17,17 +17,17 @@ RINGING = KNOCK + len(Knock._fields)
 
 
 @jit(allocates=True)
-def fill_rows(scene_tuple, half, numbers, table):
+def fill_rows(packed, half, numbers, table):
     """Fill a row of `table` with the figures, the impacts and the ringing of every drive.
 
     Parameters
     ----------
-    scene_tuple : of any scene of the mechanism with thin pins, see `cycle_figures`.
+    packed : of any scene of the mechanism with thin pins, see `cycle_figures`.
     half : driver angle where the first half of the engagement ends.
     numbers : shape (n, k): numbers of each scene, and what the columns above name.
     table : shape (n, m): the fields of `CycleFigures`, `Knock` and `Ringing`.
     """
-    shared = scene_of(scene_tuple)
+    shared = scene_of(packed)
     entry, exit_ = shared.edges[0], shared.edges[-1]
     for i in range(numbers.shape[0]):
         row, found = numbers[i], table[i]

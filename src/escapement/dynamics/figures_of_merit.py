@@ -7,7 +7,7 @@ time compare the extrema of the motion from its start with that cycle, and
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field, fields, replace
 from functools import cached_property
 from typing import Any
 
@@ -138,6 +138,15 @@ class Figures(JudgedResult, Shown):
     status: Judged = Judged(Status.OK)  # noqa: RUF009 - the descriptor of the field
     message: Judged = Judged(MESSAGES[Status.OK])  # noqa: RUF009
 
+    def having(self, **found: Any) -> "Figures":
+        """A copy with other fields, on whose status the energy balance has not decided.
+
+        `replace` would read the status, and thus decide on that of the copy as well.
+        """
+        mine, made = vars(self), object.__new__(Figures)
+        vars(made).update({name: mine[name] for name in _FIELDS}, **found)
+        return made
+
     @property
     def _units(self) -> dict[str, str]:  # type: ignore[override]
         return {name: printed(figure.kind, "SI") for name, figure in FIGURES.items()}
@@ -219,6 +228,7 @@ class Figures(JudgedResult, Shown):
         return {name: getattr(self, name) for name in _NAMES}
 
 
+_FIELDS = tuple(field.name for field in fields(Figures))
 _NAMES = (*FIGURES, "beats", "reversal_angles", "status", "message")
 
 

@@ -51,7 +51,16 @@ from escapement.dynamics.load import load_at, whole_load
 from escapement.dynamics.torque import REST, is_undriven, same_angle_gap, torque_at
 from escapement.mechanisms.path import OFFSET, PIN_RATE, Path
 from escapement.mechanisms.slotted import pose_at
-from escapement.model.scene import Scene
+from escapement.model.scene import (
+    ARRAYS,
+    DRIVER_ANGLE,
+    DWELL,
+    EDGES_END,
+    PATH_END,
+    TABLE,
+    TORQUE_END,
+    Scene,
+)
 from escapement.numerics.jit import inner_jit, jit
 from escapement.numerics.known import where_known
 
@@ -72,18 +81,30 @@ SLIGHTEST_IMPACT = 1e-4
 @inner_jit(inlined=True)
 def scene_with(shared, edges, row):
     """The scene `shared` with other edges, and with the numbers in a row."""
+    return _numbered(
+        shared.path, edges, shared.dwell, shared.torque, shared.driver_angle, shared.load_curve, row
+    )
+
+
+@inner_jit(inlined=True)
+def _numbered(path, edges, dwell, torque, driver_angle, load_curve, row):
+    """The scene with the numbers in a row."""
     return Scene(
-        shared.path, edges, shared.dwell, shared.torque, shared.driver_angle, shared.load_curve,
+        path, edges, dwell, torque, driver_angle, load_curve,
         row[0], row[1], row[2], row[3], row[4], row[5], row[6], row[7], row[8], row[9], row[10],
         row[11], row[12], row[13], row[14], row[15], row[16], row[17], row[18],
     )  # fmt: skip
 
 
 @inner_jit(allocates=True, inlined=True)
-def scene_of(scene_tuple):
-    """The scene that belongs to the nested tuples of `model.scene.scene_tuple`."""
-    path = scene_tuple[0]
-    return Scene(Path(path[0], path[1]), *scene_tuple[1:])
+def scene_of(packed):
+    """The scene that `model.scene.packed` has laid out in an array."""
+    path, edges = int(packed[PATH_END]), int(packed[EDGES_END])
+    torque = int(packed[TORQUE_END])
+    return _numbered(
+        Path(packed[TABLE] != 0.0, packed[ARRAYS:path]), packed[path:edges], packed[DWELL],
+        packed[edges:torque], packed[DRIVER_ANGLE], packed[torque:], packed,
+    )  # fmt: skip
 
 
 @inner_jit

@@ -34,7 +34,8 @@ _FOLDERS = {
     **{("energy", ""): "energy", ("ivp", ""): "ivp"},
     **{("contact", law): f"contact.{law}" for law in ("rigid", "compliant")},
 }
-_LOSSLESS = "simulate.lossless"
+_LOSSLESS, _FRICTION = "simulate.lossless", "simulate.limits"
+_OK = Status.OK
 _FULL = "the figures are those of the full spring, whose torque falls as it runs down"
 _AT_START = "the figures are those of the torque at the start of the motion"
 _NO_START = "the torque curve begins with no torque, which has no cycle"
@@ -119,10 +120,10 @@ def simulate(
         return no_motion(escapement, engine, settings["rtol"], why)
     run = _engine(engine, escapement.contact, "simulate")
     motion: Motion = run(escapement, engagements=engagements, duration=duration, **settings)
-    note = uniqueness_note(escapement) if motion.outcome is not Status.PAINLEVE else ""
-    stalled = _stalled(escapement, motion.outcome)
-    if note or stalled or escapement.notes:
-        motion.add_notes(stalled, note, escapement.notes)
+    outcome, note = motion.outcome, uniqueness_note(escapement)
+    if note or escapement.notes or outcome is not _OK:
+        note = note if outcome is not Status.PAINLEVE else ""
+        motion.add_notes(_stalled(escapement, outcome), note, escapement.notes)
     return motion
 
 
@@ -150,7 +151,9 @@ def _settings(
     solver = solver_for(escapement.contact, solver)
     if escapement.mechanism.perfect and len(escapement.pairs) > 1:
         solver = solver_for_turns(solver)
-    speed = check_number(Run, "initial_speed", initial_speed)
+    speed = initial_speed
+    if type(speed) is not float or speed != 0.0:  # the usual start, from rest, needs no check
+        speed = check_number(Run, "initial_speed", speed)
     return solver.engine or DEFAULT_ENGINE, {**solver.arguments, "initial_speed": speed}
 
 
@@ -195,9 +198,8 @@ def terminal(
     solver = choose_solver(solver, engine, rtol, atol, method, max_step)
     engine, settings = _settings(escapement, solver, initial_speed)
     found = _terminal(escapement, engine, settings)
-    stalled = _stalled(escapement, found.outcome)
-    if stalled or escapement.notes:
-        found.add_notes(stalled, escapement.notes)
+    if escapement.notes or found.outcome is not _OK:
+        found.add_notes(_stalled(escapement, found.outcome), escapement.notes)
     return found
 
 
@@ -265,9 +267,15 @@ def _undriven(escapement: Escapement) -> str:
 
 def limits(escapement: Escapement) -> Figures:
     """The figures that belong to an escapement whether it moves or not."""
-    critical, uniqueness = friction_limits(escapement)
-    margin = 1.0 - escapement.friction / critical if critical > 0.0 else -math.inf
-    return Figures(critical_friction=critical, uniqueness_friction=uniqueness, jam_margin=margin)
+    kept = escapement.kept
+    if _FRICTION not in kept:
+        critical, uniqueness = friction_limits(escapement)
+        margin = 1.0 - escapement.friction / critical if critical > 0.0 else -math.inf
+        kept[_FRICTION] = Figures(
+            critical_friction=critical, uniqueness_friction=uniqueness, jam_margin=margin
+        )
+    found: Figures = kept[_FRICTION]
+    return found
 
 
 def _ends_alike(escapement: Escapement) -> bool:

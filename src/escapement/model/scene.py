@@ -7,13 +7,16 @@ motion except for the unit of time.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
+from escapement.base.lazy import Lazy
 from escapement.mechanisms.path import Path
 
 if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
+else:
+    np = Lazy("numpy")
 
 
 class Scene(NamedTuple):
@@ -92,11 +95,21 @@ class Joint(NamedTuple):
     slip: float
 
 
-def scene_tuple(scene: Scene) -> tuple[Any, ...]:
-    """A scene as nested plain tuples, from which `dynamics.law.scene_of` rebuilds it in a kernel.
+_NUMBERS = len(Scene._fields) - Scene._fields.index("rho")
+DWELL, DRIVER_ANGLE, TABLE, PATH_END, EDGES_END, TORQUE_END, ARRAYS = range(_NUMBERS, _NUMBERS + 7)
+"""Places in a packed scene behind its numbers, which come first, in the order of the fields.
 
-    Numba takes half a microsecond to find out the type of a named tuple, a twentieth of a
-    simulation, so the kernels that Python calls often take plain tuples.
+The last ones are where each array ends, and where the first one, that of the path, begins.
+"""
+
+
+def packed(scene: Scene) -> NDArray[np.float64]:
+    """A scene as one array, shape (n,), from which `dynamics.law.scene_of` makes it in a kernel.
+
+    Numba needs half a microsecond to find out the types of all fields of a tuple, a twentieth of
+    a simulation, so the kernels that Python calls often take an array.
     """
-    path, *rest = scene
-    return tuple(path), *rest
+    path, edges, dwell, torque, driver_angle, load_curve, *numbers = scene
+    arrays = path.numbers, edges, torque, load_curve
+    ends = np.cumsum([ARRAYS, *(array.size for array in arrays)])[1:-1]
+    return np.concatenate([[*numbers, dwell, driver_angle, path.table, *ends], *arrays])

@@ -202,7 +202,7 @@ def exponentials(b):
     return even - odd, even + odd
 
 
-@inner_jit
+@inner_jit(merged=True)
 def fill_decay(b, alpha, gain, count):
     """Fill alpha = exp(-b) at the points, and turn the gain A into A/alpha."""
     large = 0

@@ -198,6 +198,7 @@ _TRAITS: dict[str, dict[str, Any]] = {
     "allocates": {"_nrt": True},
     "reorders": {"fastmath": {"reassoc"}},
     "inlined": {"inline": "always"},
+    "merged": {"forceinline": True},
     "inner": {"no_cpython_wrapper": True},
 }
 """Options of Numba by what `jit` calls them."""
@@ -215,6 +216,8 @@ def jit(function: Any = None, **traits: bool) -> Any:
         other arithmetic is ever changed.
     inlined : its code becomes part of every caller before types are inferred, so that it is not
         compiled separately.
+    merged : its machine code becomes part of every caller's, for a kernel of few lines that is
+        called often; handing over the numbers of a scene would take as long as its work.
     inner : only kernels call it, so no entry point for Python is compiled; these would take a
         fifth of all time.
 

@@ -9,17 +9,18 @@ from escapement.base.status import Status
 from escapement.dynamics.law import scene_of, scene_with
 from escapement.dynamics.load import has_load_curve
 from escapement.dynamics.needs import CONSTANT, NO_CURVE, NUMBERS, Kind, kind_of
+from escapement.dynamics.painleve import beyond_painleve
 from escapement.engines.energy.calls import kernel_addresses
 from escapement.engines.energy.case_figures import figures, transient_memory
-from escapement.engines.energy.cells import NO_CELLS, cells_of
+from escapement.engines.energy.cells import CELL, NO_CELLS, cells_of
 from escapement.engines.energy.cycle import FIGURES
-from escapement.engines.energy.march import OK
-from escapement.engines.energy.pairs import new_case, prepare
+from escapement.engines.energy.march import OK, PAINLEVE
+from escapement.engines.energy.pairs import new_case, prepare, scene_of_pair
 from escapement.mechanisms.path import smooth_intervals, writeable
 from escapement.mechanisms.pattern import PAIR, POSSIBLE, lay_pattern
 from escapement.mechanisms.protocol import FloatArray, Mechanism, dwell_angle
 from escapement.mechanisms.slotted import slide_edges
-from escapement.model.scene import Scene, scene_tuple
+from escapement.model.scene import Scene, packed
 from escapement.numerics.altered import altered
 from escapement.numerics.jit import jit
 
@@ -33,24 +34,24 @@ _AT_ONCE = 1 << 16
 
 
 @jit(allocates=True)
-def solve_rows(addresses, scene_tuple, cells, patterns, none, numbers, rtol, extent, table, status):
+def solve_rows(addresses, packed, cells, patterns, numbers, rtol, extent, table, status):
     """Fill table[i] and status[i] for every scene i, in natural units.
 
     Parameters
     ----------
-    addresses, scene_tuple, cells : as `calls.prepared` gives them, for any scene of the
+    addresses, packed, cells : as `calls.prepared` gives them, for any scene of the
         mechanism, of which path, edges and dwell are used where the parts are perfect.
     patterns : array of `mechanisms.pattern.PAIR`, a row for each scene; empty rows for perfect
         parts.
-    none : cells of no mechanism, with no columns.
     numbers : array of shape (scenes, k): the numbers of each scene, and its squared speed at
         the first entry.
     rtol : relative error asked for.
     extent : an `Extent`, how far the transient is followed.
     table, status : results, described in `solve`; of a stall the first two columns hold the
-        driver angle [rad] and the engagement. A scene with another status than OK is left out.
+        driver angle [rad] and the engagement. A scene with another status than OK is left out; see
+        `mark_jammed`.
     """
-    shared, size = scene_of(scene_tuple), patterns.shape[1]
+    shared, size = scene_of(packed), patterns.shape[1]
     room, handoffs, rows = transient_memory(shared.edges, size)
     fixed = new_case(addresses, shared, cells, patterns[0], room)
     for i in range(status.size):
@@ -59,13 +60,26 @@ def solve_rows(addresses, scene_tuple, cells, patterns, none, numbers, rtol, ext
         if size == 0 and scene.pin > 0.0 and not has_load_curve(scene):
             # a pin with a radius has its own breaks, between which nothing is tabulated
             edges = slide_edges(shared.path, scene.pin, shared.edges)
-            scene, known = scene_with(shared, edges, row), none
+            scene, known = scene_with(shared, edges, row), np.empty((1, 0), CELL)
         case = altered(fixed, "scene", scene, "cells", known, "pattern", patterns[i])
         if status[i] == OK:
-            status[i] = prepare(case)
-        if status[i] == OK:
-            w = row[_COUNT]
-            status[i] = figures(case, handoffs, rows, w, rtol, extent, table[i])
+            prepare(case)
+            status[i] = figures(case, handoffs, rows, row[_COUNT], rtol, extent, table[i])
+
+
+@jit(allocates=True)
+def mark_jammed(packed, patterns, numbers, status):
+    """Mark the scenes at or above the Painleve limit, at which a march would divide by zero.
+
+    The arguments are those of `solve_rows`.
+    """
+    shared = scene_of(packed)
+    for i in range(status.size):
+        scene = scene_with(shared, shared.edges, numbers[i])
+        for index in range(max(patterns.shape[1], 1)):
+            one = scene_of_pair(scene, patterns[i], index, 0.0)
+            if status[i] == OK and beyond_painleve(one):
+                status[i] = PAINLEVE
 
 
 @jit(allocates=True)
@@ -129,7 +143,7 @@ def solve(
         np.array(NO_CURVE),
         **dict.fromkeys(NUMBERS, 0.0),
     )
-    fixed = kernel_addresses(kind), scene_tuple(scene)
+    fixed = kernel_addresses(kind), packed(scene)
     cells = NO_CELLS if size else cells_of(path, edges)
     for first in range(0, len(rows), at_once):
         some = slice(first, first + at_once)
@@ -138,8 +152,9 @@ def solve(
             longer, pins, slots = (each[some] for each in errors)
             given = longer, rows[some, _PIN], pins, slots
             lay_patterns(*wheel.path_numbers.values(), *given, patterns, status[some])
-        given = cells, patterns, NO_CELLS, rows[some]
-        solve_rows(*fixed, *given, rtol, int(extent), table[some], status[some])
+        mark_jammed(fixed[1], patterns, rows[some], status[some])
+        inputs = cells, patterns, rows[some], rtol, int(extent)
+        solve_rows(*fixed, *inputs, table[some], status[some])
     # for a stall the table holds its angle and engagement, which are not figures of merit
     table[status != OK] = np.nan
     return table, status

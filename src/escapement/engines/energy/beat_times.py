@@ -6,7 +6,7 @@ import numpy as np
 
 from escapement.base.status import Status
 from escapement.dynamics.needs import FIXED
-from escapement.engines.energy.batch import solve_rows
+from escapement.engines.energy.batch import mark_jammed, solve_rows
 from escapement.engines.energy.calls import prepared
 from escapement.engines.energy.case_figures import Extent
 from escapement.engines.energy.cells import NO_CELLS
@@ -25,11 +25,12 @@ def pattern_beats(escapement: Escapement, rtol: float) -> FloatArray | None:
     mechanism: Any = escapement.mechanism
     if mechanism.misfit:
         return None
-    addresses, plain, *_ = prepared(escapement)
-    given = addresses, plain, NO_CELLS, mechanism.pattern
+    addresses, scene, *_ = prepared(escapement)
+    given = addresses, scene, NO_CELLS, mechanism.pattern
     numbers, codes = np.array([[*escapement.scene[FIXED:], 0.0]]), np.zeros(1, dtype=np.uint8)
     table, extent = np.empty((1, FIGURES)), int(Extent.CYCLE)
-    solve_rows(*given[:3], given[3][None], NO_CELLS, numbers, rtol, extent, table, codes)
+    mark_jammed(scene, given[3][None], numbers, codes)
+    solve_rows(*given[:3], given[3][None], numbers, rtol, extent, table, codes)
     if codes[0] != Status.OK:
         return None
     w = float(table[0, HANDOFF]) ** 2

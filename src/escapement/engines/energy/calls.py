@@ -20,7 +20,7 @@ from escapement.engines.energy.passage import Detail, Request
 from escapement.mechanisms.path import Path
 from escapement.mechanisms.pattern import PAIR
 from escapement.model.escapement import Escapement
-from escapement.model.scene import Scene, scene_tuple
+from escapement.model.scene import Scene, packed
 from escapement.numerics.by_address import by_address
 from escapement.numerics.interpreted import when_compiled
 
@@ -68,7 +68,7 @@ def pattern_of(escapement: Escapement) -> np.ndarray:
 
 
 def prepared(escapement: Escapement) -> tuple[Any, ...]:
-    """Addresses of the long kernels, scene as plain tuples, cells of the mechanism, and pattern.
+    """Addresses of the long kernels, packed scene, cells of the mechanism, and pattern.
 
     They are kept on the escapement, so that its next call does not tabulate the cells again.
     """
@@ -78,6 +78,6 @@ def prepared(escapement: Escapement) -> tuple[Any, ...]:
         kind = max(kind_of(one.path, one.torque, one[FIXED:]) for one in escapement.scenes)
         kind = Kind.WHOLE if scene.load_curve.size > 1 else kind
         cells = NO_CELLS if pattern.size else cells_of(scene.path, scene.edges)
-        kept[_KEY] = kernel_addresses(kind), scene_tuple(scene), cells, pattern
+        kept[_KEY] = kernel_addresses(kind), packed(scene), cells, pattern
     result: tuple[Any, ...] = kept[_KEY]
     return result

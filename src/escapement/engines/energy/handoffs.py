@@ -20,8 +20,9 @@ from escapement.engines.energy.passage import Detail, request_of
 from escapement.engines.energy.rundown_series import (
     FORGOTTEN,
     NODES,
-    add_time,
+    Elapsed,
     fill,
+    later,
     least_length,
     longest_stretch,
 )
@@ -33,12 +34,12 @@ SMALL_EXPONENT = 0.1
 
 
 @jit(allocates=True)
-def handoffs(addresses, scene_tuple, cells, pattern, w, limit, rtol, clock, times, speeds):
+def handoffs(addresses, packed, cells, pattern, w, limit, rtol, clock, times, speeds):
     """March engagements until `times` is full, `limit` is passed, or the motion stalls.
 
     Parameters
     ----------
-    addresses, scene_tuple, cells, pattern : as `calls.prepared` gives them.
+    addresses, packed, cells, pattern : as `calls.prepared` gives them.
     w : squared driver speed at the first entry, in natural units.
     limit : time after which to stop, in natural units.
     rtol : relative error asked for.
@@ -52,17 +53,14 @@ def handoffs(addresses, scene_tuple, cells, pattern, w, limit, rtol, clock, time
         [rad], and times[done] the time. A plain tuple is returned, because Python makes it in
         a third of the time that a named one takes.
     """
-    scene = scene_of(scene_tuple)
+    scene = scene_of(packed)
     room = round_events(scene.edges, min(pattern.size, 1))
     case = new_case(addresses, scene, cells, pattern, room)
-    status, data = prepare(case), case.data
-    if status != OK:
-        return status, 0, 0.0
-    series = np.zeros((5, NODES))
-    totals = series[4]  # the time, and what Kahan's sum has left of it
+    prepare(case)
+    data = case.data
     request, size, constant = request_of(Detail.TIME, rtol), data.size, is_constant(scene)
     alone, whole = size == 1 and not constant, data[0].lap
-    start, carry_w = w, 0.0
+    start, carry_w, elapsed = w, 0.0, Elapsed(0.0, 0.0)
     adds = size == 1 and constant and is_lossless(scene) and data[0].slope == 0.0
     # the numbers of the engagement, of the first after a knot, and of the next to try a series
     k = line = attempt = 0
@@ -72,17 +70,17 @@ def handoffs(addresses, scene_tuple, cells, pattern, w, limit, rtol, clock, time
         driver_angle = 0.0 if constant else rounds * whole + data[index].begin
         found = engage(case, index, Start(w, 0.0, NO_EVENTS), request, driver_angle)
         if found.status != OK:
-            times[k] = (totals[0] + found.time) * clock
+            times[k] = (elapsed.total + found.time) * clock
             return _why(case, found, driver_angle), k, found.angle
         # without friction every engagement adds the same energy, so that a product takes the
         # place of a sum, whose rounding errors would add up
         out, carry_w = start + (k + 1) * found.source, 0.0
         if not adds:
             out, carry_w = _led_to(w, found, carry_w)
-        add_time(totals, found.time)
-        times[k] = totals[0] * clock
+        elapsed = later(elapsed, found.time)
+        times[k] = elapsed.total * clock
         speeds[k] = np.sqrt(out) / clock
-        if totals[0] >= limit:
+        if elapsed.total >= limit:
             return OK, k + 1, 0.0
         w, k, index, slope = out, k + 1, index + 1, slope + found.slope
         if index < size:
@@ -91,7 +89,7 @@ def handoffs(addresses, scene_tuple, cells, pattern, w, limit, rtol, clock, time
         # times to about (w - entry)/gap^2: where that is negligible, later rounds repeat this one
         gap = -np.expm1(slope)
         if constant and abs(w - entry) <= 0.05 * rtol * gap * gap * entry:
-            return OK, _repeat(data, k, totals[0], limit, clock, times, speeds), 0.0
+            return OK, _repeat(data, k, elapsed.total, limit, clock, times, speeds), 0.0
         index, rounds, entry, slope = 0, rounds + 1, w, 0.0
         if not alone:
             continue
@@ -99,11 +97,11 @@ def handoffs(addresses, scene_tuple, cells, pattern, w, limit, rtol, clock, time
         # after this number of engagements the start has no influence
         lead = int(FORGOTTEN / max(-found.slope, SMALL_EXPONENT)) + 2
         if k >= attempt and k - line >= lead:
-            most = times.size - k
+            most, series = times.size - k, np.zeros((4, NODES))
             stretch = longest_stretch(case, request, k, most, lead, w, rtol, series)
-            done, w = fill(stretch, w, limit, clock, totals, series, times, speeds)
+            done, w, elapsed = fill(stretch, w, elapsed, limit, clock, series, times, speeds)
             k, rounds = k + done, rounds + done
-            if done > 0 and totals[0] >= limit:
+            if done > 0 and elapsed.total >= limit:
                 return OK, k, 0.0
             attempt = k if done > 0 else k + least_length(lead)
             lay_out_again(case)

@@ -20,7 +20,7 @@ from escapement.dynamics.law import (
 from escapement.dynamics.load import load_at
 from escapement.dynamics.torque import torque_at
 from escapement.engines.energy import sampling
-from escapement.engines.energy.panels import points_of, solution_of
+from escapement.engines.energy.panels import points_of, pull_at, solution_of
 from escapement.engines.energy.sampling import CLOSE_PAIR, NEGLIGIBLE, Points
 from escapement.engines.energy.solve import (
     MOST_STEPS,
@@ -250,13 +250,14 @@ def _run_behind(scene, work, panel, solution, side, energy, reversal, trend):
     """
     bad = 0
     apart, viscous = panel.half > CLOSE_PAIR, is_viscous(scene)
+    left_pull = panel.entry.pull
     for i in range(points_of(work)):
         w = (solution.alpha[i] * energy + solution.beta[i]) * panel.inverse_inertia[i]
         slowness = panel.dtheta_dx[i] / np.sqrt(w)
         work.slowness_change[i] = work.slowness[i] - slowness
         work.slowness[i] = slowness
         root = np.sqrt(w) if viscous else 0.0
-        g, k, pull = panel.g[i], panel.dg[i], panel.pull[i]
+        g, k, pull = panel.g[i], panel.dg[i], pull_at(left_pull, panel.pull, i, scene)
         c = -side * contact(g, k, pull, w, root, scene, panel.load[i])
         a = net_torque(g, solution.friction_ratio[i], k, pull, w, root, scene, panel.load[i])
         work.contact[i] = c

@@ -155,7 +155,7 @@ def refine(kind, scene, store, events, i):
     here = needed_scene(scene, kind)
     x, slope = locate(work, event.net_torque, event.point, event.first, event.final, event.high)
     angle = event.angle + event.half * (1.0 + x)
-    elapsed, energy = _up_to(scene, here, work, event, x, angle)
+    elapsed, energy = _up_to(here, work, event, x, angle)
     g, c, k = bent_pose(angle, event.side, here)
     pull = torque_at(angle, here)[0] - here.bearing
     w = energy / (here.rho + g * g)
@@ -179,11 +179,8 @@ def refine(kind, scene, store, events, i):
 
 
 @inner_jit
-def _up_to(scene, here, work, event, x, angle):
-    """Time from the left end of an event's panel to x, where the driver angle is `angle`; and E.
-
-    `here` is the scene as its kind needs it.
-    """
+def _up_to(scene, work, event, x, angle):
+    """Time from the left end of an event's panel to x, where the driver angle is `angle`; and E."""
     if not event.coarse:
         weights_to(work, x)
         cumulate(event.slowness, work.scratch)
@@ -193,9 +190,9 @@ def _up_to(scene, here, work, event, x, angle):
     panel = work.spare
     panel.locked = event.side == 0.0
     panels.evaluate_geometry(work, panel, scene, event.angle, angle)
-    solve_side(here, work, panel, event.side, event.left_energy)
+    solve_side(scene, work, panel, event.side, event.left_energy)
     solution = solution_of(panel, event.side)
-    sample_panel(here, work, panel, solution, event.side, event.left_energy)
+    sample_panel(scene, work, panel, solution, event.side, event.left_energy)
     return duration(work)[0], solution.alpha_end * event.left_energy + solution.beta_end
 
 

@@ -93,15 +93,15 @@ def march(kind, scene, cells, store, count, request, w, rising, events, used):
     knotted = has_knot(here)
     most = (TOO_MANY_NARROW if lossy else TOO_MANY_PANELS) + 2 * scene.edges.size
     if knotted or count == panels.NO_PANELS or count > most:
-        count = panels.lay_out(scene, cells, store, request.loose)
+        count = panels.lay_out(here, cells, store, request.loose)
     work = store.workspace[0]
     first = store.panels[panels.FIRST_PANEL]
-    if first.driver_angle != scene.driver_angle:
-        panels.turn_to(store, scene)
+    if first.driver_angle != here.driver_angle:
+        panels.turn_to(store, here)
     if lossy:
         scene = flowing(first.left, 1.0, w, first_scene)
         here = needed_scene(scene, kind)
-        panels.fill_again(store, first, scene, cells)
+        panels.fill_again(store, first, here, cells)
     state = _enter(here, first, w, rising, used)
     # A driver at rest stays at rest if nothing accelerates it. A driver that nothing drives counts
     # as at rest if w is at most `REST`: drag alone might never stop it.
@@ -120,7 +120,7 @@ def march(kind, scene, cells, store, count, request, w, rising, events, used):
             scene = flowing(chained.left, side, state.w, first_scene)
             here = needed_scene(scene, kind)
             if chained.flow != scene.flow:
-                panels.fill_again(store, chained, scene, cells)
+                panels.fill_again(store, chained, here, cells)
             state = with_rho(state, chained.entry.g, before, scene.rho)
         if state.panel != panels.FIRST_PANEL and not chained.locked:
             state = _face(here, chained, state, events)
@@ -137,7 +137,7 @@ def march(kind, scene, cells, store, count, request, w, rising, events, used):
         if inside.split:
             if count >= panels.MAX_PANELS or panel.half < panels.SMALLEST:
                 return ended(NOT_CONVERGED, state, 0.0, state.time, count)
-            count = panels.halve(scene, cells, store, state.panel, count, passage.angle)
+            count = panels.halve(here, cells, store, state.panel, count, passage.angle)
             continue
         state = _advance(here, panel, chained.next, state, passage, extremum, inside)
         if state.used >= events.shape[0]:
@@ -220,7 +220,8 @@ def _check(scene, work, panel, starting, state, passage, request):
         # of D
         if last >= 0:
             last_point = min(last, N - 1)
-            final = drive_sign(panel.pull[last_point], work.w[last_point], scene)
+            pull = panels.pull_at(panel.entry.pull, panel.pull, last_point, scene)
+            final = drive_sign(pull, work.w[last_point], scene)
         else:
             final, last = sampling.net_torque_at(panel.exit, side, passage.w, scene), N
             final = sampling.beside(scene, panel, final, work.net_torque, N - 1)

@@ -14,10 +14,9 @@ import numpy as np
 
 from escapement.dynamics.codes import Event
 from escapement.dynamics.law import is_felt, left_by_impact
-from escapement.dynamics.painleve import beyond_painleve
 from escapement.engines.energy.calls import march, refine
 from escapement.engines.energy.located_events import EVENT, most_events, note
-from escapement.engines.energy.march import OK, PAINLEVE
+from escapement.engines.energy.march import OK
 from escapement.engines.energy.panels import MAX_PANELS, NO_PANELS, NUMBER, WHOLE, Store, new_store
 from escapement.engines.energy.passage import Detail
 from escapement.mechanisms.pattern import Handoff, path_in
@@ -150,13 +149,10 @@ def round_events(edges, size):
 
 @inner_jit
 def prepare(case):
-    """Fill the data of the pairs that do not depend on the motion; returns OK, or PAINLEVE."""
-    status, size, begin = OK, case.data.size, 0.0
+    """Fill the data of the pairs that do not depend on the motion."""
+    size, begin = case.data.size, 0.0
     for index in range(size):
         data, scene = case.data[index], scene_at(case, index, 0.0)
-        # at the Painleve limit J_s reaches zero, and a march would divide by zero
-        if beyond_painleve(scene):
-            status = PAINLEVE
         data.panels, data.share, data.begin = NO_PANELS, 1.0, begin
         begin += scene.edges[-1] - scene.edges[0] + scene.dwell
         following = (index + 1) % size
@@ -175,7 +171,6 @@ def prepare(case):
             data.slope = np.log1p(-unequal) + 2.0 * np.log(data.share)
     for index in range(size):
         case.data[index].lap = begin
-    return status
 
 
 @inner_jit

@@ -21,6 +21,7 @@ from escapement.dynamics.train_losses import is_lossy
 from escapement.mechanisms.slotted import pose_at, transmission_on
 from escapement.numerics.gauss import POINTS, N, tail_of
 from escapement.numerics.jit import inner_jit
+from escapement.numerics.known import where_known
 from escapement.numerics.records import record_dtype
 
 NUMBER, WHOLE, FLAG = np.float64, np.int64, np.bool_
@@ -162,6 +163,7 @@ def evaluate_geometry(work, panel, scene, left, right):
     fill_end(panel.entry, scene.path, left, panel.locked)
     fill_end(panel.exit, scene.path, right, panel.locked)
     finish_ends(panel, scene)
+    fill_inertia(panel, scene, points_of(work))
     finish_geometry(panel, scene, points_of(work))
 
 
@@ -186,18 +188,22 @@ def fill_geometry(work, panel, scene, cells, left, right):
     cell = cells[panel.interval, panel.cell]
     panel.left = left
     panel.half = 0.5 * (right - left)
-    count = points_of(work)
-    copy_row(panel.g, cell.g, count)
-    copy_row(panel.u, cell.u, count)
-    copy_row(panel.dg, cell.dg, count)
-    copy_row(panel.radius, cell.radius, count)
+    count, half = points_of(work), panel.half
+    # one loop, since the compiler makes no vector code of a loop that does little for each point
+    for i in range(count & N):
+        g = cell.g[i]
+        panel.g[i], panel.u[i], panel.dg[i] = g, cell.u[i], cell.dg[i]
+        panel.inverse_inertia[i] = 1.0 / (scene.rho + g * g)
+        panel.dtheta_dx[i] = half
+    if not is_ideal(scene):
+        copy_row(panel.radius, cell.radius, count)
     copy_end(panel.entry, cell.entry)
     copy_end(panel.exit, cell.exit)
     finish_ends(panel, scene)
     finish_geometry(panel, scene, count)
 
 
-@inner_jit
+@inner_jit(merged=True)
 def fill_pull(panel, scene, count):
     """Fill the pull of the drive on a panel, which is linear there.
 
@@ -206,14 +212,27 @@ def fill_pull(panel, scene, count):
     pull, slope = torque_at(panel.left + panel.half, scene)
     pull -= scene.bearing
     rise = slope * panel.half
-    for i in range(count & N):
-        panel.pull[i] = pull + rise * POINTS[i]
+    if may_change(scene):
+        for i in range(count & N):
+            panel.pull[i] = pull + rise * POINTS[i]
     panel.entry.pull, panel.exit.pull = pull - rise, pull + rise
     if slope != panel.slope:
         panel.plus.tail = panel.minus.tail = UNSOLVED
     panel.slope, panel.driver_angle = slope, scene.driver_angle
     if has_load_curve(scene):
         fill_load(panel, scene)
+
+
+@where_known("motor", lambda scene: False)
+def may_change(scene):
+    """Whether the torque of the drive may change; only then a panel has a row of its pull."""
+    return True
+
+
+@where_known("motor", lambda pull, row, i, scene: pull)
+def pull_at(pull, row, i, scene):
+    """The pull at point i of a panel, from `pull` at its left end, and from the row."""
+    return row[i]
 
 
 @inner_jit
@@ -242,7 +261,7 @@ def turn_to(store, scene):
         index = store.panels[index].next
 
 
-@inner_jit
+@inner_jit(merged=True)
 def finish_ends(panel, scene):
     """Turn g' at the ends into k, and give the sliding speed there the sign it has inside."""
     for end in (panel.entry, panel.exit):
@@ -254,13 +273,18 @@ def finish_ends(panel, scene):
         panel.exit.u += INWARDS * (panel.u[N - 1] - panel.exit.u)
 
 
-@inner_jit
-def finish_geometry(panel, scene, count):
-    """Fill what follows from g and the half width, and mark both sides as unsolved."""
+@inner_jit(merged=True)
+def fill_inertia(panel, scene, count):
+    """Fill 1/(rho + g^2) and theta' of a panel with the same theta' at all points."""
     half = panel.half
     for i in range(count & N):
         panel.inverse_inertia[i] = 1.0 / (scene.rho + panel.g[i] * panel.g[i])
         panel.dtheta_dx[i] = half
+
+
+@inner_jit(merged=True)
+def finish_geometry(panel, scene, count):
+    """Fill what follows from `fill_inertia`, and mark both sides as unsolved."""
     if scene.follower_drag > 0.0:
         for i in range(N):
             panel.dg[i] = dragged_slope(panel.g[i], panel.dg[i], scene)

@@ -85,10 +85,10 @@ def _copy(table, to, filled):
 
 
 @jit(allocates=True)
-def events_of(addresses, scene_tuple, cells, pattern, numbers, driver_angle, squares, rtol):
+def events_of(addresses, packed, cells, pattern, numbers, driver_angle, squares, rtol):
     """All events of the engagements `numbers`, ascending, which start with the w of `squares`.
 
-    `addresses`, `scene_tuple`, `cells` and `pattern` are as `calls.prepared` gives them;
+    `addresses`, `packed`, `cells` and `pattern` are as `calls.prepared` gives them;
     `driver_angle` are the values of `Scene.driver_angle`. Each engagement gets panels of its own,
     so that its events do not depend on the others.
 
@@ -99,7 +99,7 @@ def events_of(addresses, scene_tuple, cells, pattern, numbers, driver_angle, squ
     reached : ndarray
         w with which each leaves for the next, NaN where the march does not come to its end.
     """
-    scene, request = scene_of(scene_tuple), request_of(Detail.EVERYTHING, rtol)
+    scene, request = scene_of(packed), request_of(Detail.EVERYTHING, rtol)
     room = _ROOM + 4 * scene.edges.size + MOST_KNOTS
     case = new_case(addresses, scene, cells, pattern, room)
     prepare(case)

@@ -136,25 +136,33 @@ def longest_stretch(case, request, first, most, lead, w, rtol, series):
 
 
 @inner_jit
-def fill(stretch, w, limit, clock, totals, series, times, speeds):
-    """Fill times and speeds of the handoffs of a stretch; returns their number and the last w.
+def fill(stretch, w, elapsed, limit, clock, series, times, speeds):
+    """Fill times and speeds of the handoffs of a stretch.
 
-    `totals` are the time of the handoff before and what Kahan's sum has left of it.
+    `elapsed` is that of the handoff before. Returns the number of handoffs, and w and the time
+    elapsed at the last one.
     """
     for j in range(stretch.length):
         x = 2.0 * j / (stretch.length - 1) - 1.0
         w = value_at(series, 1, x)
-        add_time(totals, value_at(series, 0, x) / np.sqrt(w))
-        times[stretch.first + j] = totals[0] * clock
+        elapsed = later(elapsed, value_at(series, 0, x) / np.sqrt(w))
+        times[stretch.first + j] = elapsed.total * clock
         speeds[stretch.first + j] = np.sqrt(w) / clock
-        if totals[0] >= limit:
-            return j + 1, w
-    return stretch.length, w
+        if elapsed.total >= limit:
+            return j + 1, w, elapsed
+    return stretch.length, w, elapsed
+
+
+class Elapsed(NamedTuple):
+    """The time since the start of a motion, and what Kahan's sum has left of it."""
+
+    total: float
+    left: float
 
 
 @inner_jit
-def add_time(totals, length):
-    """Add the time of an engagement by Kahan's sum: a million rounding errors must not add up."""
-    step = length - totals[1]
-    total = totals[0] + step
-    totals[0], totals[1] = total, (total - totals[0]) - step
+def later(elapsed, length):
+    """The time after another engagement: a million rounding errors must not add up."""
+    step = length - elapsed.left
+    total = elapsed.total + step
+    return Elapsed(total, (total - elapsed.total) - step)

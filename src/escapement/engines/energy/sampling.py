@@ -20,7 +20,7 @@ from escapement.dynamics.law import (
 )
 from escapement.dynamics.torque import same_angle_gap
 from escapement.dynamics.train_losses import is_lossy, within_flow
-from escapement.engines.energy.panels import points_of
+from escapement.engines.energy.panels import points_of, pull_at
 from escapement.numerics.gauss import LAST_BUT_ONE_COEFFICIENT, LAST_COEFFICIENT, POINTS, WEIGHTS, N
 from escapement.numerics.jit import inner_jit
 
@@ -91,7 +91,7 @@ def sample_panel(scene, work, panel, solution, side, energy):
     against = 0
     stopped = 0
     slowing = 0
-    viscous = is_viscous(scene)
+    viscous, left_pull = is_viscous(scene), panel.entry.pull
     for i in range(points_of(work)):
         # E = alpha E_left + beta, and w = E/(rho + g^2)
         e = solution.alpha[i] * energy + solution.beta[i]
@@ -99,7 +99,7 @@ def sample_panel(scene, work, panel, solution, side, energy):
         speed = np.sqrt(w)
         root = speed if viscous else 0.0
         # X is the contact moment times J > 0
-        g, k, pull = panel.g[i], panel.dg[i], panel.pull[i]
+        g, k, pull = panel.g[i], panel.dg[i], pull_at(left_pull, panel.pull, i, scene)
         c = side * contact(g, k, pull, w, root, scene, panel.load[i])
         a = net_torque(g, solution.friction_ratio[i], k, pull, w, root, scene, panel.load[i])
         work.energy[i] = e

@@ -8,13 +8,14 @@ import numpy as np
 from escapement.base.status import MESSAGES, Status
 from escapement.base.validate import fail
 from escapement.dynamics.motion import Motion, no_motion, stall_message
+from escapement.dynamics.painleve import friction_limits
 from escapement.engines.energy.calls import prepared
 from escapement.engines.energy.handoffs import handoffs
-from escapement.engines.energy.march import OK, PAINLEVE, SPENT, STALL
+from escapement.engines.energy.march import OK, SPENT, STALL
 from escapement.engines.energy.trajectory import EnergyTrajectory
 from escapement.model.escapement import Escapement
 
-_DONE = MESSAGES[Status.OK]
+_OK, _DONE = Status.OK, MESSAGES[Status.OK]
 
 
 def simulate(
@@ -30,6 +31,8 @@ def simulate(
 
     A duration of more than `longest` engagements is refused.
     """
+    if escapement.friction >= friction_limits(escapement)[0]:
+        return no_motion(escapement, "energy", rtol)
     clock, given = escapement.time_unit, prepared(escapement)
     horizon = np.inf if duration is None else duration / clock
     w = (initial_speed * clock) ** 2
@@ -44,12 +47,10 @@ def simulate(
             rule = f"at most {times[-1]:.6g} s, in which {longest} engagements pass"
             raise fail("duration", rule, duration, "the figures of merit need no long motion")
         size = min(8 * size, longest)
-    if code == PAINLEVE:
-        return no_motion(escapement, "energy", rtol)
     # after a stall times[done] is the time of the stall, and otherwise times[done - 1] the end
     last = done - 1 if code == OK else done
     end = float(times[last])
-    status, message = Status.OK, _DONE
+    status, message = _OK, _DONE
     if code != OK:
         status = Status(code)
         stopped = code in (STALL, SPENT)
@@ -57,12 +58,14 @@ def simulate(
     if duration is not None and (code == OK or end >= duration):
         done = done if end <= duration else last
         end, status, message = duration, Status.OK, _DONE
-    trajectory = EnergyTrajectory(
-        escapement, rtol, initial_speed, times=times, speeds=speeds, turns=last, end_time=end
-    )
+    trajectory = EnergyTrajectory(escapement, rtol, initial_speed, times, speeds, last, end)
     if done < size:
         times, speeds = times[:done], speeds[:done]
-    return Motion(
-        escapement, "energy", rtol, trajectory, end_time=end, handoff_times=times,
-        handoff_velocities=speeds, status=status, message=message,
-    )  # fmt: skip
+    return Motion(escapement, "energy", rtol, trajectory, end, times, speeds, status, message)
+
+
+def steady_engagement(escapement: Escapement, rtol: float, speed: float, period: float) -> Motion:
+    """Motion over an engagement that ends, after a period [s], with its first speed [rad/s]."""
+    times, speeds = np.array([[period], [speed]])
+    trajectory = EnergyTrajectory(escapement, rtol, speed, times, speeds, 0, period)
+    return Motion(escapement, "energy", rtol, trajectory, period, times, speeds, Status.OK, _DONE)

@@ -25,8 +25,11 @@ from escapement.engines.energy.panels import (
     UNSOLVED,
     copy_end,
     evaluate_at,
+    fill_inertia,
     finish_geometry,
+    may_change,
     points_of,
+    pull_at,
     solution_of,
 )
 from escapement.engines.energy.sampling import friction_ratio_at, net_torque_at
@@ -144,7 +147,7 @@ def refresh_roots(scene, work, panel, solution, energy):
     return change * change
 
 
-@inner_jit
+@inner_jit(merged=True)
 def fill_friction_ratio(scene, work, panel, solution, side):
     """Fill the row of c = p - g, and that of roots with zeros."""
     if is_viscous(scene):
@@ -164,7 +167,7 @@ def fill_friction_ratio(scene, work, panel, solution, side):
 @inner_jit
 def solve_linear(scene, work, panel, solution, side):
     """Solve dE/dx = A - B E on a panel, viscous drag being linear about the row of roots."""
-    count = points_of(work)
+    count, left_pull = points_of(work), panel.entry.pull
     # until beta is known its row holds (rho + g^2)/J
     if is_viscous(scene):
         for i in range(N):
@@ -187,7 +190,7 @@ def solve_linear(scene, work, panel, solution, side):
                 panel.dg[i],
                 panel.inverse_inertia[i],
             )
-            pull, dtheta_dx = panel.pull[i], panel.dtheta_dx[i]
+            pull, dtheta_dx = pull_at(left_pull, panel.pull, i, scene), panel.dtheta_dx[i]
             rates = energy_rates(g, c, k, pull, inverse, dtheta_dx, 0.0, scene, panel.load[i])
             work.gain[i], work.decay[i], solution.beta[i] = rates
     # J is a difference of nearly equal terms near the Painleve limit: its rounding error is
@@ -211,7 +214,7 @@ def solve_linear(scene, work, panel, solution, side):
     solution.tail = _tail(scene, panel, solution, side, count)
 
 
-@inner_jit
+@inner_jit(merged=True)
 def _tail(scene, panel, solution, side, count):
     """Greatest relative size of the last coefficients of b, alpha, beta and 1/(rho + g^2).
 
@@ -272,10 +275,12 @@ def lay_out_start(scene, work, panel, offset):
     copy_end(start.entry, panel.entry)
     copy_end(start.exit, panel.exit)
     # theta' is not constant: it is set behind the call that sets it to the half width
+    fill_inertia(start, scene, count)
     finish_geometry(start, scene, count)
     for i in range(N):
         start.dtheta_dx[i] = work.slowness_change[i]
-        start.pull[i] = start.entry.pull + start.slope * half * (1.0 + work.scratch[i])
+        if may_change(scene):
+            start.pull[i] = start.entry.pull + start.slope * half * (1.0 + work.scratch[i])
     if has_load_curve(scene) and not panel.locked:
         for i in range(N):
             start.load[i] = load_at(left + half * (1.0 + work.scratch[i]), 1.0, scene)

@@ -1,7 +1,6 @@
 """Terminal cycle and figures of merit of the fast engine."""
 
 import math
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -15,8 +14,7 @@ from escapement.engines.energy import cycle
 from escapement.engines.energy.batch import solve_rows
 from escapement.engines.energy.calls import prepared
 from escapement.engines.energy.case_figures import LONGEST_PATTERN, Extent
-from escapement.engines.energy.cells import NO_CELLS
-from escapement.engines.energy.simulate import simulate
+from escapement.engines.energy.simulate import simulate, steady_engagement
 from escapement.mechanisms.protocol import FloatArray
 from escapement.model.escapement import Escapement
 
@@ -29,7 +27,8 @@ def _numbers_of(escapement: Escapement) -> FloatArray:
     kept = escapement.kept
     if _KEY not in kept:
         kept[_KEY] = np.array([[*escapement.scene[FIXED:], 0.0]])
-    return np.copy(kept[_KEY])
+    numbers: FloatArray = kept[_KEY]
+    return numbers.copy()
 
 
 def terminal(
@@ -39,33 +38,33 @@ def terminal(
     clock, count, extent = escapement.time_unit, len(escapement.scenes), int(Extent.FALLEN)
     numbers, codes = _numbers_of(escapement), np.zeros(1, dtype=np.uint8)
     numbers[0, -1] = (initial_speed * clock) ** 2
-    addresses, plain, cells, pattern = prepared(escapement)
+    addresses, scene, cells, pattern = prepared(escapement)
     table = np.empty((1, cycle.FIGURES))
-    given = addresses, plain, cells, pattern[None], NO_CELLS, numbers
-    solve_rows(*given, rtol, extent, table, codes)
+    solve_rows(addresses, scene, cells, pattern[None], numbers, rtol, extent, table, codes)
     # numbers of Python are faster here than those of NumPy
     out, status = table[0].tolist(), Status(int(codes[0]))
     if status is not Status.OK:
         stalled = status is Status.STALL
         message = stall_message(out[0], int(out[1])) if stalled else MESSAGES[status]
-        return replace(base, status=status, message=message)
-    handoff = out[cycle.HANDOFF] / clock
-    motion = simulate(
-        escapement, engagements=count, duration=None, initial_speed=handoff, rtol=rtol
-    )
-    # the period of the motion that is returned, so that its end time has the same digits
-    period = float(motion.end_time) / count
+        return base.having(status=status, message=message)
+    handoff, period = out[cycle.HANDOFF] / clock, out[cycle.PERIOD] * clock
+    if count == 1:
+        motion = steady_engagement(escapement, rtol, handoff, period)
+    else:
+        motion = simulate(
+            escapement, engagements=count, duration=None, initial_speed=handoff, rtol=rtol
+        )
+        # so that the end time of the motion has the same digits
+        period = float(motion.end_time) / count
     times: dict[str, Any] = {name: out[column] * clock for name, column in _TIMES.items()}
     missing = [name for name, time in times.items() if math.isnan(time)]
-    message = base.message
     if missing:
         count_text = f"{MAX_ENGAGEMENTS if count == 1 else LONGEST_PATTERN:_}".replace("_", " ")
-        message = (
+        times["message"] = (
             f"these figures take more than {count_text} engagements and are not given: "
             f"{', '.join(missing)}"
         )
-    return replace(
-        base,
+    return base.having(
         **times,
         velocity_max=out[cycle.V_MAX] / clock,
         velocity_min=out[cycle.V_MIN] / clock,
@@ -74,5 +73,4 @@ def terminal(
         handoff_velocity=handoff,
         contraction=out[cycle.CONTRACTION],
         motion=motion,
-        message=message,
     )

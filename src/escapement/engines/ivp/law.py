@@ -15,7 +15,7 @@ from escapement.dynamics.train_losses import flowing
 from escapement.mechanisms.protocol import FloatArray
 from escapement.mechanisms.slotted import pose_at
 from escapement.model.escapement import Escapement
-from escapement.model.scene import Scene, scene_tuple
+from escapement.model.scene import Scene, packed
 from escapement.numerics.jit import as_python, jit
 
 _GRID = 128
@@ -28,16 +28,16 @@ _FAR = 4.0 * np.pi
 class SceneLaw:
     """The equation of motion of one scene, for use outside of kernels.
 
-    scene : the scene. plain : the same as `model.scene.scene_tuple` gives it, for kernels.
+    scene : the scene. plain : the same as `model.scene.packed` gives it, for kernels.
     """
 
     scene: Scene
-    plain: tuple[Any, ...]
+    plain: FloatArray
 
     @classmethod
     def all_of(cls, escapement: Escapement) -> "list[SceneLaw]":
         """The law of each engagement of the pattern of an escapement."""
-        return [cls(scene, scene_tuple(scene)) for scene in escapement.scenes]
+        return [cls(scene, packed(scene)) for scene in escapement.scenes]
 
     @property
     def is_steady(self) -> bool:
@@ -87,7 +87,7 @@ class SceneLaw:
     def after(self, driver_angle: float) -> "SceneLaw":
         """The law in the cell after a driver angle turned."""
         scene = self.scene._replace(driver_angle=driver_angle)
-        return SceneLaw(scene, scene_tuple(scene))
+        return SceneLaw(scene, packed(scene))
 
     def along(self, theta: float) -> "SceneLaw":
         """The law whose torque goes on beyond its knots as it is at a driver angle."""
@@ -98,7 +98,7 @@ class SceneLaw:
             [0.0, *ends, *(torque + slope * (ends - driver_angle))] if slope else [0.0, 0.0, torque]
         )
         scene = self.scene._replace(torque=np.array(line))
-        return SceneLaw(scene, scene_tuple(scene))
+        return SceneLaw(scene, packed(scene))
 
     def force(self, theta: float, w: float, side: float) -> float:
         """A number with the sign of the contact force, whose zero is the pin reversal.
@@ -161,7 +161,7 @@ def slope(x, y, anchor, unit, side, slide_sign, ratio_sign, losses, plain):
     """Derivative of y by x, in the units of a piece.
 
     y = (angle from `anchor`, speed / unit, each of `losses` / unit^2), and x = time * unit; the
-    scene comes as `model.scene.scene_tuple` gives it. `slide_sign` and `ratio_sign` are as in
+    scene comes as `model.scene.packed` gives it. `slide_sign` and `ratio_sign` are as in
     `dynamics.law.grip`. A trial step may pass the end of a piece, where |v| and |g| have corners
     that would make the solver reject it; with the signs of the piece the law goes on smoothly.
     """

@@ -81,15 +81,15 @@ def _repeat(states, k, length, limit):
 
 
 @jit(allocates=True)
-def march(scene_tuple, clearance, rtol, limit, first, states, numbers, rows, engagement, used):
+def march(packed, clearance, rtol, limit, first, states, numbers, rows, engagement, used):
     """Follow engagements until `states` is full, a time is passed, or the motion ends.
 
     It also returns, RUNNING, behind an engagement with which it has taken `AT_ONCE` steps.
 
     Parameters
     ----------
-    scene_tuple : as `model.scene.scene_tuple` gives it.
-    clearance : the numbers of a `Clearance`, as a plain tuple like those of the scene.
+    packed : as `model.scene.packed` gives it.
+    clearance : the numbers of a `Clearance`, as a plain tuple.
     rtol : relative error asked for.
     limit : time after which to stop.
     first : number of the engagement that begins with the first of the states.
@@ -106,7 +106,7 @@ def march(scene_tuple, clearance, rtol, limit, first, states, numbers, rows, eng
     ending, done, angle, time
         How the last engagement ended, how many were completed, where and when it ended.
     """
-    scene = scene_of(scene_tuple)
+    scene = scene_of(packed)
     walls, memory = walls_of(scene, Clearance(*clearance), rtol), workspace()
     cell, lost, constant = cell_of(scene), 0.0, is_constant(scene)
     ending, end, trend, last = Ending.DONE, states[0, TIME], 0.0, first

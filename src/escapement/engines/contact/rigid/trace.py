@@ -158,12 +158,12 @@ def _through_flight(work, walls, wanted):
 
 
 @jit(allocates=True)
-def trace(scene_tuple, clearance, rtol, pieces, engagement, lengths, firsts, times, states, lost):
+def trace(packed, clearance, rtol, pieces, engagement, lengths, firsts, times, states, lost):
     """Fill the states at times within pieces, and the work lost over each piece.
 
     Parameters
     ----------
-    scene_tuple, clearance, rtol : as of `march.march`.
+    packed, clearance, rtol : as of `march.march`.
     pieces, engagement : rows at which the pieces start, and the engagements they belong to.
     lengths : how long each lasts.
     firsts : shape (pieces + 1,): where the times of each piece begin among `times`.
@@ -171,7 +171,7 @@ def trace(scene_tuple, clearance, rtol, pieces, engagement, lengths, firsts, tim
     states : shape (STATE_ROWS, times), angles of the cell; see `state_rows.ContactState`.
     lost : shape (pieces, LOST), zeros.
     """
-    scene = scene_of(scene_tuple)
+    scene = scene_of(packed)
     walls, memory = walls_of(scene, Clearance(*clearance), rtol), workspace()
     cell = cell_of(scene)
     for k in range(pieces.size):

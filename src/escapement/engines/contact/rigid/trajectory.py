@@ -17,7 +17,7 @@ from escapement.engines.contact.state import state_from
 from escapement.engines.contact.state_rows import STATE_ROWS, ContactState
 from escapement.mechanisms.protocol import FloatArray
 from escapement.model.escapement import Escapement
-from escapement.model.scene import scene_tuple
+from escapement.model.scene import packed
 
 _KEY = "rigid.prepared"
 _ROOM = 24  # rows that an engagement takes, in most cases
@@ -27,7 +27,7 @@ _KEPT = 512
 NO_ROWS, NO_NUMBERS = np.empty(0, ROW), np.empty(0, np.int64)
 
 
-def prepared(escapement: Escapement) -> tuple[tuple[Any, ...], tuple[float, ...], float]:
+def prepared(escapement: Escapement) -> tuple[FloatArray, tuple[float, ...], float]:
     """Scene and clearance as `march.march` takes them, and the follower angle at the pin entry.
 
     They are kept on the escapement, so that its next call does not compute them again.
@@ -41,8 +41,8 @@ def prepared(escapement: Escapement) -> tuple[tuple[Any, ...], tuple[float, ...]
             step=float(wheel.follower_step),
         )
         entry = float(wheel.follower_angle(np.array(wheel.breaks[:1]))[0])
-        kept[_KEY] = scene_tuple(escapement.scene), tuple(clearance), entry
-    result: tuple[tuple[Any, ...], tuple[float, ...], float] = kept[_KEY]
+        kept[_KEY] = packed(escapement.scene), tuple(clearance), entry
+    result: tuple[FloatArray, tuple[float, ...], float] = kept[_KEY]
     return result
 
 
