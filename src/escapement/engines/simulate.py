@@ -148,7 +148,7 @@ def _settings(
     if not isinstance(escapement, Escapement):
         raise validate.fail("escapement", "an Escapement", escapement, "see escapement.Escapement")
     solver = solver_for(escapement.contact, solver)
-    if escapement.mechanism.perfect and len(escapement.pairs) > 1:
+    if escapement.mechanism.perfect and len(escapement.pairs) > 1 and not escapement.contact:
         solver = solver_for_turns(solver)
     speed = check_number(Run, "initial_speed", initial_speed)
     return solver.engine or DEFAULT_ENGINE, {**solver.arguments, "initial_speed": speed}

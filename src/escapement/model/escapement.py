@@ -418,19 +418,25 @@ class Escapement(Declared):
         load that repeats in a turn of the follower.
         """
         pairs = self.mechanism.pairs
+        if self.contact and self.load_curve is not None:
+            return pairs * self._load_steps
         cells = (pairs[0]._replace(edges=cell.edges) for cell in self._load_cells)
         return tuple(cells) or pairs
+
+    @property
+    def _load_steps(self) -> int:
+        """Steps of the follower after which its load repeats."""
+        return steps_of(self.load_curve, abs(float(self.mechanism.follower_step)))
 
     @cached_property
     def _load_cells(self) -> list[Any]:
         """The load that changes with the follower angle in each of its engagements."""
-        if self.load_curve is None:
+        if self.load_curve is None or self.contact:
             return []
         from escapement.model.load_cells import load_cell
 
-        step = self.mechanism.follower_step
-        count, (pair, *_) = steps_of(self.load_curve, abs(step)), self.mechanism.pairs
-        return [load_cell(self.load_curve, pair, k * step) for k in range(count)]
+        step, (pair, *_) = self.mechanism.follower_step, self.mechanism.pairs
+        return [load_cell(self.load_curve, pair, k * step) for k in range(self._load_steps)]
 
     @cached_property
     def scenes(self) -> tuple[Scene, ...]:
@@ -442,6 +448,12 @@ class Escapement(Declared):
         pairs, loads = self.pairs, [np.zeros(1)] * len(self.pairs)
         if self._load_cells:
             loads = [cell.in_units(self.torque_unit) for cell in self._load_cells]
+        elif self.load_curve is not None:
+            from escapement.model.load_cells import over_follower
+
+            load = self.load_curve * (1.0 / self.torque_unit)
+            step = float(self.mechanism.follower_step)
+            loads = [over_follower(load, self._load_steps, step)] * len(pairs)
         cells = zip(pairs, loads, strict=True)
         return tuple(Scene(*m[:3], torque, 0.0, load, **numbers) for m, load in cells)
 

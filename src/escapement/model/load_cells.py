@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from scipy.optimize import brentq
 
 from escapement.mechanisms.path import EDGES, PIECES, Pair
-from escapement.model.load_curve import Load
+from escapement.model.load_curve import Load, Unbalance
 from escapement.numerics.chebyshev import fit
 
 FloatArray = NDArray[np.float64]
@@ -46,6 +46,16 @@ def load_cell(load: Load, pair: Pair, turned: float) -> LoadCell:
     series = fit(lambda theta: np.asarray(load(angle(theta))), edges, _ORDER, _DECAYED, kinks=0)
     numbers = np.array(series.rows.shape, float), series.edges, series.rows.reshape(-1)
     return LoadCell(edges, np.concatenate(numbers))
+
+
+def over_follower(load: Load, steps: int, step: float) -> FloatArray:
+    """A load over the follower angle, as `dynamics.load` reads it.
+
+    It repeats after so many steps, of the angle `step` [rad] each.
+    """
+    if isinstance(load, Unbalance):
+        return np.array([0.0, steps, step, load.moment, load.angle])
+    return np.array([0.0, steps, step, 0.0, 0.0, *load.angle, *load.torque])
 
 
 def _with_knots(
