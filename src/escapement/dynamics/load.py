@@ -1,12 +1,15 @@
 """A load that changes with the follower's angle, in units of the driving torque.
 
 It is a torque against the follower's forward sense, whichever way it turns. `Scene.load_curve`
-holds it in one of three ways:
+holds it in one of four ways:
 
 - a single number: there is no such load.
 - over the driver angle of a cell, by the series of `mechanisms.table`. The knots of the load are
   among the edges of the scene. So it is where the pin fits its slot, and the follower angle follows
   from the driver angle.
+- over the driver angle in each cell of a round, from which `cell_of_round` takes a cell. First comes
+  minus the number of cells, then where each cell begins, and for each cell the number of edges, the
+  edges, and the load over the driver angle.
 - over the follower angle, with clearance and between elastic walls. The first number, which is that
   of the pieces of a table, is 0. Then follow the steps of the follower after which the load repeats,
   the angle of one step, and either moment and angle of a weight, or two zeros and the knots:
@@ -48,6 +51,14 @@ def load_at(theta, side, scene):
 def whole_load(load, scene):
     """The constant load and, if there is one, the part that changes."""
     return scene.load + load if len(scene.load_curve) > 1 else scene.load
+
+
+@inner_jit(allocates=True, inlined=True)
+def cell_of_round(loads, index):
+    """The edges of a cell, and the load in it, from the loads in a round of cells."""
+    first, last = int(loads[1 + index]), int(loads[2 + index])
+    behind = first + 1 + int(loads[first])
+    return loads[first + 1 : behind], loads[behind:last]
 
 
 @inner_jit

@@ -418,15 +418,20 @@ class Escapement(Declared):
         load that repeats in a turn of the follower.
         """
         pairs = self.mechanism.pairs
-        if self.contact and self.load_curve is not None:
-            return pairs * self._load_steps
-        cells = (pairs[0]._replace(edges=cell.edges) for cell in self._load_cells)
-        return tuple(cells) or pairs
+        if self.load_curve is None:
+            return pairs
+        count = math.lcm(len(pairs), self._load_steps)
+        pairs = pairs * (count // len(pairs))
+        if self.contact:
+            return pairs
+        cells = zip(pairs, self._load_cells, strict=True)
+        return tuple(pair._replace(edges=cell.edges) for pair, cell in cells)
 
     @property
     def _load_steps(self) -> int:
         """Steps of the follower after which its load repeats."""
-        return steps_of(self.load_curve, abs(float(self.mechanism.follower_step)))
+        load, step = self.load_curve, abs(float(self.mechanism.follower_step))
+        return 1 if load is None else steps_of(load, step)
 
     @cached_property
     def _load_cells(self) -> list[Any]:
@@ -435,8 +440,11 @@ class Escapement(Declared):
             return []
         from escapement.model.load_cells import load_cell
 
-        step, (pair, *_) = self.mechanism.follower_step, self.mechanism.pairs
-        return [load_cell(self.load_curve, pair, k * step) for k in range(self._load_steps)]
+        step, pairs = self.mechanism.follower_step, self.mechanism.pairs
+        count = math.lcm(len(pairs), self._load_steps)
+        return [
+            load_cell(self.load_curve, pairs[k % len(pairs)], k * step) for k in range(count)
+        ]
 
     @cached_property
     def scenes(self) -> tuple[Scene, ...]:
@@ -483,6 +491,7 @@ class Escapement(Declared):
             "scene",
             "joint",
             "kept",
+            "jump_works",
             "_begins",
             "_load_cells",
             "referred",
@@ -524,6 +533,18 @@ class Escapement(Declared):
         return (
             self.torque_unit * driver_angle if self.curve is None else self.curve.work(driver_angle)
         )
+
+    @cached_property
+    def jump_works(self) -> FloatArray:
+        """Work that the load would take where the follower jumps ahead to each of its `pairs` [J].
+        """
+        step = self.mechanism.follower_step
+        ends = [
+            k * step + float(pair.follower_angle(pair.edges[:1])[0])
+            for k, pair in enumerate(self.pairs)
+        ]
+        cells = zip(self.pairs, ends, strict=True)
+        return np.array([self.load_work(pair.jump, end - pair.jump) for pair, end in cells])
 
     def load_work(self, turn: Any, begin: Any = None) -> Any:
         """Work done against the load while the follower turns by angles [rad] [J].

@@ -1,6 +1,6 @@
 """A load over the follower angle as engines see it: over the driver angle of each cell."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from itertools import pairwise
 from typing import NamedTuple
 
@@ -46,6 +46,13 @@ def load_cell(load: Load, pair: Pair, turned: float) -> LoadCell:
     series = fit(lambda theta: np.asarray(load(angle(theta))), edges, _ORDER, _DECAYED, kinks=0)
     numbers = np.array(series.rows.shape, float), series.edges, series.rows.reshape(-1)
     return LoadCell(edges, np.concatenate(numbers))
+
+
+def in_a_round(cells: Sequence[tuple[FloatArray, FloatArray]]) -> FloatArray:
+    """Edges and loads of several cells in one array, as `dynamics.load` reads it."""
+    parts = [np.concatenate([[edges.size], edges, load]) for edges, load in cells]
+    begins = len(parts) + 2.0 + np.cumsum([0.0, *(part.size for part in parts)])
+    return np.concatenate([[-float(len(parts))], begins, *parts])
 
 
 def over_follower(load: Load, steps: int, step: float) -> FloatArray:

@@ -25,14 +25,17 @@ def pattern_beats(escapement: Escapement, rtol: float) -> FloatArray | None:
     mechanism: Any = escapement.mechanism
     if mechanism.misfit:
         return None
-    addresses, plain, *_ = prepared(escapement)
-    given = addresses, plain, NO_CELLS, mechanism.pattern
+    addresses, plain, cells, pattern = prepared(escapement)
+    if escapement.load_curve is None:
+        cells, pattern = NO_CELLS, mechanism.pattern
+    given = addresses, plain, cells, pattern
     numbers, codes = np.array([[*escapement.scene[FIXED:], 0.0]]), np.zeros(1, dtype=np.uint8)
     table, extent = np.empty((1, FIGURES)), int(Extent.CYCLE)
     solve_rows(*given[:3], given[3][None], NO_CELLS, numbers, rtol, extent, table, codes)
     if codes[0] != Status.OK:
         return None
     w = float(table[0, HANDOFF]) ** 2
-    times, speeds = np.empty((2, mechanism.pattern.size))
+    times, speeds = np.empty((2, max(pattern.size, 1)))
     status, *_ = handoffs(*given, w, np.inf, rtol, escapement.time_unit, times, speeds)
-    return np.diff(times, prepend=0.0) if status == Status.OK else None
+    beats = np.resize(np.diff(times, prepend=0.0), mechanism.pattern.size)
+    return beats if status == Status.OK else None
