@@ -71,11 +71,13 @@ def _columns(args: Arguments, record: Record, beside: Record) -> None:
 
 
 def _table(drive: "IndexingDrive") -> str:
-    """States of the engagement as CSV."""
+    """States of the engagement, or of all in a turn of the follower, as CSV."""
     import numpy as np
 
-    entry, exit_ = drive.mechanism.breaks[0], drive.mechanism.breaks[-1]
-    state = drive.at(np.linspace(entry, exit_, _ROWS))
+    wheel = drive.mechanism
+    angles = np.linspace(wheel.breaks[0], wheel.breaks[-1], _ROWS)
+    begins = wheel.cell_angle * np.arange(drive.indexes)
+    state = drive.at((begins[:, None] + angles).reshape(-1))
     columns = {
         "driver_deg": np.degrees(state.theta), "follower_deg": np.degrees(state.phi),
         "speed_rad_per_s": state.phi_dot, "acceleration_rad_per_s2": state.phi_ddot,

@@ -15,7 +15,12 @@ from numpy.typing import ArrayLike
 
 from escapement.base import validate
 from escapement.constant_speed.contact import within_cell
-from escapement.constant_speed.cycle_figures import CycleFigures, contact_states, cycle_figures
+from escapement.constant_speed.cycle_figures import (
+    CycleFigures,
+    contact_states,
+    cycle_figures,
+    join_steps,
+)
 from escapement.constant_speed.index_case import IndexCase
 from escapement.constant_speed.index_loads import IndexLoads
 from escapement.constant_speed.knock import NO_KNOCK, Knock, knock
@@ -60,23 +65,32 @@ class IndexingDrive(IndexLoads, IndexCase):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        if self.load_curve is not None and self.locking_radius:
-            rule, remedy = "0 with a load that changes", "give a constant load_torque"
-            raise validate.fail("locking_radius", rule, self.locking_radius, remedy)
         self._scene  # noqa: B018 - checks the numbers that it shares with an escapement
 
     # --- what is computed, in units of I_f, I_f W^2 and 1/W ---------------------------------
 
     @cached_property
-    def _scene(self) -> Scene:
-        """Of an escapement of which natural units are those in which the driver's speed is one."""
+    def _scenes(self) -> tuple[Scene, ...]:
+        """Of an escapement of which natural units are those in which the driver's speed is one.
+
+        There is one for each index after which the load repeats.
+        """
         numbers = {name: getattr(self, name) for name in RESISTING if getattr(self, name)}
         timer = Escapement(
             self.mechanism, Inertia(self.follower_inertia, self.follower_inertia),
             torque=self.inertial, friction=self.friction, load_torque=self.load_torque,
             load_curve=self.load_curve, **numbers,
         )  # fmt: skip
-        return timer.scene
+        return timer.scenes
+
+    @property
+    def _scene(self) -> Scene:
+        return self._scenes[0]
+
+    @property
+    def indexes(self) -> int:
+        """Indexes after which the load repeats: 1, or those in a turn of the follower."""
+        return len(self._scenes)
 
     @cached_property
     def lengths(self) -> dict[str, float]:
@@ -85,10 +99,14 @@ class IndexingDrive(IndexLoads, IndexCase):
 
     @cached_property
     def _found(self) -> tuple[CycleFigures, FloatArray]:
-        result: tuple[CycleFigures, FloatArray] = cycle_figures(
-            scene_tuple(self._scene), self._scene.edges, self.half, float(self.efficiency)
-        )
-        return result
+        half, efficiency = self.half, float(self.efficiency)
+        found = [cycle_figures(scene_tuple(x), x.edges, half, efficiency) for x in self._scenes]
+        if len(found) == 1:
+            return found[0]
+        cell = self.mechanism.cell_angle
+        joined = join_steps(np.array([figures for figures, _ in found]), cell)
+        reversals = [angles + k * cell for k, (_, angles) in enumerate(found)]
+        return CycleFigures(*joined.tolist()), np.concatenate(reversals)
 
     @cached_property
     def cycle(self) -> CycleFigures:
@@ -127,28 +145,37 @@ class IndexingDrive(IndexLoads, IndexCase):
     # --- states -----------------------------------------------------------------------------
 
     def at(self, theta: ArrayLike) -> IndexState:
-        """States at driver angles from dead centre [rad], within one cell.
+        """States at driver angles from the first dead centre [rad].
+
+        They lie within one cell, or within those of all `indexes`.
 
         Raises
         ------
         InvalidValue
-            Where an angle is not finite or lies outside the cell.
+            Where an angle is not finite or lies outside the cells.
         """
-        angles = validate.numbers("theta", theta, "give angles")
-        engaged, locked = within_cell(self.mechanism, angles)
-        flat = np.ascontiguousarray(engaged).reshape(-1)
+        angles, wheel = validate.numbers("theta", theta, "give angles"), self.mechanism
+        number = np.floor((angles - wheel.breaks[0]) / wheel.cell_angle)
+        number = np.clip(number, 0, self.indexes - 1).astype(int)
+        within = angles - number * wheel.cell_angle
+        engaged, locked = within_cell(wheel, within)
+        flat, which = np.ascontiguousarray(engaged).reshape(-1), number.reshape(-1)
         table = np.empty((flat.size, 5))
-        contact_states(scene_tuple(self._scene), flat, float(self.efficiency), table)
+        for k, scene in enumerate(self._scenes):
+            part = np.empty((np.count_nonzero(which == k), 5))
+            contact_states(scene_tuple(scene), flat[which == k], float(self.efficiency), part)
+            table[which == k] = part
         table[:, :3] *= self.inertial
         table[:, 2] /= self._length
         table[:, 3] *= self.speed
         table[:, 4] *= self.speed**2
         table[locked.reshape(-1)] = self.torque_dwell, 0.0, 0.0 * self._length, 0.0, 0.0
         torque, moment, force, rate, bend = table.T.reshape(5, *angles.shape)
-        phi = np.asarray(self.mechanism.follower_angle(engaged), dtype=float)
+        phi = np.asarray(wheel.follower_angle(engaged), dtype=float)
+        phi = phi + number * wheel.follower_step
         return IndexState(
             theta=angles, phi=phi, phi_dot=rate, phi_ddot=bend, torque=torque,
-            contact_moment=moment, contact_force=force, deflection=self._deflection(angles),
+            contact_moment=moment, contact_force=force, deflection=self._deflection(within),
         )  # fmt: skip
 
     def _deflection(self, theta: FloatArray) -> FloatArray:
@@ -184,7 +211,8 @@ def index(
         Driver speed [rad/s], > 0.
     load_torque : float
         Torque that opposes the follower [N m], >= 0. A `load_curve`, as that of `Escapement`, adds
-        what it has in the first step: a weight may be in another place in the next one.
+        to it. If it repeats in a turn of the follower, as that of a weight does, the figures are
+        those of all `indexes` of the turn, and angles count from the first dead centre.
     follower_inertia : float
         Follower and everything that turns with it [kg m^2], > 0.
     efficiency, friction : float

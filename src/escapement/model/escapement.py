@@ -438,13 +438,9 @@ class Escapement(Declared):
         """The load that changes with the follower angle in each of its engagements."""
         if self.load_curve is None or self.contact:
             return []
-        from escapement.model.load_cells import load_cell
+        from escapement.model.load_cells import load_cells
 
-        step, pairs = self.mechanism.follower_step, self.mechanism.pairs
-        count = math.lcm(len(pairs), self._load_steps)
-        return [
-            load_cell(self.load_curve, pairs[k % len(pairs)], k * step) for k in range(count)
-        ]
+        return load_cells(self.load_curve, self.mechanism)
 
     @cached_property
     def scenes(self) -> tuple[Scene, ...]:
