@@ -201,7 +201,7 @@ class TwoBodies:
             goal = (1.0 + self.bounce) * total
 
     def struck(self, side, q, v):
-        """The wall that the pin touches behind an impact on a wall, speeds, and sense of sliding."""
+        """The wall that the pin touches behind an impact, the speeds, and the sense of sliding."""
         v, bounces = self.blow(side, q, v)
         sense = np.sign(self.directions(side, q, v)[3])
         flies = bounces or self.accelerations(side, q, v)[1] <= 0.0

@@ -17,7 +17,6 @@ lie at an end of the part or where their slope is zero.
 from typing import NamedTuple
 
 import numpy as np
-
 from numpy.typing import NDArray
 
 from escapement.constant_speed.wall_changes import follower_moment, reversals_between
@@ -89,9 +88,15 @@ def _places(*names: str) -> NDArray[np.int64]:
     return np.array([CycleFigures._fields.index(name) for name in names])
 
 
-_TOPS, _SIGNS_OF_TOPS = _places("torque_max", "torque_min", "moment_max", "force_max"), (1, -1, 1, 1)
+_TOPS, _SIGNS_OF_TOPS = (
+    _places("torque_max", "torque_min", "moment_max", "force_max"),
+    (1, -1, 1, 1),
+)
 _GREATEST, _LEAST = _places("ratio_max", "bend_max"), _places("bend_min", "bend_exit", "last_side")
-_MEANS, _COUNT = _places("torque_integral", "square_integral", "first_half"), _places("reversals")[0]
+_MEANS, _COUNT = (
+    _places("torque_integral", "square_integral", "first_half"),
+    _places("reversals")[0],
+)
 
 
 @inner_jit

@@ -6,7 +6,7 @@ first asked for.
 """
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any, NamedTuple
 
@@ -27,7 +27,9 @@ from escapement.constant_speed.knock import NO_KNOCK, Knock, knock
 from escapement.constant_speed.ringing import NO_RINGING, Ringing, deflections, ringing
 from escapement.mechanisms.protocol import FloatArray, Mechanism
 from escapement.model.escapement import Escapement, Inertia
+from escapement.model.motor import Motor
 from escapement.model.scene import Scene, scene_tuple
+from escapement.model.train import Train
 
 
 class IndexState(NamedTuple):
@@ -75,13 +77,53 @@ class IndexingDrive(IndexLoads, IndexCase):
 
         There is one for each index after which the load repeats.
         """
+        inertia = Inertia(self.follower_inertia, self.follower_inertia)
+        return self._escapement(inertia, self.inertial).scenes
+
+    def _escapement(self, inertia: Inertia, torque: float | Motor, **others: Any) -> Escapement:
+        """An escapement with the numbers of the drive."""
         numbers = {name: getattr(self, name) for name in RESISTING if getattr(self, name)}
-        timer = Escapement(
-            self.mechanism, Inertia(self.follower_inertia, self.follower_inertia),
-            torque=self.inertial, friction=self.friction, load_torque=self.load_torque,
-            load_curve=self.load_curve, **numbers,
+        return Escapement(
+            self.mechanism, inertia, torque=torque, friction=self.friction,
+            load_torque=self.load_torque, load_curve=self.load_curve, **numbers, **others,
         )  # fmt: skip
-        return timer.scenes
+
+    def driven_by(
+        self, motor: Motor, *, driver_inertia: float, gearbox: Train | None = None
+    ) -> Escapement:
+        """The drive with a motor, which slows down under its load, instead of a constant speed.
+
+        `escapement.terminal` finds its mean speed, its dip and the torque of the motor.
+
+        Parameters
+        ----------
+        motor : Motor
+            Its speed takes the place of that of the drive.
+        driver_inertia : float
+            Crank and shaft, without the rotor behind a gearbox [kg m^2], > 0.
+        gearbox : Train, optional
+            As `barrel` of `Escapement`, with the inertia of the rotor. Without one the efficiency
+            of the drive is that of a gearbox of ratio 1.
+
+        Raises
+        ------
+        InvalidValue
+            When a number breaks its rule, or the gearbox and the drive both have an efficiency.
+
+        The locking disc is left out.
+        """
+        if not isinstance(motor, Motor):
+            raise validate.fail(
+                "motor", "a Motor", motor, "give Motor(stall_torque, no_load_speed)"
+            )
+        gearbox = gearbox or Train(1.0)
+        if self.efficiency != 1.0:
+            if gearbox.efficiency != 1.0:
+                rule, remedy = "1 with an efficiency of the drive", "leave out one of them"
+                raise validate.fail("gearbox efficiency", rule, gearbox.efficiency, remedy)
+            gearbox = replace(gearbox, efficiency=self.efficiency)
+        train = {} if gearbox == Train(1.0) else {"barrel": gearbox}
+        return self._escapement(Inertia(driver_inertia, self.follower_inertia), motor, **train)
 
     @property
     def _scene(self) -> Scene:
@@ -92,6 +134,12 @@ class IndexingDrive(IndexLoads, IndexCase):
         """Indexes after which the load repeats: 1, or those in a turn of the follower."""
         return len(self._scenes)
 
+    @property
+    def hardest(self) -> int:
+        """Which of its `indexes` needs the greatest torque, from 0."""
+        wheel = self.mechanism
+        return int((self.torque_max_angle - wheel.breaks[0]) // wheel.cell_angle)
+
     @cached_property
     def lengths(self) -> dict[str, float]:
         """The lengths of the mechanism [m], 0 where it has none."""
@@ -100,6 +148,7 @@ class IndexingDrive(IndexLoads, IndexCase):
     @cached_property
     def _found(self) -> tuple[CycleFigures, FloatArray]:
         half, efficiency = self.half, float(self.efficiency)
+        found: list[tuple[CycleFigures, FloatArray]]
         found = [cycle_figures(scene_tuple(x), x.edges, half, efficiency) for x in self._scenes]
         if len(found) == 1:
             return found[0]

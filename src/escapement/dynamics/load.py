@@ -7,13 +7,13 @@ holds it in one of four ways:
 - over the driver angle of a cell, by the series of `mechanisms.table`. The knots of the load are
   among the edges of the scene. So it is where the pin fits its slot, and the follower angle follows
   from the driver angle.
-- over the driver angle in each cell of a round, from which `cell_of_round` takes a cell. First comes
-  minus the number of cells, then where each cell begins, and for each cell the number of edges, the
-  edges, and the load over the driver angle.
-- over the follower angle, with clearance and between elastic walls. The first number, which is that
-  of the pieces of a table, is 0. Then follow the steps of the follower after which the load repeats,
-  the angle of one step, and either moment and angle of a weight, or two zeros and the knots:
-  their angles, ascending, the last one behind the first by the period, and the loads there.
+- over the driver angle in each cell of a round, from which `cell_of_round` takes one. First comes
+  minus the number of cells, then where each cell begins, and for each cell the number of edges,
+  the edges, and the load over the driver angle.
+- over the follower angle, with clearance and between elastic walls. The first number, which is
+  that of the pieces of a table, is 0. Then come the steps of the follower after which the load
+  repeats, the angle of one step, and either moment and angle of a weight, or two zeros and the
+  knots: their angles, ascending, the last one behind the first by the period, and the loads there.
 """
 
 import numpy as np

@@ -25,6 +25,7 @@ from escapement.mechanisms.slotted import pose_at
 from escapement.numerics.altered import altered
 from escapement.numerics.jit import inner_jit, jit
 
+
 @inner_jit
 def is_lossy(scene):
     """Whether a train of a scene loses power."""

@@ -532,15 +532,16 @@ class Escapement(Declared):
 
     @cached_property
     def jump_works(self) -> FloatArray:
-        """Work that the load would take where the follower jumps ahead to each of its `pairs` [J].
-        """
+        """Work against the load for the jump of the follower ahead to each of its `pairs` [J]."""
         step = self.mechanism.follower_step
         ends = [
             k * step + float(pair.follower_angle(pair.edges[:1])[0])
             for k, pair in enumerate(self.pairs)
         ]
         cells = zip(self.pairs, ends, strict=True)
-        return np.array([self.load_work(pair.jump, end - pair.jump) for pair, end in cells])
+        works: FloatArray
+        works = np.array([self.load_work(pair.jump, end - pair.jump) for pair, end in cells])
+        return works
 
     def load_work(self, turn: Any, begin: Any = None) -> Any:
         """Work done against the load while the follower turns by angles [rad] [J].

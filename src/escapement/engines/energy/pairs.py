@@ -150,8 +150,7 @@ def new_case(addresses, scene, cells, pattern, room):
 
 @inner_jit
 def round_events(edges, size):
-    """Number of events of one round for which there must be room; `size` is that of the pattern.
-    """
+    """Number of events of one round for which there must be room; `size` is that of the pattern."""
     # `MOST_EVENTS` is `most_events` for four edges, which a pair of a pattern has at most without
     # a load that changes; with one `edges` are those of the pair that has most of them
     most = most_events(edges)

@@ -1,8 +1,8 @@
 """The motion with compliant contact, step by step.
 
 Steps of `radau` go from the beginning of a contact to its end, and from there to the next one. A
-step that passes one of these events, or a knot of the load, is repeated with the length at which it ends there. The
-corners of the law thus lie between steps, and the method keeps its order.
+step that passes one of these events, or a knot of the load, is repeated with the length at which
+it ends there. The corners of the law thus lie between steps, and the method keeps its order.
 """
 
 from typing import NamedTuple
@@ -101,8 +101,7 @@ def _follower_angle(y, mode, case):
 
 @inner_jit
 def _knot_within(y, mode, case, work):
-    """The knot of the load that the follower passes in a step, as a `_Goal`; NaN if there is none.
-    """
+    """The knot of the load that the follower passes in a step; `_CONTACT` if there is none."""
     if mode == LOCKED or not has_load_curve(case.scene):
         return _CONTACT
     before, behind = _follower_angle(y, mode, case), _follower_angle(work.end, mode, case)

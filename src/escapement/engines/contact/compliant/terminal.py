@@ -158,8 +158,8 @@ def _spread(cycle: _Cycle, base: Figures) -> Figures:
     share = interval["period"] / means["period"]
     message = (
         f"the engagements do not repeat themselves: the period and the velocities are means over "
-        f"{spread.engagements} of them, the period with a relative error of at most {share:.2g} (95 %); all "
-        "other figures are those of the last engagement"
+        f"{spread.engagements} of them, the period with a relative error of at most {share:.2g} "
+        "(95 %); all other figures are those of the last engagement"
     )
     cell = last.escapement.mechanism.cell_angle
     if note := _jam_note(last):

@@ -6,8 +6,9 @@ speeds are Taylor series in time about the start. The equations of motion give t
 one after the other. A `Flight` in series is often only a part of the whole flight. This part ends
 
 - where the last terms of the series would exceed rounding errors,
-- where the law changes: at a knot of the torque or of the load, where a body comes to rest, where the torque
-  through a lossy train changes its sign, or where bodies that nothing drives count as at rest,
+- where the law changes: at a knot of the torque or of the load, where a body comes to rest, where
+  the torque through a lossy train changes its sign, or where bodies that nothing drives count as at
+  rest,
 - at the driver angle asked for.
 
 The caller launches the next part from the end of the last one. A flight takes no notice of the

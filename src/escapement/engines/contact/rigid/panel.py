@@ -25,8 +25,8 @@ from escapement.dynamics.law import (
     wall_state,
 )
 from escapement.dynamics.load import has_load_curve, load_at
-from escapement.dynamics.torque import REST, torque_at
 from escapement.dynamics.power_flow import UNKNOWN
+from escapement.dynamics.torque import REST, torque_at
 from escapement.dynamics.train_losses import within_flow
 from escapement.mechanisms.slotted import pose_at, transmission_on
 from escapement.numerics.gauss import (

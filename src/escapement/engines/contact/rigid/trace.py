@@ -12,10 +12,10 @@ from escapement.dynamics.free_bodies import (
     free_follower,
 )
 from escapement.dynamics.law import LOSSES, scene_of, wall_state
-from escapement.dynamics.state_table import losses_at
-from escapement.dynamics.torque import cell_of
 from escapement.dynamics.load import has_load_curve, load_at, load_over
 from escapement.dynamics.power_flow import weight
+from escapement.dynamics.state_table import losses_at
+from escapement.dynamics.torque import cell_of
 from escapement.engines.contact.rigid.along_wall import ahead, behind, set_off
 from escapement.engines.contact.rigid.flight import launch, state_after, state_at
 from escapement.engines.contact.rigid.instant import follower_on

@@ -4,9 +4,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from escapement.dynamics.torque import KNOT_GAP, last_knot, next_knot
 from escapement.dynamics.load import has_load_curve, load_knot
 from escapement.dynamics.power_flow import UNKNOWN
+from escapement.dynamics.torque import KNOT_GAP, last_knot, next_knot
 from escapement.dynamics.train_losses import flowing, in_flow
 from escapement.mechanisms.path import OFFSET, Path
 from escapement.mechanisms.slotted import angle_in_slot, pose_at, slide_change
