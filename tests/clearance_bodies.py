@@ -31,6 +31,9 @@ class TwoBodies:
             np.array([barrel.efficiency, train.efficiency]),
         )
         self.load = timer.load_torque * train.ratio / drive
+        # a load over the follower angle, which is counted from the first slot
+        self.curve, self.drive, self.turned = timer.load_curve, drive, 0.0
+        self.dwell = wheel.cell_angle - 2.0 * self.exit
         # the torque over the driver angle turned; friction of the driver's bearing has its own sign
         self.rate, self.driver_angle = timer.spring_rate / barrel.ratio**2 / drive, 0.0
         self.bearing = timer.driver_bearing_torque / drive
@@ -66,9 +69,13 @@ class TwoBodies:
         held = self.bearing * np.sign(v[0])
         if side == 0.0 and v[0] == 0.0:
             held = min(self.bearing, pull * self.passes[0])
+        swing = float(self.curve(q[1] + self.turned)) / self.drive if self.curve else 0.0
+        if side == 0.0 and v[1] == 0.0:
+            # friction of the load holds a follower at rest
+            swing = np.sign(swing) * max(abs(swing) - self.load, 0.0)
         for shares in product(*((eta, 1.0 / eta) for eta in self.passes)):
             inertia, force = self.own + shares * self.far, np.array(shares) * beyond
-            force[0] -= held
+            force -= held, swing
             found = self.pushed(side, q, v, sense, inertia, force)
             power = (beyond - self.far * found[0]) * v
             # a train takes its share of the power, whichever way it flows
@@ -92,7 +99,7 @@ class TwoBodies:
 
     def piece(self, side, sense, t, q, v):
         """Integrate to the first of the `ends` of a flight, or of a contact that slides one way."""
-        ends = self.ends(side, sense, v)
+        ends = [*self.ends(side, sense, v), *self.knots(q)]
 
         def rates(_t, y):
             return [*y[2:], *self.accelerations(side, y[:2], y[2:], sense)[0]]
@@ -126,6 +133,29 @@ class TwoBodies:
             return [out, gap(1.0), gap(-1.0), *rests, *halts]
         force = lambda q, v: self.accelerations(side, q, v, sense)[1]  # noqa: E731
         return [out, force, lambda q, v: sense * self.directions(side, q, v)[3]]
+
+    def knots(self, q):
+        """Functions that fall to zero at the nearest knots of the load."""
+        if self.curve is None:
+            return []
+        phi = q[1] + self.turned
+        above = min(self.curve.knots_between(phi + 1e-9, phi + 7.0), default=np.inf) - self.turned
+        below = max(self.curve.knots_between(phi - 7.0, phi - 1e-9), default=-np.inf) - self.turned
+        return [lambda q, v: above - q[1], lambda q, v: q[1] - below] if above < np.inf else []
+
+    def lock(self, t, q, v):
+        """Turn through the dwell, in which the follower is locked, to the next pin."""
+        v = np.array([v[0], 0.0])
+
+        def rates(_t, y):
+            locked = np.array([y[1], 0.0])
+            return [y[1], self.accelerations(0.0, np.array([y[0], q[1]]), locked)[0][0]]
+
+        arrives = lambda t, y: y[0] - self.exit - self.dwell  # noqa: E731
+        arrives.terminal, arrives.direction = True, 1
+        settings = {"rtol": 1e-12, "atol": 1e-14, "method": "DOP853", "events": arrives}
+        found = solve_ivp(rates, (t, t + 50.0), [q[0], v[0]], **settings)
+        return found.t[-1], np.array([self.exit, q[1]]), np.array([found.y[1, -1], 0.0])
 
     def blow(self, side, q, v):
         """Speeds behind an impact: impulse in the direction of the normal, with Coulomb
@@ -170,27 +200,41 @@ class TwoBodies:
                 return v, False
             goal = (1.0 + self.bounce) * total
 
+    def struck(self, side, q, v):
+        """The wall that the pin touches behind an impact, the speeds, and the sense of sliding."""
+        v, bounces = self.blow(side, q, v)
+        sense = np.sign(self.directions(side, q, v)[3])
+        flies = bounces or self.accelerations(side, q, v)[1] <= 0.0
+        return 0.0 if flies else side, v, sense
+
     def run(self, engagements, speed=0.0, until=np.inf):
-        """Times [s] and driver speeds [rad/s] at handoffs of a continuous wheel, up to a time."""
+        """Times [s] and driver speeds [rad/s] at handoffs, up to a time."""
         t, v, side = 0.0, np.array([speed * self.clock, 0.0]), 0.0
         pin = self.centre + self.sense * np.exp(-1j * self.sense * self.exit)
         q, found, sense = np.array([-self.exit, np.angle(pin)]), [], 0.0
         while len(found) < engagements and t * self.clock < until:
+            count = len(self.ends(side, sense, v))
             which, t, q, v = self.piece(side, sense, t, q, v)
+            if which >= count:
+                continue  # a knot of the load
             sense = -sense if which == 2 else np.sign(self.directions(side, q, v)[3])
             if which == 0:
+                if self.dwell > 1e-9:
+                    t, q, v = self.lock(t, q, v)
+                self.turned += self.step
                 found.append((t * self.clock, v[0] / self.clock))
                 q, side = q - np.array([2.0 * self.exit, self.step]), 0.0
-                self.driver_angle += 2.0 * self.exit
+                self.driver_angle += 2.0 * self.exit + self.dwell
+                # the follower may stand where the next pin is at a wall already
+                wall = np.sign(self.directions(1.0, q, v)[2])
+                normal, _tangent, ahead, _sliding = self.directions(wall, q, v)
+                if wall * ahead > self.half_clearance - 1e-9 and normal @ v < 0.0:
+                    side, v, sense = self.struck(wall, q, v)
             elif side == 0.0 and which >= 3:
                 # the body that has come to rest
                 v[np.abs(v).argmin()] = 0.0
             elif side == 0.0:
-                side = 1.0 if which == 1 else -1.0
-                v, bounces = self.blow(side, q, v)
-                sense = np.sign(self.directions(side, q, v)[3])
-                if bounces or self.accelerations(side, q, v)[1] <= 0.0:
-                    side = 0.0
+                side, v, sense = self.struck(1.0 if which == 1 else -1.0, q, v)
             elif which == 1:
                 side = 0.0
         return np.array(found).T

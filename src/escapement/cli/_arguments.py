@@ -25,6 +25,7 @@ from escapement.base.results import Result
 from escapement.base.units import SYSTEMS, printed
 from escapement.mechanisms import DEFAULT_KIND, KINDS, kind_of
 from escapement.mechanisms.kind import Kind
+from escapement.model.motor import MOTOR
 
 Arguments = argparse.Namespace
 """What was typed."""
@@ -104,8 +105,23 @@ class Parser(argparse.ArgumentParser):
         for name, value in vars(args).items():
             if isinstance(value, FunctionType):
                 setattr(args, name, value(args.units or SYSTEMS[0]))
+        _take_motor(args)
         self._refuse_idle(args)
         return args
+
+
+def _take_motor(args: Arguments) -> None:
+    """Give the numbers of a motor the places of torque and no-load speed, if a command has both."""
+    motor, names = getattr(args, "motor", None), ("torque", "no_load_speed")
+    if motor is None or not all(hasattr(args, name) for name in names):
+        return
+    for name, number in zip(names, motor, strict=True):
+        if (value := getattr(args, name)) is not None:
+            raise UsageError(
+                f"{option(name)} must not come with --motor, got {value!r}; leave it out"
+            )
+        setattr(args, name, number)
+    args.motor = None
 
 
 def understand_command(argv: Sequence[str], commands: Mapping[str, str]) -> str:
@@ -226,6 +242,8 @@ def add_group(parser: Parser, title: str, settings: Mapping[str, Setting]) -> No
     group = parser.add_argument_group(title)
     for entry in settings.values():
         add_setting(group, entry)
+        if entry.name == "no_load_speed":
+            add_setting(group, MOTOR)
 
 
 def together(settings: Mapping[str, Setting]) -> dict[str, Setting]:

@@ -17,6 +17,7 @@ lie at an end of the part or where their slope is zero.
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from escapement.constant_speed.wall_changes import follower_moment, reversals_between
 from escapement.dynamics.law import (
@@ -50,6 +51,9 @@ _STEP, _FOUND = 1e-5, 1e-11
 class CycleFigures(NamedTuple):
     """Figures over one engagement, in the scene's units; angles from dead centre [rad].
 
+    With a load that repeats in a turn of the follower they are those of all its engagements, and
+    angles count from the first dead centre; integrals are then means over them.
+
     torque_max, torque_min, moment_max, force_max : greatest and least torque of the drive,
         greatest magnitudes of the moment on the follower and of the contact force, each with the
         angle that has it.
@@ -77,6 +81,22 @@ class CycleFigures(NamedTuple):
     torque_integral: float
     square_integral: float
     first_half: float
+
+
+def _places(*names: str) -> NDArray[np.int64]:
+    """Indices of figures by their names."""
+    return np.array([CycleFigures._fields.index(name) for name in names])
+
+
+_TOPS, _SIGNS_OF_TOPS = (
+    _places("torque_max", "torque_min", "moment_max", "force_max"),
+    (1, -1, 1, 1),
+)
+_GREATEST, _LEAST = _places("ratio_max", "bend_max"), _places("bend_min", "bend_exit", "last_side")
+_MEANS, _COUNT = (
+    _places("torque_integral", "square_integral", "first_half"),
+    _places("reversals")[0],
+)
 
 
 @inner_jit
@@ -187,6 +207,29 @@ def figures_of(scene, edges, half, efficiency):
         torque_integral=whole, square_integral=squares, first_half=first,
     )  # fmt: skip
     return found, reversals
+
+
+@jit(allocates=True)
+def join_steps(steps, cell):
+    """The figures of all engagements of a turn, from a row for each; `cell` is a driver angle."""
+    found = steps[0].copy()
+    for k in range(1, len(steps)):
+        step = steps[k]
+        for j in range(_TOPS.size):
+            # the angle stands behind the value
+            i, sign = _TOPS[j], _SIGNS_OF_TOPS[j]
+            if sign * step[i] > sign * found[i]:
+                found[i], found[i + 1] = step[i], step[i + 1] + k * cell
+        for i in _GREATEST:
+            found[i] = max(found[i], step[i])
+        for i in _LEAST:
+            found[i] = min(found[i], step[i])
+        for i in _MEANS:
+            found[i] += step[i]
+        found[_COUNT] += step[_COUNT]
+    for i in _MEANS:
+        found[i] /= len(steps)
+    return found
 
 
 @inner_jit

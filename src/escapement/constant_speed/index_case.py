@@ -2,14 +2,20 @@
 
 import math
 from dataclasses import dataclass, field
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from escapement.base import validate
+from escapement.base.lazy import Lazy
 from escapement.base.quantity import like, quantity, setting
 from escapement.constant_speed import Case
 from escapement.model.checks import refuse_idle
 from escapement.model.escapement import Escapement
 from escapement.model.materials import MATERIALS, MaterialSetting
+
+if TYPE_CHECKING:
+    import numpy as np
+else:
+    np = Lazy("numpy")
 
 _HAIR = 1e-9  # rad, by which rounding may lengthen a dwell
 _PIN, _LOAD, _LOCK = "Stresses of the pin", "Load on an elastic shaft", "Locking disc"
@@ -25,6 +31,16 @@ def _material(of: str) -> dict[str, Any]:
 
 def _length(what: str, **rule: Any) -> dict[str, Any]:
     return quantity(what, "length", remedy="give the length", **rule)
+
+
+def refuse_with_curve(clearance: Any, locking_radius: Any) -> None:
+    """Refuse what a load that changes with the angle leaves without a formula."""
+    for name, value, remedy in (
+        ("clearance", clearance, "leave it out; simulate computes motions with clearance"),
+        ("locking_radius", locking_radius, "give a constant load_torque"),
+    ):
+        if np.any(value):
+            raise validate.fail(name, "0 with a load that changes", value, remedy)
 
 
 @dataclass(frozen=True, repr=False)
@@ -98,6 +114,8 @@ class IndexCase(Case):
         super().__post_init__()
         refuse_idle(self)
         wheel: Any = self.mechanism
+        if self.load_curve is not None:
+            refuse_with_curve(wheel.clearance, self.locking_radius)
         if not wheel.takes_clearance and self.locking_radius:
             rule = "0 for a mechanism that is not a Geneva wheel"
             raise validate.fail("locking_radius", rule, self.locking_radius, "leave it out")

@@ -16,6 +16,7 @@ from escapement.constant_speed.row_kernel import GIVEN, KNOCK, RINGING, fill_row
 from escapement.dynamics.needs import CONSTANT, NO_CURVE, NUMBERS
 from escapement.mechanisms.path import smooth_intervals, writeable
 from escapement.mechanisms.protocol import FloatArray, Mechanism, dwell_angle
+from escapement.model.load_cells import in_a_round, load_cells
 from escapement.model.natural import natural
 from escapement.model.scene import Scene, packed
 
@@ -58,8 +59,12 @@ class IndexRows(IndexLoads):
         rows = np.column_stack([np.broadcast_to(x, count) for x in columns]).astype(float)
         path = writeable(self.mechanism.path)
         edges = smooth_intervals(path, self.mechanism.breaks)
-        torque, curve, dwell = np.array(CONSTANT), np.array(NO_CURVE), dwell_angle(self.mechanism)
+        torque, dwell = np.array(CONSTANT), dwell_angle(self.mechanism)
+        curve, units = np.array(NO_CURVE), np.broadcast_to(self.inertial, count).astype(float)
+        if (load := every["load_curve"]) is not None:
+            cells = load_cells(load, self.mechanism)
+            curve = in_a_round([(cell.edges, cell.numbers) for cell in cells])
         shared = Scene(path, edges, dwell, torque, 0.0, curve, *rows[0, :GIVEN].tolist())
         table = np.tile([*np.full(KNOCK, np.nan), *NO_KNOCK, *NO_RINGING], (count, 1))
-        fill_rows(packed(shared), self.half, rows, table)
+        fill_rows(packed(shared), self.half, rows, units, table)
         return table.T

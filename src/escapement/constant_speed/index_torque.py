@@ -146,8 +146,13 @@ class IndexTorque:
 
     @property
     def inertia_ratio(self: Any) -> Any:
-        """Filemon's F = I_f omega^2/M_load [-]; NaN without a load."""
-        return self.inertial / given(self.load_torque)
+        """Filemon's F = I_f omega^2/M_load [-]; NaN without a load, or with one that changes."""
+        return self.inertial / given(self.load_torque) + self._changing
+
+    @property
+    def _changing(self: Any) -> float:
+        """NaN with a load that changes with the angle, for which there are no such limits, or 0."""
+        return 0.0 if self.load_curve is None else NAN
 
     @property
     def zone(self: Any) -> Any:
@@ -176,7 +181,8 @@ class IndexTorque:
         """Greatest I_f omega^2 without a reversal [N m]."""
         limit = self.reversal_limits[0]
         # no inertia is too great for a mechanism that never slows its follower, even without load
-        return limit if math.isinf(limit) else limit * self.load_torque
+        bound = limit if math.isinf(limit) else limit * self.load_torque
+        return bound + self._changing
 
     @property
     def greatest_speed(self: Any) -> Any:
@@ -191,4 +197,4 @@ class IndexTorque:
     @property
     def least_load_torque(self: Any) -> Any:
         """Least load without a reversal where nothing else resists the follower [N m]."""
-        return self.inertial / self.reversal_limits[0]
+        return self.inertial / self.reversal_limits[0] + self._changing

@@ -6,7 +6,7 @@ first asked for.
 """
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any, NamedTuple
 
@@ -15,14 +15,21 @@ from numpy.typing import ArrayLike
 
 from escapement.base import validate
 from escapement.constant_speed.contact import within_cell
-from escapement.constant_speed.cycle_figures import CycleFigures, contact_states, cycle_figures
+from escapement.constant_speed.cycle_figures import (
+    CycleFigures,
+    contact_states,
+    cycle_figures,
+    join_steps,
+)
 from escapement.constant_speed.index_case import IndexCase
 from escapement.constant_speed.index_loads import IndexLoads
 from escapement.constant_speed.knock import NO_KNOCK, Knock, knock
 from escapement.constant_speed.ringing import NO_RINGING, Ringing, deflections, ringing
 from escapement.mechanisms.protocol import FloatArray, Mechanism
 from escapement.model.escapement import Escapement, Inertia
+from escapement.model.motor import Motor
 from escapement.model.scene import Scene, packed
+from escapement.model.train import Train
 
 
 class IndexState(NamedTuple):
@@ -60,23 +67,78 @@ class IndexingDrive(IndexLoads, IndexCase):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        if self.load_curve is not None and self.locking_radius:
-            rule, remedy = "0 with a load that changes", "give a constant load_torque"
-            raise validate.fail("locking_radius", rule, self.locking_radius, remedy)
         self._scene  # noqa: B018 - checks the numbers that it shares with an escapement
 
     # --- what is computed, in units of I_f, I_f W^2 and 1/W ---------------------------------
 
     @cached_property
-    def _scene(self) -> Scene:
-        """Of an escapement of which natural units are those in which the driver's speed is one."""
+    def _scenes(self) -> tuple[Scene, ...]:
+        """Of an escapement of which natural units are those in which the driver's speed is one.
+
+        There is one for each index after which the load repeats.
+        """
+        inertia = Inertia(self.follower_inertia, self.follower_inertia)
+        return self._escapement(inertia, self.inertial).scenes
+
+    def _escapement(self, inertia: Inertia, torque: float | Motor, **others: Any) -> Escapement:
+        """An escapement with the numbers of the drive."""
         numbers = {name: getattr(self, name) for name in RESISTING if getattr(self, name)}
-        timer = Escapement(
-            self.mechanism, Inertia(self.follower_inertia, self.follower_inertia),
-            torque=self.inertial, friction=self.friction, load_torque=self.load_torque,
-            load_curve=self.load_curve, **numbers,
+        return Escapement(
+            self.mechanism, inertia, torque=torque, friction=self.friction,
+            load_torque=self.load_torque, load_curve=self.load_curve, **numbers, **others,
         )  # fmt: skip
-        return timer.scene
+
+    def driven_by(
+        self, motor: Motor, *, driver_inertia: float, gearbox: Train | None = None
+    ) -> Escapement:
+        """The drive with a motor, which slows down under its load, instead of a constant speed.
+
+        `escapement.terminal` finds its mean speed, its dip and the torque of the motor.
+
+        Parameters
+        ----------
+        motor : Motor
+            Its speed takes the place of that of the drive.
+        driver_inertia : float
+            Crank and shaft, without the rotor behind a gearbox [kg m^2], > 0.
+        gearbox : Train, optional
+            As `barrel` of `Escapement`, with the inertia of the rotor. Without one the efficiency
+            of the drive is that of a gearbox of ratio 1.
+
+        Raises
+        ------
+        InvalidValue
+            When a number breaks its rule, or the gearbox and the drive both have an efficiency.
+
+        The locking disc is left out.
+        """
+        if not isinstance(motor, Motor):
+            raise validate.fail(
+                "motor", "a Motor", motor, "give Motor(stall_torque, no_load_speed)"
+            )
+        gearbox = gearbox or Train(1.0)
+        if self.efficiency != 1.0:
+            if gearbox.efficiency != 1.0:
+                rule, remedy = "1 with an efficiency of the drive", "leave out one of them"
+                raise validate.fail("gearbox efficiency", rule, gearbox.efficiency, remedy)
+            gearbox = replace(gearbox, efficiency=self.efficiency)
+        train = {} if gearbox == Train(1.0) else {"barrel": gearbox}
+        return self._escapement(Inertia(driver_inertia, self.follower_inertia), motor, **train)
+
+    @property
+    def _scene(self) -> Scene:
+        return self._scenes[0]
+
+    @property
+    def indexes(self) -> int:
+        """Indexes after which the load repeats: 1, or those in a turn of the follower."""
+        return len(self._scenes)
+
+    @property
+    def hardest(self) -> int:
+        """Which of its `indexes` needs the greatest torque, from 0."""
+        wheel = self.mechanism
+        return int((self.torque_max_angle - wheel.breaks[0]) // wheel.cell_angle)
 
     @cached_property
     def lengths(self) -> dict[str, float]:
@@ -85,10 +147,15 @@ class IndexingDrive(IndexLoads, IndexCase):
 
     @cached_property
     def _found(self) -> tuple[CycleFigures, FloatArray]:
-        result: tuple[CycleFigures, FloatArray] = cycle_figures(
-            packed(self._scene), self._scene.edges, self.half, float(self.efficiency)
-        )
-        return result
+        half, efficiency = self.half, float(self.efficiency)
+        found: list[tuple[CycleFigures, FloatArray]]
+        found = [cycle_figures(packed(x), x.edges, half, efficiency) for x in self._scenes]
+        if len(found) == 1:
+            return found[0]
+        cell = self.mechanism.cell_angle
+        joined = join_steps(np.array([figures for figures, _ in found]), cell)
+        reversals = [angles + k * cell for k, (_, angles) in enumerate(found)]
+        return CycleFigures(*joined.tolist()), np.concatenate(reversals)
 
     @cached_property
     def cycle(self) -> CycleFigures:
@@ -127,28 +194,37 @@ class IndexingDrive(IndexLoads, IndexCase):
     # --- states -----------------------------------------------------------------------------
 
     def at(self, theta: ArrayLike) -> IndexState:
-        """States at driver angles from dead centre [rad], within one cell.
+        """States at driver angles from the first dead centre [rad].
+
+        They lie within one cell, or within those of all `indexes`.
 
         Raises
         ------
         InvalidValue
-            Where an angle is not finite or lies outside the cell.
+            Where an angle is not finite or lies outside the cells.
         """
-        angles = validate.numbers("theta", theta, "give angles")
-        engaged, locked = within_cell(self.mechanism, angles)
-        flat = np.ascontiguousarray(engaged).reshape(-1)
+        angles, wheel = validate.numbers("theta", theta, "give angles"), self.mechanism
+        number = np.floor((angles - wheel.breaks[0]) / wheel.cell_angle)
+        number = np.clip(number, 0, self.indexes - 1).astype(int)
+        within = angles - number * wheel.cell_angle
+        engaged, locked = within_cell(wheel, within)
+        flat, which = np.ascontiguousarray(engaged).reshape(-1), number.reshape(-1)
         table = np.empty((flat.size, 5))
-        contact_states(packed(self._scene), flat, float(self.efficiency), table)
+        for k, scene in enumerate(self._scenes):
+            part = np.empty((np.count_nonzero(which == k), 5))
+            contact_states(packed(scene), flat[which == k], float(self.efficiency), part)
+            table[which == k] = part
         table[:, :3] *= self.inertial
         table[:, 2] /= self._length
         table[:, 3] *= self.speed
         table[:, 4] *= self.speed**2
         table[locked.reshape(-1)] = self.torque_dwell, 0.0, 0.0 * self._length, 0.0, 0.0
         torque, moment, force, rate, bend = table.T.reshape(5, *angles.shape)
-        phi = np.asarray(self.mechanism.follower_angle(engaged), dtype=float)
+        phi = np.asarray(wheel.follower_angle(engaged), dtype=float)
+        phi = phi + number * wheel.follower_step
         return IndexState(
             theta=angles, phi=phi, phi_dot=rate, phi_ddot=bend, torque=torque,
-            contact_moment=moment, contact_force=force, deflection=self._deflection(angles),
+            contact_moment=moment, contact_force=force, deflection=self._deflection(within),
         )  # fmt: skip
 
     def _deflection(self, theta: FloatArray) -> FloatArray:
@@ -184,7 +260,8 @@ def index(
         Driver speed [rad/s], > 0.
     load_torque : float
         Torque that opposes the follower [N m], >= 0. A `load_curve`, as that of `Escapement`, adds
-        what it has in the first step: a weight may be in another place in the next one.
+        to it. If it repeats in a turn of the follower, as that of a weight does, the figures are
+        those of all `indexes` of the turn, and angles count from the first dead centre.
     follower_inertia : float
         Follower and everything that turns with it [kg m^2], > 0.
     efficiency, friction : float

@@ -1,11 +1,16 @@
 """What is computed of many indexing drives of one mechanism, compiled."""
 
-from escapement.constant_speed.cycle_figures import CycleFigures, figures_of
+import numpy as np
+
+from escapement.constant_speed.cycle_figures import CycleFigures, figures_of, join_steps
 from escapement.constant_speed.knock import Knock, knock
 from escapement.constant_speed.ringing import ringing
 from escapement.dynamics.law import scene_of, scene_with
+from escapement.dynamics.load import cell_of_round, has_load_curve
 from escapement.dynamics.needs import NUMBERS
+from escapement.mechanisms.path import EDGES, PIECES
 from escapement.mechanisms.slotted import slide_edges
+from escapement.numerics.altered import altered
 from escapement.numerics.jit import inner_jit, jit
 
 GIVEN = len(NUMBERS)
@@ -17,18 +22,22 @@ RINGING = KNOCK + len(Knock._fields)
 
 
 @jit(allocates=True)
-def fill_rows(packed, half, numbers, table):
+def fill_rows(packed, half, numbers, units, table):
     """Fill a row of `table` with the figures, the impacts and the ringing of every drive.
 
     Parameters
     ----------
-    packed : of any scene of the mechanism with thin pins, see `cycle_figures`.
+    packed : of any scene of the mechanism with thin pins, see `cycle_figures`; a load that
+        changes is that of a round, in N m, see `dynamics.load`.
     half : driver angle where the first half of the engagement ends.
     numbers : shape (n, k): numbers of each scene, and what the columns above name.
+    units : unit of torque of each scene [N m].
     table : shape (n, m): the fields of `CycleFigures`, `Knock` and `Ringing`.
     """
     shared = scene_of(packed)
     entry, exit_ = shared.edges[0], shared.edges[-1]
+    count = int(-shared.load_curve[PIECES]) if has_load_curve(shared) else 1
+    steps = np.empty((count, KNOCK))
     for i in range(numbers.shape[0]):
         row, found = numbers[i], table[i]
         edges = shared.edges
@@ -36,13 +45,28 @@ def fill_rows(packed, half, numbers, table):
         if not scene.path.table:
             edges = slide_edges(scene.path, scene.pin, shared.edges)
             scene = scene_with(shared, edges, row)
-        figures, _reversals = figures_of(scene, edges, half, row[EFFICIENCY])
-        _put(found, 0, figures)
+        for k in range(count):
+            step, cuts = scene, edges
+            if has_load_curve(shared):
+                knots, load = cell_of_round(shared.load_curve, k)
+                step = altered(scene, "load_curve", _in_units(load, units[i]))
+                cuts = np.unique(np.concatenate((edges, knots)))
+            figures, _reversals = figures_of(step, cuts, half, row[EFFICIENCY])
+            _put(steps[k], 0, figures)
+        found[:KNOCK] = join_steps(steps, exit_ - entry + shared.dwell)
         if row[HALF_CLEARANCE] > 0.0:
             blows = knock(scene.path.numbers, row[HALF_CLEARANCE], scene.load, entry, exit_)
             _put(found, KNOCK, blows)
         if row[SWING] > 0.0:
             _put(found, RINGING, ringing(scene.path, edges, row[SWING], row[DAMPING]))
+
+
+@inner_jit(allocates=True)
+def _in_units(load, unit):
+    """A load over the driver angle in another unit of torque."""
+    found = load.copy()
+    found[EDGES + int(load[PIECES]) + 1 :] /= unit
+    return found
 
 
 @inner_jit

@@ -124,14 +124,15 @@ def ledger_of(motion: Any, progress: Callable[[int, int, int], None] | None = No
     )
     energies = np.array([one[0], two[1]])
     work = escapement.drive_work(ends.theta[1] - ends.theta[0])
-    jumps = blows = 0.0
+    jumped = blows = 0.0
     if len(escapement.pairs) > 1:
         # a handoff at the end of the motion does not count, unless the motion stops after it
         last = motion.trajectory.around(np.array([motion.end_time])).engagement[-1]
         passed = motion.handoffs.engagement <= last
-        jumps = float(motion.handoffs.jump[passed].sum())
+        to = motion.handoffs.engagement[passed] % len(escapement.pairs)
+        jumped = float(escapement.jump_works[to].sum())
         blows = float(motion.handoffs.energy[passed].sum())
-    load = escapement.load_work(ends.phi[1] - ends.phi[0] - jumps, ends.phi[0])
+    load = escapement.load_work(ends.phi[1] - ends.phi[0], ends.phi[0]) - jumped
     if taken is not None:
         load, blows = float(taken.sum()), float(motion.impacts.energy.sum())
     lost, done = np.zeros(len(LOSSES)), 0

@@ -12,7 +12,8 @@ and the body receives e q, where e is eta if power flows to the body, and 1/eta 
 P is the push of the contact, H the dry friction of bearing and journal, and c and nu are the
 coefficients of drag. A motor's torque T falls by nu_m v with the speed. The driver's shaft is that
 of the barrel, with the torque of the drive; the
-follower's is that of the load, whose torque is -sign(v) M. Friction never drives: a driver at rest
+follower's is that of the load, whose torque is -sign(v) M; a load that changes with the follower's
+angle is part of P. Friction never drives: a driver at rest
 that the drive cannot move is held.
 
 The sign of q (I + e I_s) = I T - I_s (P - ..) does not depend on e, so that the direction of the
@@ -23,6 +24,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from escapement.dynamics.load import has_load_curve, load_over
 from escapement.dynamics.torque import torque_at
 from escapement.numerics.jit import inner_jit
 
@@ -125,9 +127,21 @@ def free_driver(scene, theta, speed, sense):
 
 
 @inner_jit
-def free_follower(scene, turning, sense):
-    """The follower without contact, which turns in this sense, 0 at rest."""
-    return move(follower_of(scene), turning, sense, -sense * scene.load, 0.0, 0.0)
+def free_follower(scene, phi, turning, sense):
+    """The follower without contact, which turns in this sense; it is held if that is 0."""
+    push = 0.0
+    if has_load_curve(scene) and sense != 0.0:
+        push = -load_over(phi, sense, scene.driver_angle, scene)[0]
+    return move(follower_of(scene), turning, sense, -sense * scene.load, push, 0.0)
+
+
+@inner_jit
+def follower_sense(scene, phi, turning):
+    """Sense in which a follower without contact turns, 0 at rest if nothing moves it."""
+    if turning != 0.0 or not has_load_curve(scene):
+        return np.sign(turning)
+    sense = -np.sign(load_over(phi, 0.0, scene.driver_angle, scene)[0])
+    return sense if sense * free_follower(scene, phi, 0.0, sense).rate > 0.0 else 0.0
 
 
 @inner_jit

@@ -13,7 +13,8 @@ from typing import Any
 import numpy as np
 
 from escapement.dynamics.law import grip, is_ideal, sign_of, slide_at
-from escapement.dynamics.train_losses import FLOWS, in_flow, is_lossy, scene_in_flow
+from escapement.dynamics.power_flow import FLOWS
+from escapement.dynamics.train_losses import in_flow, is_lossy, scene_in_flow
 from escapement.mechanisms.path import G0, G1, HALF_RATE, L0, L1, OFFSET
 from escapement.mechanisms.protocol import FloatArray, Mechanism
 from escapement.mechanisms.slotted import (

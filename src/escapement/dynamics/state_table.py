@@ -18,8 +18,9 @@ from escapement.dynamics.law import (
     wall_state,
 )
 from escapement.dynamics.load import load_at
+from escapement.dynamics.power_flow import factors, weight
 from escapement.dynamics.torque import cell_after
-from escapement.dynamics.train_losses import factors, flowing, is_lossy, train_losses, weight
+from escapement.dynamics.train_losses import flowing, is_lossy, train_losses
 from escapement.mechanisms.slotted import pose_at
 from escapement.numerics.jit import inner_jit, jit
 

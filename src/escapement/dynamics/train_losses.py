@@ -19,15 +19,11 @@ import numpy as np
 
 from escapement.dynamics.law import state_of_pose
 from escapement.dynamics.load import load_at
+from escapement.dynamics.power_flow import FLOWS, UNKNOWN, factors, weight
 from escapement.dynamics.torque import torque_at
 from escapement.mechanisms.slotted import pose_at
 from escapement.numerics.altered import altered
 from escapement.numerics.jit import inner_jit, jit
-
-UNKNOWN = -1.0
-"""The flow of a scene that includes both trains as if nothing were lost."""
-FLOWS = 4
-"""Combinations of signs: 1 is added where q < 0, and 2 where z < 0."""
 
 
 @inner_jit
@@ -35,22 +31,6 @@ def is_lossy(scene):
     """Whether a train of a scene loses power."""
     # with clearance a scene holds 1/eta where a body goes back
     return scene.barrel_efficiency != 1.0 or scene.load_train_efficiency != 1.0
-
-
-@inner_jit
-def factors(flow, scene):
-    """e_b and e_l of a flow."""
-    back, given = flow == 1.0 or flow == 3.0, flow >= 2.0
-    barrel, train = scene.barrel_efficiency, scene.load_train_efficiency
-    return 1.0 / barrel if back else barrel, train if given else 1.0 / train
-
-
-@inner_jit
-def weight(scene):
-    """Follower inertia of a scene of one flow, divided by that of its original scene."""
-    if scene.flow == UNKNOWN:
-        return 1.0
-    return 1.0 + (factors(scene.flow, scene)[1] - 1.0) * scene.load_train
 
 
 @inner_jit(inlined=True)

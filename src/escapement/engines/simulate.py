@@ -20,7 +20,6 @@ from escapement.engines.solver import (
     Solver,
     choose_solver,
     solver_for,
-    solver_for_turns,
 )
 from escapement.mechanisms.slotted import transmission_at
 from escapement.model.checks import MOST_UNEQUAL
@@ -149,8 +148,6 @@ def _settings(
     if not isinstance(escapement, Escapement):
         raise validate.fail("escapement", "an Escapement", escapement, "see escapement.Escapement")
     solver = solver_for(escapement.contact, solver)
-    if escapement.mechanism.perfect and len(escapement.pairs) > 1:
-        solver = solver_for_turns(solver)
     speed = initial_speed
     if type(speed) is not float or speed != 0.0:  # the usual start, from rest, needs no check
         speed = check_number(Run, "initial_speed", speed)
@@ -232,8 +229,10 @@ def _terminal(escapement: Escapement, engine: str, settings: dict[str, Any]) -> 
             # what trains without inertias pass on is constant
             scene, held = escapement.scene, escapement.driver_bearing_torque
             pull = scene.barrel_efficiency * escapement.torque_unit - held
-            load = escapement.load_work(mechanism.follower_step) / scene.load_train_efficiency
-            carries = pull * mechanism.cell_angle > load
+            step, size = mechanism.follower_step, len(escapement.pairs)
+            lost = escapement.referred["load_torque"] * (1.0 / scene.load_train_efficiency - 1.0)
+            load = escapement.load_work(size * step) - escapement.jump_works.sum()
+            carries = pull * size * mechanism.cell_angle > load + lost * size * step
             status = Status.NO_TERMINAL if carries else Status.STALL
             message = MESSAGES[status]
         return replace(base, status=status, message=message)

@@ -129,20 +129,6 @@ def solver_for(contact: str, solver: Solver) -> Solver:
     return solver
 
 
-def solver_for_turns(solver: Solver) -> Solver:
-    """The settings with the engine for a load that repeats in a turn of the follower.
-
-    Raises
-    ------
-    InvalidValue
-        If they name another engine.
-    """
-    if solver.engine not in (None, "ivp"):
-        rule = "'ivp' with a load that repeats in a turn of the follower"
-        raise validate.fail("engine", rule, solver.engine, "leave it out")
-    return _with_engine(solver, "ivp")
-
-
 @lru_cache
 def _with_engine(solver: Solver, engine: str) -> Solver:
     return replace(solver, engine=engine)

@@ -84,6 +84,17 @@ def pose_at(path, theta):
     return g, u, u * (c[RATE_SUM] - 2.0 * g), np.sqrt(length)
 
 
+@inner_jit
+def angle_in_slot(path, theta):
+    """Follower angle of a Geneva wheel at a driver angle, 0 at dead centre of a slot through the
+    axis."""
+    c, sense = path.numbers, path.numbers[PIN_RATE]
+    centre, sine, cosine = 0.25 * abs(c[L1]), np.sin(theta), np.cos(theta)
+    square = 1.0 + centre * (centre + 2.0 * sense * cosine)
+    radius = np.sqrt(square - c[OFFSET] * c[OFFSET])
+    return np.arctan2(sine, centre + sense * cosine) - np.arctan2(c[OFFSET], radius)
+
+
 @jit
 def transmission_at(path, theta):
     """Transmission (g, u, g') at one driver angle, from a mechanism's path."""

@@ -418,19 +418,29 @@ class Escapement(Declared):
         load that repeats in a turn of the follower.
         """
         pairs = self.mechanism.pairs
-        cells = (pairs[0]._replace(edges=cell.edges) for cell in self._load_cells)
-        return tuple(cells) or pairs
+        if self.load_curve is None:
+            return pairs
+        count = math.lcm(len(pairs), self._load_steps)
+        pairs = pairs * (count // len(pairs))
+        if self.contact:
+            return pairs
+        cells = zip(pairs, self._load_cells, strict=True)
+        return tuple(pair._replace(edges=cell.edges) for pair, cell in cells)
+
+    @property
+    def _load_steps(self) -> int:
+        """Steps of the follower after which its load repeats."""
+        load, step = self.load_curve, abs(float(self.mechanism.follower_step))
+        return 1 if load is None else steps_of(load, step)
 
     @cached_property
     def _load_cells(self) -> list[Any]:
         """The load that changes with the follower angle in each of its engagements."""
-        if self.load_curve is None:
+        if self.load_curve is None or self.contact:
             return []
-        from escapement.model.load_cells import load_cell
+        from escapement.model.load_cells import load_cells
 
-        step = self.mechanism.follower_step
-        count, (pair, *_) = steps_of(self.load_curve, abs(step)), self.mechanism.pairs
-        return [load_cell(self.load_curve, pair, k * step) for k in range(count)]
+        return load_cells(self.load_curve, self.mechanism)
 
     @cached_property
     def scenes(self) -> tuple[Scene, ...]:
@@ -442,6 +452,12 @@ class Escapement(Declared):
         pairs, loads = self.pairs, [np.zeros(1)] * len(self.pairs)
         if self._load_cells:
             loads = [cell.in_units(self.torque_unit) for cell in self._load_cells]
+        elif self.load_curve is not None:
+            from escapement.model.load_cells import over_follower
+
+            load = self.load_curve * (1.0 / self.torque_unit)
+            step = float(self.mechanism.follower_step)
+            loads = [over_follower(load, self._load_steps, step)] * len(pairs)
         cells = zip(pairs, loads, strict=True)
         return tuple(Scene(*m[:3], torque, 0.0, load, **numbers) for m, load in cells)
 
@@ -471,6 +487,7 @@ class Escapement(Declared):
             "scene",
             "joint",
             "kept",
+            "jump_works",
             "_begins",
             "_load_cells",
             "referred",
@@ -512,6 +529,19 @@ class Escapement(Declared):
         return (
             self.torque_unit * driver_angle if self.curve is None else self.curve.work(driver_angle)
         )
+
+    @cached_property
+    def jump_works(self) -> FloatArray:
+        """Work against the load for the jump of the follower ahead to each of its `pairs` [J]."""
+        step = self.mechanism.follower_step
+        ends = [
+            k * step + float(pair.follower_angle(pair.edges[:1])[0])
+            for k, pair in enumerate(self.pairs)
+        ]
+        cells = zip(self.pairs, ends, strict=True)
+        works: FloatArray
+        works = np.array([self.load_work(pair.jump, end - pair.jump) for pair, end in cells])
+        return works
 
     def load_work(self, turn: Any, begin: Any = None) -> Any:
         """Work done against the load while the follower turns by angles [rad] [J].

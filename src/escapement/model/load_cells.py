@@ -1,6 +1,7 @@
 """A load over the follower angle as engines see it: over the driver angle of each cell."""
 
-from collections.abc import Callable
+import math
+from collections.abc import Callable, Sequence
 from itertools import pairwise
 from typing import NamedTuple
 
@@ -9,7 +10,8 @@ from numpy.typing import NDArray
 from scipy.optimize import brentq
 
 from escapement.mechanisms.path import EDGES, PIECES, Pair
-from escapement.model.load_curve import Load
+from escapement.mechanisms.protocol import Mechanism
+from escapement.model.load_curve import Load, Unbalance, steps_of
 from escapement.numerics.chebyshev import fit
 
 FloatArray = NDArray[np.float64]
@@ -46,6 +48,30 @@ def load_cell(load: Load, pair: Pair, turned: float) -> LoadCell:
     series = fit(lambda theta: np.asarray(load(angle(theta))), edges, _ORDER, _DECAYED, kinks=0)
     numbers = np.array(series.rows.shape, float), series.edges, series.rows.reshape(-1)
     return LoadCell(edges, np.concatenate(numbers))
+
+
+def load_cells(load: Load, mechanism: Mechanism) -> list[LoadCell]:
+    """The load in each engagement, up to where load and pairs of pin and slot repeat."""
+    step, pairs = float(mechanism.follower_step), mechanism.pairs
+    count = math.lcm(len(pairs), steps_of(load, abs(step)))
+    return [load_cell(load, pairs[k % len(pairs)], k * step) for k in range(count)]
+
+
+def in_a_round(cells: Sequence[tuple[FloatArray, FloatArray]]) -> FloatArray:
+    """Edges and loads of several cells in one array, as `dynamics.load` reads it."""
+    parts = [np.concatenate([[edges.size], edges, load]) for edges, load in cells]
+    begins = len(parts) + 2.0 + np.cumsum([0.0, *(part.size for part in parts)])
+    return np.concatenate([[-float(len(parts))], begins, *parts])
+
+
+def over_follower(load: Load, steps: int, step: float) -> FloatArray:
+    """A load over the follower angle, as `dynamics.load` reads it.
+
+    It repeats after so many steps, of the angle `step` [rad] each.
+    """
+    if isinstance(load, Unbalance):
+        return np.array([0.0, steps, step, load.moment, load.angle])
+    return np.array([0.0, steps, step, 0.0, 0.0, *load.angle, *load.torque])
 
 
 def _with_knots(

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from typing import Any
 
-from escapement.base import validate
+from escapement.base import units, validate
+from escapement.base.errors import InvalidValue
+from escapement.base.quantity import Numbers, Quantity
 from escapement.base.text import Shown
 
 
@@ -49,3 +52,52 @@ class Motor(Shown):
     def torque(self, speed: float) -> float:
         """Torque at a speed of the motor [N m]."""
         return self.stall_torque * (1.0 - speed / self.no_load_speed)
+
+
+_NUMBERS = (
+    Quantity(
+        long_name="stall torque", unit="torque", exclusive=True, remedy="give the torque at rest"
+    ),
+    Quantity(
+        long_name="no-load speed", unit="speed", exclusive=True,
+        remedy="give the speed without a load",
+    ),
+)  # fmt: skip
+
+
+class MotorSetting(Numbers):
+    """A `Motor`, which files and the command line give by its two numbers."""
+
+    def check(self, label: str, value: Any) -> Motor:
+        """`value` as the motor that it is."""
+        if not isinstance(value, Motor):
+            raise validate.fail(label, "a Motor", value, "give Motor(stall_torque, no_load_speed)")
+        return value
+
+    def read(self, label: str, value: Any) -> tuple[float, ...]:
+        """Stall torque and no-load speed, in the units of the system."""
+        if isinstance(value, str) or not hasattr(value, "__len__") or len(value) != len(_NUMBERS):
+            shown = ",".join(map(str, value)) if isinstance(value, list) else value
+            rule = "stall torque and no-load speed, with a comma between them"
+            raise InvalidValue(f"{label} must be {rule}, got {shown}; give for example 2,300")
+        pairs = zip(_NUMBERS, value, strict=True)
+        return tuple(
+            replace(entry, system=self.system).read(f"{label}, {entry.long_name},", item)
+            for entry, item in pairs
+        )
+
+    def to_si(self, values: Any) -> Motor:
+        """The motor with these numbers."""
+        torque, speed = (
+            value * units.factor(entry.unit, self.system)
+            for value, entry in zip(values, _NUMBERS, strict=True)
+        )
+        return Motor(torque, speed)
+
+
+MOTOR = MotorSetting(
+    name="motor", long_name="motor of which the torque falls in a straight line over its speed",
+    note=", by stall torque and no-load speed", metavar="STALL,NO-LOAD",
+    remedy="give stall torque and no-load speed",
+)  # fmt: skip
+"""A motor as an option of the command line."""

@@ -42,7 +42,8 @@ def plot_index(
         acceleration of the follower, each as a share of its greatest value, or of two drives the
         accelerations; the torque of the drive with its mean and root mean square over the cycle;
         the force on the pin, or the moment on the follower without a crank radius, with reversals
-        and impacts. Over the time [s]: the deflection of a load on an elastic shaft, with the
+        and impacts. Of a load that repeats in a turn of the follower the index with the greatest
+        torque is drawn. Over the time [s]: the deflection of a load on an elastic shaft, with the
         dwell shaded.
     """
     drives = [result] if against is None else [result, against]
@@ -56,7 +57,8 @@ def plot_index(
     shown: list[Shown] = []
     for one, look in zip(drives, style.LOOKS, strict=False):
         entry, exit_ = one.mechanism.breaks[0], one.mechanism.breaks[-1]
-        shown.append((one, one.at(np.linspace(entry, exit_, _SAMPLES)), look))
+        begin = one.hardest * one.mechanism.cell_angle
+        shown.append((one, one.at(begin + np.linspace(entry, exit_, _SAMPLES)), look))
     if against is None:
         _draw_motion(axes[0], *shown[0][:2], units)
     else:
@@ -78,8 +80,10 @@ def _name(drive: IndexingDrive) -> str:
 
 
 def _degrees(drive: IndexingDrive, theta: Any) -> Any:
-    """Driver angles from the middle of the index, in degrees."""
-    return np.degrees(theta - 0.5 * (drive.mechanism.breaks[0] + drive.mechanism.breaks[-1]))
+    """Driver angles from the middle of the index that is drawn, in degrees."""
+    wheel = drive.mechanism
+    middle = drive.hardest * wheel.cell_angle + 0.5 * (wheel.breaks[0] + wheel.breaks[-1])
+    return np.degrees(theta - middle)
 
 
 def _draw_motion(ax: Axes, drive: IndexingDrive, state: IndexState, units: str) -> None:
@@ -147,8 +151,9 @@ def _mark_walls(ax: Axes, drive: IndexingDrive, angle: Any, values: Any, rear: A
         across: dict[str, Any] = {"transform": ax.get_xaxis_transform(), "zorder": 0}
         across |= {"where": rear, "label": "follower pushes the pin", **style.SHADE}
         ax.fill_between(angle, 0.0, 1.0, **across)
-    if drive.reversals.size:
-        at = _degrees(drive, drive.reversals)
+    at = _degrees(drive, drive.reversals)
+    at = at[(at >= angle[0]) & (at <= angle[-1])]
+    if at.size:
         ax.plot(at, np.zeros_like(at), "o", ms=5, zorder=5, **style.REVERSAL)
     impacts = _degrees(drive, np.array([drive.entry_impact_angle, drive.reversal_impact_angle]))
     impacts = impacts[np.isfinite(impacts)]

@@ -25,8 +25,10 @@ def pattern_beats(escapement: Escapement, rtol: float) -> FloatArray | None:
     mechanism: Any = escapement.mechanism
     if mechanism.misfit:
         return None
-    addresses, scene, *_ = prepared(escapement)
-    given = addresses, scene, NO_CELLS, mechanism.pattern
+    addresses, scene, cells, pattern = prepared(escapement)
+    if escapement.load_curve is None:
+        cells, pattern = NO_CELLS, mechanism.pattern
+    given = addresses, scene, cells, pattern
     numbers, codes = np.array([[*escapement.scene[FIXED:], 0.0]]), np.zeros(1, dtype=np.uint8)
     table, extent = np.empty((1, FIGURES)), int(Extent.CYCLE)
     mark_jammed(scene, given[3][None], numbers, codes)
@@ -34,6 +36,7 @@ def pattern_beats(escapement: Escapement, rtol: float) -> FloatArray | None:
     if codes[0] != Status.OK:
         return None
     w = float(table[0, HANDOFF]) ** 2
-    times, speeds = np.empty((2, mechanism.pattern.size))
+    times, speeds = np.empty((2, max(pattern.size, 1)))
     status, *_ = handoffs(*given, w, np.inf, rtol, escapement.time_unit, times, speeds)
-    return np.diff(times, prepend=0.0) if status == Status.OK else None
+    beats = np.resize(np.diff(times, prepend=0.0), mechanism.pattern.size)
+    return beats if status == Status.OK else None

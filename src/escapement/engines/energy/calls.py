@@ -20,13 +20,14 @@ from escapement.engines.energy.passage import Detail, Request
 from escapement.mechanisms.path import Path
 from escapement.mechanisms.pattern import PAIR
 from escapement.model.escapement import Escapement
+from escapement.model.load_cells import in_a_round
 from escapement.model.scene import Scene, packed
 from escapement.numerics.by_address import by_address
 from escapement.numerics.interpreted import when_compiled
 
 NO_PATTERN = np.empty(0, PAIR)
-"""The pattern of a wheel with perfect parts, whose only pair has the scene of the escapement."""
-_KEY = "energy.cells"
+"""The pattern where all engagements are alike, with the scene of the escapement."""
+_KEY, _SCENE = "energy.cells", "energy.scene"
 
 # The types of the arguments are read off empty samples. A call by address needs them before
 # there is a caller, and they must be those of every caller.
@@ -59,12 +60,35 @@ def kernel_addresses(kind: Kind = Kind.WHOLE) -> np.ndarray:
     return addresses
 
 
-def pattern_of(escapement: Escapement) -> np.ndarray:
-    """The pattern of a wheel with imperfect parts; `NO_PATTERN` of other mechanisms."""
-    if len(escapement.scenes) == 1:
-        return NO_PATTERN
-    wheel: Any = escapement.mechanism
-    return np.asarray(wheel.pattern)
+def scene_and_pattern(escapement: Escapement) -> tuple[Scene, np.ndarray]:
+    """The scene that all engagements share, and their pattern, see `pairs.scene_of_pair`.
+
+    With a load that changes, the scene holds the loads of all engagements, and the edges of the one
+    that has most of them.
+    """
+    kept = escapement.kept
+    if _SCENE not in kept:
+        kept[_SCENE] = _scene_and_pattern(escapement)
+    result: tuple[Scene, np.ndarray] = kept[_SCENE]
+    return result
+
+
+def _scene_and_pattern(escapement: Escapement) -> tuple[Scene, np.ndarray]:
+    scene, scenes, wheel = escapement.scene, escapement.scenes, escapement.mechanism
+    if len(scenes) == 1:
+        return scene, NO_PATTERN
+    if wheel.perfect:
+        pattern = np.zeros(len(scenes), PAIR)
+        pattern["dwell"] = scene.dwell
+        if not scene.path.table:
+            pattern["pin_numbers"] = scene.path.numbers
+    else:
+        pattern = np.resize(wheel.pattern, len(scenes))  # type: ignore[attr-defined]
+    if escapement.load_curve is None:
+        return scene, pattern
+    most = max((one.edges for one in scenes), key=len)
+    loads = in_a_round([(one.edges, one.load_curve) for one in scenes])
+    return scene._replace(edges=most, load_curve=loads), pattern
 
 
 def prepared(escapement: Escapement) -> tuple[Any, ...]:
@@ -74,7 +98,7 @@ def prepared(escapement: Escapement) -> tuple[Any, ...]:
     """
     kept = escapement.kept
     if _KEY not in kept:
-        scene, pattern = escapement.scene, pattern_of(escapement)
+        scene, pattern = scene_and_pattern(escapement)
         kind = max(kind_of(one.path, one.torque, one[FIXED:]) for one in escapement.scenes)
         kind = Kind.WHOLE if scene.load_curve.size > 1 else kind
         cells = NO_CELLS if pattern.size else cells_of(scene.path, scene.edges)

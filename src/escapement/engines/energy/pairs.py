@@ -14,6 +14,7 @@ import numpy as np
 
 from escapement.dynamics.codes import Event
 from escapement.dynamics.law import is_felt, left_by_impact
+from escapement.dynamics.load import cell_of_round, has_load_curve
 from escapement.engines.energy.calls import march, refine
 from escapement.engines.energy.located_events import EVENT, most_events, note
 from escapement.engines.energy.march import OK
@@ -59,7 +60,7 @@ class MarchInputs(NamedTuple):
     addresses : as `calls.kernel_addresses` returns them.
     scene : a `Scene`; with a pattern each pair has its own path, edges and dwell in place of those.
     cells : tabulated geometry of the scene's path; with a pattern nothing is tabulated.
-    pattern : array of `mechanisms.pattern.PAIR`, empty for perfect parts.
+    pattern : array of `mechanisms.pattern.PAIR`, empty where all engagements are alike.
     data : array of `PAIR_DATA`, one for each pair.
     store, events : memory that the marches fill, a `Store` and an array of `EVENT`.
     """
@@ -107,12 +108,18 @@ class Engaged(NamedTuple):
 
 @inner_jit(allocates=True, inlined=True)
 def scene_of_pair(scene, pattern, index, driver_angle):
-    """The scene of a pair, after a driver angle turned; perfect parts keep the path of `scene`."""
+    """The scene of a pair, after a driver angle turned; without a pattern it is `scene`."""
     scene = altered(scene, "driver_angle", driver_angle)
     if pattern.size > 0:
-        pair = pattern[index]
-        edges = pair.edges[: pair.used]
-        scene = altered(scene, "path", path_in(pair), "edges", edges, "dwell", pair.dwell)
+        pair, path = pattern[index], scene.path
+        edges, load = pair.edges[: pair.used], scene.load_curve
+        if has_load_curve(scene):
+            edges, load = cell_of_round(load, index)
+        if not path.table:
+            path = path_in(pair)
+        scene = altered(
+            scene, "path", path, "edges", edges, "dwell", pair.dwell, "load_curve", load
+        )
     return scene
 
 
@@ -143,8 +150,10 @@ def new_case(addresses, scene, cells, pattern, room):
 @inner_jit
 def round_events(edges, size):
     """Number of events of one round for which there must be room; `size` is that of the pattern."""
-    # `MOST_EVENTS` is `most_events` for four edges, which a pair of a pattern has at most
-    return most_events(edges) if size == 0 else size * MOST_EVENTS
+    # `MOST_EVENTS` is `most_events` for four edges, which a pair of a pattern has at most without
+    # a load that changes; with one `edges` are those of the pair that has most of them
+    most = most_events(edges)
+    return most if size == 0 else size * max(most, MOST_EVENTS)
 
 
 @inner_jit

@@ -7,8 +7,8 @@ greatest value.
 
 from escapement.dynamics.law import wall_state
 from escapement.dynamics.load import load_at
+from escapement.dynamics.power_flow import weight
 from escapement.dynamics.state_table import losses_at, signs_near
-from escapement.dynamics.train_losses import weight
 from escapement.engines.energy.locate import weights_to
 from escapement.engines.energy.panels import points_of
 from escapement.mechanisms.slotted import pose_at

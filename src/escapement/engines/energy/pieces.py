@@ -15,7 +15,7 @@ from escapement.dynamics.state_table import losses_at
 from escapement.dynamics.torque import next_knot
 from escapement.dynamics.train_losses import flowing
 from escapement.engines.energy import panels
-from escapement.engines.energy.calls import pattern_of
+from escapement.engines.energy.calls import scene_and_pattern
 from escapement.engines.energy.locate import invert
 from escapement.engines.energy.located_events import NO_EVENTS
 from escapement.engines.energy.march import OK
@@ -172,7 +172,7 @@ def states_of(scene, pattern, pieces, counts, times, rtol, theta, squares, losse
 
     Parameters
     ----------
-    scene, pattern : of an escapement, see `calls.pattern_of`.
+    scene, pattern : of an escapement, see `calls.scene_and_pattern`.
     pieces : rows of the index of the pair, s, 0 in a dwell, driver angles of start and end, w,
         and `Scene.driver_angle`.
     counts : how many of the times belong to each piece.
@@ -364,7 +364,7 @@ def follow(
     order = np.argsort(owners, kind="stable")
     which, counts = np.unique(owners, return_counts=True)
     found, states = np.empty((2, owners.size)), np.empty((2, owners.size))
-    given = escapement.scene, pattern_of(escapement), pieces[which], counts, since[order], rtol
+    given = *scene_and_pattern(escapement), pieces[which], counts, since[order], rtol
     states_of(*given, *found, np.empty((which.size, len(LOSSES))), np.empty((which.size, 0)))
     states[:, order] = found
     return states

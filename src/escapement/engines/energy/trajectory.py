@@ -14,7 +14,7 @@ import numpy as np
 from escapement.dynamics.codes import Event
 from escapement.dynamics.law import LOSSES
 from escapement.dynamics.trajectory import Events, Extrema, Trajectory
-from escapement.engines.energy.calls import pattern_of, prepared
+from escapement.engines.energy.calls import prepared, scene_and_pattern
 from escapement.engines.energy.peaks import PEAKS
 from escapement.engines.energy.pieces import MOTION_EVENT, events_of, follow, states_of
 from escapement.mechanisms.protocol import FloatArray
@@ -194,7 +194,7 @@ class EnergyTrajectory(Trajectory):
             distinct, which = np.unique(rows, axis=0, return_inverse=True)
         lost, peaks = np.zeros((len(distinct), len(LOSSES))), np.zeros((len(distinct), wanted))
         count, none = np.zeros(len(distinct), np.int64), np.empty(0)
-        given = self.escapement.scene, pattern_of(self.escapement), distinct, count
+        given = *scene_and_pattern(self.escapement), distinct, count
         states_of(*given, none, self.rtol, none, none, lost, peaks)
         return lost[which.reshape(-1)], peaks[which.reshape(-1)]
 

@@ -103,10 +103,9 @@ def _gain(motion: Motion, w: float) -> float:
     if (size := len(escapement.pairs)) > 1:
         # a pattern ends as it begins, after the handoff, and takes its impacts besides
         handoffs, scene = motion.handoffs, escapement.scene
-        follower_turn = size * mechanism.follower_step - handoffs.jump.sum()
-        work = escapement.drive_work(size * mechanism.cell_angle) - escapement.load_work(
-            follower_turn
-        )
+        jumped = escapement.jump_works[handoffs.engagement % size].sum()
+        work = escapement.drive_work(size * mechanism.cell_angle) + jumped
+        work -= escapement.load_work(size * mechanism.follower_step)
         work -= motion.trajectory.losses.sum() + handoffs.energy.sum()
         ratio = transmission_at(scene.path, scene.edges[0])[0]
         return float(2.0 * work / (driver + follower * ratio**2))

@@ -13,6 +13,7 @@ from escapement.base.errors import InvalidValue
 from escapement.base.files import AnyPath
 from escapement.base.quantity import Quantity, Setting
 from escapement.base.toml_file import read_toml
+from escapement.constant_speed.index_case import refuse_with_curve
 from escapement.engines.solver import DEFAULT_ENGINE, Solver, solver_for
 from escapement.mechanisms import DEFAULT_KIND, KINDS, kind_of
 from escapement.mechanisms.protocol import Mechanism
@@ -152,10 +153,8 @@ def _check_drives(plan: StudyPlan) -> None:
             "leave them out"
         )
     if plan.fixed_si.get("load_curve") is not None:
-        raise InvalidValue(
-            "load_curve must be left out of a study of indexing drives, got one; use a constant "
-            "load_torque, or escapement.index for each drive"
-        )
+        clearance = plan.every("clearance") if "clearance" in plan.parameters else 0.0
+        refuse_with_curve(clearance, plan.every("locking_radius"))
 
 
 def _replaces(name: str, forms: Mapping[str, Any]) -> bool:

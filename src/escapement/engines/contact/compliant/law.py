@@ -21,12 +21,15 @@ from typing import NamedTuple
 import numpy as np
 
 from escapement.dynamics.free_bodies import driver_of, follower_of, move
+from escapement.dynamics.load import has_load_curve, load_over
 from escapement.dynamics.torque import torque_after
 from escapement.dynamics.train_losses import is_lossy
 from escapement.engines.contact.slot import (
     FREE,
     LOCKED,
     acceleration_across,
+    follower_angle,
+    frame_of,
     journal_share,
     pose,
     pushes,
@@ -97,6 +100,12 @@ def push(depth, rate, case):
 
 
 @inner_jit
+def angle_of_follower(y, at, mode, scene):
+    """phi of a state whose pose this is."""
+    return follower_angle(frame_of(scene), y[0], at) if touches(mode) else y[1]
+
+
+@inner_jit
 def rates(y, mode, case, out):
     """Fill `out` with the derivative of a state by time.
 
@@ -124,13 +133,16 @@ def rates(y, mode, case, out):
     if held + scene.follower_journal * reaction + scene.load != 0.0 or is_lossy(scene):
         turn, turns = fading(at.driver, joint.slip), fading(at.follower, joint.slip)
     driver = move(driver_of(scene), at.driver, turn, pull, on_driver, held)
-    held, load = scene.follower_journal * reaction, turns * scene.load
-    follower = move(follower_of(scene), at.follower, turns, -load, on_follower, held)
+    held, load, swing = scene.follower_journal * reaction, turns * scene.load, 0.0
+    if has_load_curve(scene):
+        phi = angle_of_follower(y, at, mode, scene)
+        swing = load_over(phi, 0.0, case.driver_angle, scene)[0]
+    follower = move(follower_of(scene), at.follower, turns, -load, on_follower - swing, held)
     acceleration, train = (0.0, 0.0) if mode == LOCKED else (follower.rate, follower.train)
     out[0], out[1], out[2], out[3] = at.driver, y[3], driver.rate, acceleration
     if touches(mode):
         out[3] = acceleration_across(at, driver.rate, acceleration, scene)
-    out[LOAD] = load * at.follower
+    out[LOAD] = (load + swing) * at.follower
     out[LOST + 1], out[LOST + 2] = driver.friction * at.driver, follower.friction * at.follower
     out[LOST + 3], out[LOST + 4] = driver.drag * at.driver, follower.drag * at.follower
     out[LOST + 5], out[LOST + 6] = driver.train * at.driver, train * at.follower

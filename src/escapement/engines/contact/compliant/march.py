@@ -1,18 +1,22 @@
 """The motion with compliant contact, step by step.
 
 Steps of `radau` go from the beginning of a contact to its end, and from there to the next one. A
-step that passes one of these events is repeated with the length at which it ends there. The
-corners of the law thus lie between steps, and the method keeps its order.
+step that passes one of these events, or a knot of the load, is repeated with the length at which
+it ends there. The corners of the law thus lie between steps, and the method keeps its order.
 """
+
+from typing import NamedTuple
 
 import numpy as np
 
 from escapement.dynamics.codes import Ending
+from escapement.dynamics.load import has_load_curve, load_knot
 from escapement.dynamics.torque import REST, cell_after, cell_of, is_held, is_undriven
 from escapement.engines.contact.compliant.law import (
     STATE,
     WALLS,
     PinInSlot,
+    angle_of_follower,
     frequency,
     rates,
     room,
@@ -63,12 +67,47 @@ _INSTANT = 1e-9
 """How long a motion stands that is at rest from its start."""
 
 
+class _Goal(NamedTuple):
+    """Where a step is to end: at a driver angle, at an angle of the follower that turns in a
+    `sense`, or, where both are NaN, at the beginning or the end of a contact.
+    """
+
+    driver: float
+    follower: float
+    sense: float
+
+
+_CONTACT = _Goal(np.nan, np.nan, 1.0)
+
+
 @inner_jit
-def _left(work, mode, case, goal):
-    """A number that is positive before an event: the angle left to a `goal`, else `law.room`."""
-    if goal == goal:
-        return goal - work.end[0]
-    return room(work.end, work.stages[STAGES], mode, case)[0]
+def _left(y, out, mode, case, goal):
+    """A number that is positive before an event: an angle left, else `law.room`.
+
+    `out` are the `rates` of the state.
+    """
+    if goal.driver == goal.driver:
+        return goal.driver - y[0]
+    if goal.follower == goal.follower:
+        return goal.sense * (goal.follower - _follower_angle(y, mode, case))
+    return room(y, out, mode, case)[0]
+
+
+@inner_jit
+def _follower_angle(y, mode, case):
+    """phi of a state."""
+    return angle_of_follower(y, pose(y, mode, case.scene), mode, case.scene)
+
+
+@inner_jit
+def _knot_within(y, mode, case, work):
+    """The knot of the load that the follower passes in a step; `_CONTACT` if there is none."""
+    if mode == LOCKED or not has_load_curve(case.scene):
+        return _CONTACT
+    before, behind = _follower_angle(y, mode, case), _follower_angle(work.end, mode, case)
+    sense = np.sign(behind - before)
+    knot = load_knot(before, sense, case.driver_angle, case.scene)
+    return _Goal(np.nan, knot, sense) if sense * (behind - knot) > _ROUNDING else _CONTACT
 
 
 @inner_jit
@@ -90,8 +129,8 @@ def _locate(y, h, mode, clock, case, rtol, work, goal):
     It is 0 if a step of the search fails.
     """
     low, high, length = 0.0, h, h
-    at_high = _left(work, mode, case, goal)
-    at_low = goal - y[0] if goal == goal else room(y, work.stages[0], mode, case)[0]
+    at_high = _left(work.end, work.stages[STAGES], mode, case, goal)
+    at_low = _left(y, work.stages[0], mode, case, goal)
     # a step that begins at an event is halved until its end is past the event
     at_low, last = at_low if at_low > 100.0 * _ROUNDING else 0.0, 0
     for _ in range(100):
@@ -104,7 +143,7 @@ def _locate(y, h, mode, clock, case, rtol, work, goal):
         clock.tries += 1
         if attempt(y, length, mode, case, rtol, work) == np.inf:
             return 0.0
-        value = _left(work, mode, case, goal)
+        value = _left(work.end, work.stages[STAGES], mode, case, goal)
         if done or abs(value) <= _ROUNDING:
             break
         if value > 0.0:
@@ -235,11 +274,14 @@ def _advance(y, clock, case, rtol, end, events, work):
             return 0.0, False, False
         passed = room(work.end, work.stages[STAGES], mode, case)[0] <= 0.0
         if passed:
-            h = _locate(y, h, mode, clock, case, rtol, work, np.nan)
+            h = _locate(y, h, mode, clock, case, rtol, work, _CONTACT)
+    knot = _knot_within(y, mode, case, work) if h > 0.0 else _CONTACT
+    if knot.follower == knot.follower:
+        h, passed = _locate(y, h, mode, clock, case, rtol, work, knot), False
     goal = _goal(clock, case.scene)
     arrived = h > 0.0 and work.end[0] >= goal
     if arrived:
-        h = _locate(y, h, mode, clock, case, rtol, work, goal)
+        h = _locate(y, h, mode, clock, case, rtol, work, _Goal(goal, np.nan, 1.0))
     if h == 0.0:
         clock.step = 0.5 * full
     return h, passed, arrived

@@ -37,29 +37,32 @@ _NOISE = 1e-9
 _LONGEST_TRANSIENT = 200
 
 
-class _PassedEngagement(NamedTuple):
-    """One engagement: its motion, and the numbers by which engagements are compared."""
+class _PassedRound(NamedTuple):
+    """One round: its motion, and the numbers by which rounds are compared."""
 
     motion: Motion
     numbers: dict[str, float]
 
 
 class _Cycle:
-    """Engagements one after the other."""
+    """Rounds one after the other: engagements, or the engagements in one turn of the follower with
+    a load that repeats in a turn.
+    """
 
     def __init__(self, escapement: Escapement, speed: float, rtol: float) -> None:
         self.march, self.asked = March(escapement, speed, rtol), rtol
+        self.size = len(escapement.pairs)
 
-    def engage(self) -> _PassedEngagement:
-        """Pass one engagement."""
+    def engage(self) -> _PassedRound:
+        """Pass one round."""
         march = self.march
         march.set_back()
-        motion = march.motion(*march.go(1), self.asked)
+        motion = march.motion(*march.go(self.size), self.asked)
         if motion.outcome is not Status.OK:
-            return _PassedEngagement(motion, {})
+            return _PassedRound(motion, {})
         found = cycle_figures(motion)
         names = ("period", "velocity_max", "velocity_min", "handoff_velocity")
-        return _PassedEngagement(motion, {name: found[name] for name in names})
+        return _PassedRound(motion, {name: found[name] for name in names})
 
     def hurry(self, factor: float) -> None:
         """Multiply both speeds."""
@@ -133,7 +136,7 @@ def _repeated(
 
 def _spread(cycle: _Cycle, base: Figures) -> Figures:
     """Means of engagements that do not repeat themselves."""
-    passed: list[_PassedEngagement] = []
+    passed: list[_PassedRound] = []
     while len(passed) < SAMPLE:
         one = cycle.engage()
         if one.motion.outcome is not Status.OK:
@@ -151,12 +154,12 @@ def _spread(cycle: _Cycle, base: Figures) -> Figures:
     for name, column in columns.items():
         batches = column.reshape(BATCHES, -1).mean(axis=1)
         interval[name] = float(_STUDENT * batches.std(ddof=1) / math.sqrt(BATCHES))
-    spread = BatchSpread(count, deviation, interval)
+    spread = BatchSpread(count * cycle.size, deviation, interval)
     share = interval["period"] / means["period"]
     message = (
         f"the engagements do not repeat themselves: the period and the velocities are means over "
-        f"{count} of them, the period with a relative error of at most {share:.2g} (95 %); all "
-        "other figures are those of the last engagement"
+        f"{spread.engagements} of them, the period with a relative error of at most {share:.2g} "
+        "(95 %); all other figures are those of the last engagement"
     )
     cell = last.escapement.mechanism.cell_angle
     if note := _jam_note(last):

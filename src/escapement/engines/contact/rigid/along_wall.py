@@ -6,7 +6,7 @@ import numpy as np
 
 from escapement.dynamics.codes import Ending
 from escapement.dynamics.law import wall_state
-from escapement.dynamics.train_losses import UNKNOWN
+from escapement.dynamics.power_flow import UNKNOWN
 from escapement.engines.contact.rigid.panel import SMALLEST, flow_behind, width_after
 from escapement.engines.contact.rigid.walls import next_break, wall_scene
 from escapement.numerics.jit import inner_jit

@@ -21,8 +21,8 @@ import numpy as np
 
 from escapement.dynamics.codes import Ending, Event, has_ended
 from escapement.dynamics.law import wall_state
+from escapement.dynamics.power_flow import UNKNOWN
 from escapement.dynamics.torque import REST, is_undriven
-from escapement.dynamics.train_losses import UNKNOWN
 from escapement.engines.contact.rigid.arrival import arrival, pin_offset
 from escapement.engines.contact.rigid.flight import is_calm, launch, state_after
 from escapement.engines.contact.rigid.impact import strike

@@ -6,8 +6,9 @@ speeds are Taylor series in time about the start. The equations of motion give t
 one after the other. A `Flight` in series is often only a part of the whole flight. This part ends
 
 - where the last terms of the series would exceed rounding errors,
-- where the law changes: at a knot of the torque, where a body comes to rest, where the torque
-  through a lossy train changes its sign, or where bodies that nothing drives count as at rest,
+- where the law changes: at a knot of the torque or of the load, where a body comes to rest, where
+  the torque through a lossy train changes its sign, or where bodies that nothing drives count as at
+  rest,
 - at the driver angle asked for.
 
 The caller launches the next part from the end of the last one. A flight takes no notice of the
@@ -24,11 +25,13 @@ from escapement.dynamics.free_bodies import (
     driver_of,
     driver_sense,
     follower_of,
+    follower_sense,
     free_driver,
     free_follower,
     shared,
 )
 from escapement.dynamics.law import is_drag_free, is_viscous
+from escapement.dynamics.load import has_load_curve, is_weight, load_knot, load_over
 from escapement.dynamics.torque import (
     KNOT_GAP,
     REST,
@@ -89,6 +92,7 @@ class _Watched(IntEnum):
     BARREL_TORQUE = 3
     LOAD_TORQUE = 4
     ENERGY_ABOVE_REST = 5
+    FOLLOWER_ANGLE_LEFT = 6
 
 
 @inner_jit
@@ -96,9 +100,9 @@ def launch(work, scene, theta, speed, phi, turning, end):
     """The flight from a state to the driver angle `end`, or its first part."""
     if not is_even(scene):
         return _in_series(work, scene, theta, speed, phi, turning, end)
-    sense, follower_sense = driver_sense(scene, theta, speed), np.sign(turning)
+    sense = driver_sense(scene, theta, speed)
     rate = free_driver(scene, theta, speed, sense).rate
-    turning_rate = free_follower(scene, turning, follower_sense).rate
+    turning_rate = free_follower(scene, phi, turning, np.sign(turning)).rate
     rest = -turning / turning_rate if turning_rate != 0.0 else np.inf
     length, halt = _even_length(scene, theta, speed, rate, end)
     # a driver that its bearing holds never comes to `end`
@@ -137,8 +141,10 @@ def _even_length(scene, theta, speed, rate, end):
 @inner_jit
 def _in_series(work, scene, theta, speed, phi, turning, end):
     """The next part of a flight, in Taylor series about its start."""
-    sense, follower_sense = driver_sense(scene, theta, speed), np.sign(turning)
-    if sense == 0.0 and turning == 0.0:
+    sense, turns = driver_sense(scene, theta, speed), follower_sense(scene, phi, turning)
+    # behind the exit the follower is locked
+    turns = turns if end <= scene.edges[-1] else 0.0
+    if sense == 0.0 and turns == 0.0:
         return Flight(
             theta=theta, speed=0.0, rate=0.0, phi=phi, turning=0.0, turning_rate=0.0,
             length=np.inf, halt=np.inf, rest=np.inf, even=True,
@@ -149,8 +155,11 @@ def _in_series(work, scene, theta, speed, phi, turning, end):
     backs = scene.barrel_efficiency != 1.0 and sense != 0.0
     backs = backs and free_driver(scene, theta, speed, sense).through < -_TIE
     driven = scene.load_train_efficiency != 1.0
-    driven = driven and _given(scene, turning, follower_sense) < -_TIE
-    _fill_series(work, scene, theta, speed, phi, turning, backs, driven)
+    if driven:
+        given = scene, 0.0, _Watched.LOAD_TORQUE, sense, turns, theta, speed, phi, turning
+        value, slope = _watched(*given)
+        driven = value < -_TIE or (value <= _TIE and slope < 0.0)
+    _fill_series(work, scene, theta, speed, phi, turning, turns, backs, driven)
     part = Flight(
         theta=theta, speed=speed, rate=work.driver_speed[1], phi=phi, turning=turning,
         turning_rate=work.follower_speed[1], length=_series_length(work), halt=np.inf, rest=np.inf,
@@ -163,9 +172,12 @@ def _in_series(work, scene, theta, speed, phi, turning, end):
         back = last_knot(theta, scene.edges[0], scene)
         end = next_knot(theta, end, scene) if sense > 0.0 else back
         length = _passing(work, scene, part, length, end, _Watched.ANGLE_LEFT)
+    if has_load_curve(scene) and turns != 0.0 and not is_weight(scene):
+        knot = load_knot(phi, turns, scene.driver_angle, scene)
+        length = _passing(work, scene, part, length, knot, _Watched.FOLLOWER_ANGLE_LEFT)
     if backs:
         length = _passing(work, scene, part, length, 0.0, _Watched.BARREL_TORQUE)
-    if driven:
+    if driven or (has_load_curve(scene) and scene.load_train_efficiency != 1.0):
         length = _passing(work, scene, part, length, 0.0, _Watched.LOAD_TORQUE)
     if is_viscous(scene) and is_undriven(theta, scene):
         length = _passing(work, scene, part, length, 0.0, _Watched.ENERGY_ABOVE_REST)
@@ -179,13 +191,13 @@ def _in_series(work, scene, theta, speed, phi, turning, end):
 
 
 @inner_jit
-def _fill_series(work, scene, theta, speed, phi, turning, backs, driven):
+def _fill_series(work, scene, theta, speed, phi, turning, turns, backs, driven):
     """Fill the coefficients of angles and speeds.
 
-    `backs` and `driven` tell whether the torques through the trains of barrel and load are
-    negative, see `_in_series`.
+    `turns` is the sense of the follower, 0 where it is held. `backs` and `driven` tell whether the
+    torques through the trains of barrel and load are negative, see `_in_series`.
     """
-    sense, follower_sense = driver_sense(scene, theta, speed), np.sign(turning)
+    sense, loaded = driver_sense(scene, theta, speed), has_load_curve(scene) and turns != 0.0
     # the factors e of both trains, see `dynamics.free_bodies`; power flows to the driver where the
     # torque through its train has the sign of its speed
     barrel = shared(scene.barrel_efficiency, -sense if backs else sense)
@@ -201,7 +213,11 @@ def _fill_series(work, scene, theta, speed, phi, turning, backs, driven):
     # time. For k = 0 the torque of the drive is that at theta; for k > 0 it is the slope times the
     # coefficient of the angle.
     push = torque - slope * sense * KNOT_GAP - sense * scene.bearing
-    pull = -follower_sense * train * scene.load
+    pull = -turns * train * scene.load
+    if loaded:
+        here = load_over(phi, turns, scene.driver_angle, scene)
+        work.load[0], work.load_slope[0] = here
+        pull -= here[0]
     viscous = one.viscous + barrel * one.motor
     angle, pace = work.driver_angle, work.driver_speed
     follower_angle, follower_pace = work.follower_angle, work.follower_speed
@@ -213,13 +229,29 @@ def _fill_series(work, scene, theta, speed, phi, turning, backs, driven):
             air += pace[i] * pace[k - i]
             wind += follower_pace[i] * follower_pace[k - i]
         push -= sense * scene.driver_drag * air + viscous * pace[k]
-        pull -= (
-            follower_sense * scene.follower_drag * wind + scene.follower_viscous * follower_pace[k]
-        )
+        pull -= turns * scene.follower_drag * wind + scene.follower_viscous * follower_pace[k]
         share = 1.0 / (k + 1)
         angle[k + 1], follower_angle[k + 1] = pace[k] * share, follower_pace[k] * share
         pace[k + 1], follower_pace[k + 1] = push * share / driver, pull * share / follower
         push, pull = slope * angle[k + 1], 0.0
+        if loaded:
+            _extend_load(work, k, is_weight(scene))
+            pull = -work.load[k + 1]
+
+
+@inner_jit
+def _extend_load(work, k, swings):
+    """Fill coefficient k + 1 of the load over the follower angle, and of its slope by the angle.
+
+    The slope is constant up to the next knot; that of a weight falls by the load per radian.
+    """
+    load = slope = 0.0
+    for i in range(k + 1):
+        load += work.load_slope[i] * work.follower_speed[k - i]
+        slope -= work.load[i] * work.follower_speed[k - i]
+    work.load[k + 1], work.load_slope[k + 1] = load / (k + 1), 0.0
+    if swings:
+        work.load_slope[k + 1] = slope / (k + 1)
 
 
 @inner_jit
@@ -238,22 +270,25 @@ def _series_length(work):
 
 
 @inner_jit
-def _given(scene, turning, sense):
+def _given(scene, phi, turning, sense):
     """z, the torque that the follower supplies through the load's train in a flight, times a
     positive number."""
-    return -sense * free_follower(scene, turning, sense).through
+    return -sense * free_follower(scene, phi, turning, sense).through
 
 
 @inner_jit
-def _watched(scene, goal, what, sense, follower_sense, theta, speed, turning):
+def _watched(scene, goal, what, sense, turns, theta, speed, phi, turning):
     """The value of the quantity `what` at a state, and its derivative by time.
 
-    `_passing` finds the zero of this value. `goal` is the driver angle of `ANGLE_LEFT`.
+    `_passing` finds the zero of this value. `goal` is the angle of driver or follower from which
+    the angle left is counted.
     """
     driver = free_driver(scene, theta, speed, sense)
-    follower = free_follower(scene, turning, follower_sense)
+    follower = free_follower(scene, phi, turning, turns)
     if what == _Watched.ANGLE_LEFT:
         return theta - goal, speed
+    if what == _Watched.FOLLOWER_ANGLE_LEFT:
+        return phi - goal, turning
     if what == _Watched.DRIVER_SPEED:
         return speed, driver.rate
     if what == _Watched.FOLLOWER_SPEED:
@@ -267,24 +302,29 @@ def _watched(scene, goal, what, sense, follower_sense, theta, speed, turning):
         return driver.through, slope + body.far * drag_slope(body, speed) * driver.rate
     body = follower_of(scene)
     slope = body.far * drag_slope(body, turning) * follower.rate
-    return _given(scene, turning, follower_sense), -follower_sense * slope
+    if has_load_curve(scene):
+        slope += body.far * load_over(phi, turns, scene.driver_angle, scene)[1] * turning
+    return _given(scene, phi, turning, turns), -turns * slope
 
 
 @inner_jit
 def _passing(work, scene, part, length, goal, what):
     """Time within a part at which the quantity `what` changes its sign; `length` if it does not.
 
-    `goal` is the driver angle from which the angle left is counted.
+    `goal` is the angle from which an angle left is counted.
     """
     # the senses at the start count for all times that are tried, even if a body has reversed by
     # then, so that the value is a smooth function of time
-    sense, follower_sense = driver_sense(scene, part.theta, part.speed), np.sign(part.turning)
-    inputs = scene, goal, what, sense, follower_sense
-    at_start = _watched(*inputs, part.theta, part.speed, part.turning)[0]
+    sense = driver_sense(scene, part.theta, part.speed)
+    turns = follower_sense(scene, part.phi, part.turning)
+    inputs = scene, goal, what, sense, turns
+    at_start, slope = _watched(*inputs, part.theta, part.speed, part.phi, part.turning)
+    # a value that is zero at the start has the sign to which it goes
+    if abs(at_start) <= (_TIE if what == _Watched.LOAD_TORQUE else 0.0):
+        at_start = slope
     low, high, t = 0.0, length, length
     for _ in range(80):
-        theta, speed, _phi, turning = state_at(work, part, t)
-        value, slope = _watched(*inputs, theta, speed, turning)
+        value, slope = _watched(*inputs, *state_at(work, part, t))
         if t == length and not value * at_start < 0.0:
             return length
         guess, low, high = newton_in_bracket(t, value, slope, low, high, at_start < 0.0)
@@ -333,4 +373,4 @@ def is_calm(scene, theta, speed, turning):
 @inner_jit
 def is_even(scene):
     """Whether driver and follower have constant accelerations without contact."""
-    return is_constant(scene) and is_drag_free(scene)
+    return is_constant(scene) and is_drag_free(scene) and not has_load_curve(scene)

@@ -4,6 +4,7 @@ import numpy as np
 
 from escapement.dynamics.codes import Ending
 from escapement.dynamics.law import scene_of
+from escapement.dynamics.load import repeats_each_step
 from escapement.dynamics.torque import cell_after, cell_of, is_constant
 from escapement.engines.contact.rigid.engagement import MOST_STEPS, engage, turn_on
 from escapement.engines.contact.rigid.instant import RigidState
@@ -108,7 +109,7 @@ def march(packed, clearance, rtol, limit, first, states, numbers, rows, engageme
     """
     scene = scene_of(packed)
     walls, memory = walls_of(scene, Clearance(*clearance), rtol), workspace()
-    cell, lost, constant = cell_of(scene), 0.0, is_constant(scene)
+    cell, lost, constant = cell_of(scene), 0.0, is_constant(scene) and repeats_each_step(scene)
     ending, end, trend, last = Ending.DONE, states[0, TIME], 0.0, first
     wanted = numbers.size > 0
     for k in range(numbers.size if wanted else len(states) - 1):

@@ -24,8 +24,10 @@ from escapement.dynamics.law import (
     root_of,
     wall_state,
 )
+from escapement.dynamics.load import has_load_curve, load_at
+from escapement.dynamics.power_flow import UNKNOWN
 from escapement.dynamics.torque import REST, torque_at
-from escapement.dynamics.train_losses import UNKNOWN, within_flow
+from escapement.dynamics.train_losses import within_flow
 from escapement.mechanisms.slotted import pose_at, transmission_on
 from escapement.numerics.gauss import (
     POINTS,
@@ -107,6 +109,8 @@ def _sample(work, scene, side, left, half):
         work.c[i] = c = friction_ratio(g[i], u[i], radius[i], side, scene)
         work.inverse_inertia[i] = 1.0 / (scene.rho + g[i] * g[i])
         work.pull[i] = middle + slope * work.nodes[i]
+        if has_load_curve(scene):
+            work.load[i] = load_at(left + half * (1.0 + work.nodes[i]), side, scene)
         unsound += not reduced_inertia(g[i], c, scene) > 0.0
     return unsound == 0
 
@@ -121,7 +125,7 @@ def _solve_energy(work, scene, half, energy):
     for i in range(count & N):
         root = np.sqrt(max(work.w[i], 1e-300)) if viscous else 0.0
         c, k, pull, inverse = work.c[i], work.k[i], work.pull[i], work.inverse_inertia[i]
-        rates = energy_rates(work.g[i], c, k, pull, inverse, half, root, scene)
+        rates = energy_rates(work.g[i], c, k, pull, inverse, half, root, scene, work.load[i])
         work.gain[i], work.decay[i] = rates[0], rates[1]
     cumulate(work.decay, work.exponent)
     fill_decay(work.exponent, work.alpha, work.gain, count)
@@ -166,11 +170,11 @@ def solve_panel(work, scene, side, left, width, w):
     if not slowest > 0.0:
         return _unsolved(Ending.STOPPED, left, width)
     for i in range(count & N):
-        g, k, pull, squared = work.g[i], work.k[i], work.pull[i], work.w[i]
+        g, k, pull, squared, load = work.g[i], work.k[i], work.pull[i], work.w[i], work.load[i]
         root = root_of(squared, scene)
         work.slowness[i] = half / np.sqrt(squared)
-        work.force[i] = side * contact(g, k, pull, squared, root, scene)
-        work.net_torque[i] = net_torque(g, work.c[i], k, pull, squared, root, scene)
+        work.force[i] = side * contact(g, k, pull, squared, root, scene, load)
+        work.net_torque[i] = net_torque(g, work.c[i], k, pull, squared, root, scene, load)
     if scene.flow != UNKNOWN:
         _fill_flow(work, scene)
     tail = tail_of(work.energy, count) / greatest

@@ -1,8 +1,9 @@
-"""The engagement that repeats itself, and how the motion gets there.
+"""The round that repeats itself, and how the motion gets there.
 
-The motion tends to that engagement, so it is followed; Aitken's extrapolation of the speed at the
+A round is one engagement, or those in one turn of the follower with a load that repeats in a turn.
+The motion tends to a round, so it is followed; Aitken's extrapolation of the speed at the
 handoff makes this faster. Near the Painleve limit, or with rebounds, there may
-be no such engagement: then many are followed, and the message gives their spread.
+be no such round: then many are followed, and the message gives their spread.
 """
 
 from dataclasses import replace
@@ -27,7 +28,9 @@ from escapement.model.escapement import Escapement
 
 LONGEST_TRANSIENT = 10_000
 """Engagements of a transient that is followed."""
-_STEPS, _ROUNDS = 12, 40
+_STEPS, _ROUNDS, _TRIES = 12, 3, 40
+"""Engagements, and rounds, that are followed at least between two extrapolations, and how many
+times."""
 _MANY, _KEPT = 1000, 500
 _ALIKE = 1e-5
 """Engagements repeat if their periods spread by less than this share of the period."""
@@ -37,12 +40,14 @@ def terminal(
     escapement: Escapement, base: Figures, *, initial_speed: float, rtol: float
 ) -> Figures:
     """Figures of merit with clearance; see `escapement.terminal`."""
-    state = first_state(escapement, initial_speed)
-    for _ in range(_ROUNDS):
-        ending, states, _angle, _end = march_from(escapement, state, _STEPS, rtol)
+    state, size = first_state(escapement, initial_speed), len(escapement.pairs)
+    for _ in range(_TRIES):
+        count = size * max(_STEPS // size, _ROUNDS)
+        ending, states, _angle, _end = march_from(escapement, state, count, rtol)
         if ending != Ending.DONE:
             # an extrapolated speed may be one that the motion itself never has
             return _followed(escapement, base, initial_speed, rtol)
+        states = states[::size]
         if _repeats(states, rtol):
             return _figures(escapement, base, states[-1], initial_speed, rtol)
         state = _extrapolated(states)
@@ -50,7 +55,7 @@ def terminal(
 
 
 def _repeats(states: FloatArray, rtol: float) -> bool:
-    """Whether the last two of these states are the same, and the ones before them nearly."""
+    """Whether the last two of the states before rounds are the same, and those before nearly."""
     moving = slice(SPEED, WALL)
     changes = np.abs(np.diff(states[-3:, moving], axis=0)) / np.abs(states[-1, moving]).max()
     return bool(changes.max() <= max(1e-3 * rtol, 1e-14))
@@ -72,22 +77,24 @@ def _extrapolated(states: FloatArray) -> FloatArray:
 
 def _followed(escapement: Escapement, base: Figures, initial_speed: float, rtol: float) -> Figures:
     """The figures if no state repeats: those of a motion that ends, or of many engagements."""
-    start = first_state(escapement, initial_speed)
-    ending, states, angle, _end = march_from(escapement, start, _MANY, rtol)
+    start, size = first_state(escapement, initial_speed), len(escapement.pairs)
+    ending, states, angle, _end = march_from(escapement, start, _MANY // size * size, rtol)
     if ending != Ending.DONE:
         status, message = outcome(escapement, ending, angle, len(states) - 1)
         return replace(base, status=status, message=message)
+    states, kept = states[::size], _KEPT // size
     if _repeats(states, rtol):
         return _figures(escapement, base, states[-1], initial_speed, rtol)
     clock = escapement.time_unit
-    periods, speeds = np.diff(states[-_KEPT - 1 :, TIME]) * clock, states[-_KEPT:, SPEED] / clock
+    periods = np.diff(states[-kept - 1 :, TIME]) * clock / size
+    speeds = states[-kept:, SPEED] / clock
     period = float(periods.mean())
     spread = float(np.ptp(periods) / period)
     if spread <= _ALIKE:
         found = _figures(escapement, base, states[-1], initial_speed, rtol)
         return replace(found, message=f"the engagements repeat to {spread:.1g} of the period")
     message = (
-        f"the engagements do not repeat: over {_KEPT} of them the period is between "
+        f"the engagements do not repeat: over {kept * size} of them the period is between "
         f"{periods.min():.6g} and {periods.max():.6g} s, with a mean of {period:.6g} s, and the "
         f"handoff velocity between {speeds.min():.6g} and {speeds.max():.6g} rad/s"
     )
@@ -97,10 +104,10 @@ def _followed(escapement: Escapement, base: Figures, initial_speed: float, rtol:
 def _figures(
     escapement: Escapement, base: Figures, state: FloatArray, initial_speed: float, rtol: float
 ) -> Figures:
-    """Figures of the engagement that begins with a state and leads back to it."""
+    """Figures of the round that begins with a state and leads back to it."""
     state = state.copy()
     state[TIME] = 0.0
-    cycle = motion_from(escapement, state, 1, None, rtol)
+    cycle = motion_from(escapement, state, len(escapement.pairs), None, rtol)
     settings: dict[str, Any] = {"initial_speed": initial_speed, "rtol": rtol}
 
     def follow(count: int) -> Motion:
@@ -111,11 +118,11 @@ def _figures(
 
 
 def _contraction(escapement: Escapement, state: FloatArray, rtol: float) -> float:
-    """dw_out/dw_in of an engagement, by a central difference."""
+    """dw_out/dw_in of a round, by a central difference."""
     ends = []
     for share in (1.0 - 1e-5, 1.0 + 1e-5):
         changed = state.copy()
         changed[[SPEED, TURNING]] *= share
-        ending, states, _angle, _end = march_from(escapement, changed, 1, rtol)
+        ending, states, _angle, _end = march_from(escapement, changed, len(escapement.pairs), rtol)
         ends.append(states[-1, SPEED] ** 2 if ending == Ending.DONE else np.nan)
     return float((ends[1] - ends[0]) / (4e-5 * state[SPEED] ** 2))

@@ -5,11 +5,17 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from escapement.dynamics.codes import Event
-from escapement.dynamics.free_bodies import driver_sense, free_driver, free_follower
+from escapement.dynamics.free_bodies import (
+    driver_sense,
+    follower_sense,
+    free_driver,
+    free_follower,
+)
 from escapement.dynamics.law import LOSSES, scene_of, wall_state
+from escapement.dynamics.load import has_load_curve, load_at, load_over
+from escapement.dynamics.power_flow import weight
 from escapement.dynamics.state_table import losses_at
 from escapement.dynamics.torque import cell_of
-from escapement.dynamics.train_losses import weight
 from escapement.engines.contact.rigid.along_wall import ahead, behind, set_off
 from escapement.engines.contact.rigid.flight import launch, state_after, state_at
 from escapement.engines.contact.rigid.instant import follower_on
@@ -31,7 +37,8 @@ LOST = len(LOSSES) + 1
 def _touching_state(walls, scene, way, theta, w):
     """The state in contact with a wall at a driver angle and a squared speed."""
     now, speed = wall_state(theta, w, way.side, scene), way.sense * np.sqrt(w)
-    lost = losses_at(now.g, now.u, now.radius, now.k, now.pull, w, way.side, scene)
+    path, load = (now.g, now.u, now.radius, now.k, now.pull), load_at(theta, way.side, scene)
+    lost = losses_at(*path, w, way.side, scene, 0.0, 0.0, load)
     return ContactState(
         theta=theta, theta_dot=speed, theta_ddot=now.rate,
         phi=follower_on(walls, way.side, theta)[0], phi_dot=now.g * speed,
@@ -45,10 +52,11 @@ def _touching_state(walls, scene, way, theta, w):
 
 
 @inner_jit
-def _free_state(scene, theta, speed, phi, turning):
-    """The state in a flight."""
+def _free_state(scene, locked, theta, speed, phi, turning):
+    """The state in a flight, or in a dwell, where the follower is `locked`."""
     driver = free_driver(scene, theta, speed, driver_sense(scene, theta, speed))
-    follower = free_follower(scene, turning, np.sign(turning))
+    sense = 0.0 if locked else follower_sense(scene, phi, turning)
+    follower = free_follower(scene, phi, turning, sense)
     return ContactState(
         theta=theta, theta_dot=speed, theta_ddot=driver.rate, phi=phi, phi_dot=turning,
         phi_ddot=follower.rate, contact_moment=0.0, contact_force=0.0, friction=0.0,
@@ -77,10 +85,14 @@ class Wanted(NamedTuple):
 
 
 @inner_jit
-def _add_losses(wanted, duration, state):
-    """Add the work that is lost in a time with the power of a state."""
+def _add_losses(wanted, scene, duration, state):
+    """Add the work that is lost in a time with the power of a state, and that done against a load
+    over the follower angle."""
     for j in range(LOST - 1):
         wanted.lost[j] += duration * state[FIRST_LOSS + j]
+    if has_load_curve(scene):
+        load = load_over(state.phi, 0.0, scene.driver_angle, scene)[0]
+        wanted.lost[LOST - 1] += duration * load * state.phi_dot
 
 
 @inner_jit
@@ -112,7 +124,8 @@ def _along_wall(work, walls, wanted):
         for i in range(N):
             angle = theta + 0.5 * found.width * (1.0 + POINTS[i])
             state = _touching_state(walls, scene, way, angle, work.w[i])
-            _add_losses(wanted, 0.5 * abs(found.width) * WEIGHTS[i] / np.sqrt(work.w[i]), state)
+            duration = 0.5 * abs(found.width) * WEIGHTS[i] / np.sqrt(work.w[i])
+            _add_losses(wanted, walls.plus, duration, state)
         moved = follower_on(walls, side, following.theta)[0] - follower_on(walls, side, theta)[0]
         wanted.lost[LOST - 1] += walls.plus.load * abs(moved)
         way = following
@@ -133,8 +146,8 @@ def _point_after(work, time, found):
 def _through_flight(work, walls, wanted):
     """Fill the states of a flight or a dwell, and the work lost over it."""
     row, times, length, k = wanted.row, wanted.times, wanted.length, wanted.first
-    scene, time = walls.plus, 0.0
-    end = scene.edges[-1] + (scene.dwell if row.kind == Event.DWELL else 0.0)
+    scene, time, locked = walls.plus, 0.0, row.kind == Event.DWELL
+    end = scene.edges[-1] + (scene.dwell if locked else 0.0)
     theta, speed, phi, turning = row.theta, row.speed, row.phi, row.turning
     while True:
         flight = launch(work, scene, theta, speed, phi, turning, end)
@@ -144,12 +157,13 @@ def _through_flight(work, walls, wanted):
         ends = not time + part > time or length - time - part <= 1e-14 * length
         while k < wanted.last and (times[k] <= time + part or ends):
             since = min(max(times[k] - time, 0.0), part)
-            write_state(wanted.states, k, _free_state(scene, *state_at(work, flight, since)))
+            state = _free_state(scene, locked, *state_at(work, flight, since))
+            write_state(wanted.states, k, state)
             k += 1
         for i in range(N):
             since = 0.5 * part * (1.0 + POINTS[i])
-            state = _free_state(scene, *state_at(work, flight, since))
-            _add_losses(wanted, 0.5 * part * WEIGHTS[i], state)
+            state = _free_state(scene, locked, *state_at(work, flight, since))
+            _add_losses(wanted, scene, 0.5 * part * WEIGHTS[i], state)
         before, time = phi, time + part
         theta, speed, phi, turning = state_after(work, flight, part)
         wanted.lost[LOST - 1] += scene.load * abs(phi - before)

@@ -4,10 +4,12 @@ from typing import NamedTuple
 
 import numpy as np
 
-from escapement.dynamics.torque import last_knot, next_knot
-from escapement.dynamics.train_losses import UNKNOWN, flowing, in_flow
+from escapement.dynamics.load import has_load_curve, load_knot
+from escapement.dynamics.power_flow import UNKNOWN
+from escapement.dynamics.torque import KNOT_GAP, last_knot, next_knot
+from escapement.dynamics.train_losses import flowing, in_flow
 from escapement.mechanisms.path import OFFSET, Path
-from escapement.mechanisms.slotted import pose_at, slide_change
+from escapement.mechanisms.slotted import angle_in_slot, pose_at, slide_change
 from escapement.model.scene import Scene
 from escapement.numerics.altered import altered
 from escapement.numerics.jit import inner_jit
@@ -85,7 +87,7 @@ def _breaks_on(scene, side):
     """The breaks of the wall s = `side`, whose scene is given."""
     entry, exit_ = scene.edges[0], scene.edges[-1]
     turns = scene.load + scene.follower_drag + scene.follower_journal > 0.0
-    turns = turns or scene.load_train_efficiency != 1.0
+    turns = turns or scene.load_train_efficiency != 1.0 or has_load_curve(scene)
     return Breaks(
         slide_change=slide_change(scene.path, scene.pin, side, entry, exit_),
         first_standstill=_standstill(scene.path, entry, 0.0) if turns else np.nan,
@@ -172,4 +174,26 @@ def next_break(walls, side, theta, sense, scene):
         # both comparisons are false for NaN
         if sense * (angle - theta) > 1e-9 and sense * (end - angle) > 1e-9:
             end = angle
-    return next_knot(theta, end, scene) if sense > 0.0 else last_knot(theta, end, scene)
+    end = next_knot(theta, end, scene) if sense > 0.0 else last_knot(theta, end, scene)
+    return _next_load_knot(theta, end, scene) if has_load_curve(scene) else end
+
+
+@inner_jit
+def _next_load_knot(theta, end, scene):
+    """The next driver angle before an end at which the load is not smooth, or the end.
+
+    The follower does not reverse in between.
+    """
+    here, there = angle_in_slot(scene.path, theta), angle_in_slot(scene.path, end)
+    sense, rises = np.sign(there - here), (there - here) * (end - theta) > 0.0
+    knot = load_knot(here, sense, scene.driver_angle, scene)
+    if not sense * (there - knot) > KNOT_GAP:
+        return end
+    low, high, x = min(theta, end), max(theta, end), 0.5 * (theta + end)
+    for _ in range(80):
+        value, slope = angle_in_slot(scene.path, x) - knot, pose_at(scene.path, x)[0]
+        guess, low, high = newton_in_bracket(x, value, slope, low, high, rises)
+        step, x = abs(guess - x), guess
+        if step <= 1e-15:
+            break
+    return x

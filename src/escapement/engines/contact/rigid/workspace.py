@@ -12,8 +12,9 @@ from escapement.numerics.records import record_dtype
 _PANEL = (
     # of the path at the points: g, u, k = g' + c_f g |g|, R and c = p - g; and 1/(rho + g^2)
     *("g", "u", "k", "radius", "c", "inverse_inertia"),
-    # of the law: torque of the drive minus that of the bearing, and A and B of dE/dx = A - B E
-    *("pull", "gain", "decay"),
+    # of the law: torque of the drive minus that of the bearing, load that changes with the angle,
+    # and A and B of dE/dx = A - B E
+    *("pull", "load", "gain", "decay"),
     # of the solution: int B, E, theta_dot^2, dt/dx, J theta_ddot, and s X, positive while the
     # wall carries a force
     *("exponent", "energy", "w", "slowness", "net_torque", "force"),
@@ -27,8 +28,9 @@ _SCRATCH = (
 """Rows for a moment: exp(-int B), theta_dot^2 of the iteration before, the energy above that of
 bodies at rest, coefficients of a power series and of its slope, the times at which the motion
 reaches the points, and the weights of `gauss.weights_to`."""
-_FLIGHT = ("driver_angle", "driver_speed", "follower_angle", "follower_speed")
-"""Coefficients of Taylor series in time, from the constant one upwards."""
+_FLIGHT = ("driver_angle", "driver_speed", "follower_angle", "follower_speed", "load_slope")
+"""Coefficients of Taylor series in time, from the constant one upwards; `load` has those of the
+load, and `load_slope` those of its slope by the follower angle."""
 WORKSPACE = record_dtype({
     **dict.fromkeys(("nodes", *_PANEL, *_SCRATCH, *_FLIGHT), (float, N)),
     "points": np.int64,
