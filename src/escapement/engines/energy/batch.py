@@ -8,7 +8,12 @@ import numpy as np
 from escapement.base.status import Status
 from escapement.dynamics.law import scene_of, scene_with
 from escapement.dynamics.needs import CONSTANT, NO_CURVE, NUMBERS, Kind, kind_of
-from escapement.dynamics.painleve import beyond_painleve
+from escapement.dynamics.painleve import (
+    FrictionLimit,
+    beyond_painleve,
+    friction_limit_after,
+    has_limit_of_its_own,
+)
 from escapement.engines.energy.calls import kernel_addresses
 from escapement.engines.energy.case_figures import figures, transient_memory
 from escapement.engines.energy.cells import NO_CELLS, cells_of
@@ -84,13 +89,25 @@ def mark_jammed(packed, patterns, numbers, status):
 
     The arguments are those of `solve_rows`.
     """
-    shared = scene_of(packed)
+    _mark_jammed(scene_of(packed), patterns, numbers, status)
+
+
+@inner_jit
+def _mark_jammed(shared, patterns, numbers, status):
+    limit = FrictionLimit(np.nan, np.nan, np.nan, np.nan, np.inf)
     for i in range(status.size):
-        scene = scene_with(shared, shared.edges, numbers[i])
-        for index in range(max(patterns.shape[1], 1)):
-            one = scene_of_pair(scene, patterns[i], index, 0.0)
-            if status[i] == OK and beyond_painleve(one):
-                status[i] = PAINLEVE
+        scene, jammed = scene_with(shared, shared.edges, numbers[i]), 0
+        if status[i] != OK:
+            continue
+        if patterns.shape[1] == 0 and has_limit_of_its_own(scene):
+            # mostly neighbours differ in friction and torque, and have one limit
+            limit = friction_limit_after(limit, scene)
+            jammed += scene.mu_minus >= limit.friction
+        else:
+            for index in range(max(patterns.shape[1], 1)):
+                jammed += beyond_painleve(scene_of_pair(scene, patterns[i], index, 0.0))
+        if jammed > 0:
+            status[i] = PAINLEVE
 
 
 @jit(allocates=True)
