@@ -10,6 +10,8 @@ import math
 import numpy as np
 import pytest
 
+import escapement as esc
+from escapement.base.status import Status
 from escapement.dynamics.painleve import friction_limits
 from thick_pins import CRANK, nearest_of, random_timer
 
@@ -58,3 +60,20 @@ def test_limits_are_those_of_a_fine_search(seed):
     # large journals hold the mechanism without friction in the slot
     assert existence == pytest.approx(searched(timer, 0.0, end), rel=1e-9, abs=2.0 * LEAST)
     assert uniqueness == pytest.approx(searched(timer, -end, 0.0), rel=1e-9, abs=2.0 * LEAST)
+
+
+@pytest.mark.parametrize("varied", ["driver_inertia", "pin_radius", "driver_bearing_radius"])
+def test_a_study_jams_the_cases_that_jam_alone(varied):
+    wheel = esc.Geneva(6, 1, crank_radius=CRANK, pin_radius=0.1 * CRANK)
+    bearing = {"driver_bearing_friction": 0.1, "driver_bearing_radius": 0.1 * CRANK}
+    timer = esc.Escapement(wheel, esc.Inertia(1e-6, 5e-6), torque=0.01, **bearing)
+    limit = friction_limits(timer)[0]
+    friction = limit * np.array([0.2, 0.9, 1.0 - 1e-9, 1.0 + 1e-9, 1.5])
+    owner = {"driver_inertia": timer.inertia, "pin_radius": timer.mechanism}.get(varied, timer)
+    nominal = getattr(owner, varied.removesuffix("_inertia"))
+    axes = {varied: nominal * np.array([1.0, 0.5, 2.0]), "friction": friction}
+    study = esc.sweep(timer, results=["jam_margin"], **axes)
+    status, margin = study.results["status"], study.results["jam_margin"]
+    # the limit depends on what varies, and stands beside the status
+    assert ((status == Status.PAINLEVE) == (margin <= 0.0)).all()
+    assert (status[0] == Status.PAINLEVE).tolist() == [False, False, False, True, True]

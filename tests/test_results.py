@@ -30,6 +30,7 @@ DRIVES = {
         replace(TIMER, mechanism=replace(WHEEL, pin_radius=1e-3)),
         {"load_torque": [0.0, 1e-3, 1.0]},
     ),
+    "widths": (TIMER, {"pin_radius": [0.0, 5e-4, 1e-3], "driver_inertia": [1e-7, 1e-6]}),
     "clearance": (TIMER, {"clearance": [0.0, 2e-5], "friction": [0.2, 0.3]}),
     "trains": (
         replace(TIMER, torque=0.0565, barrel=esc.Train(5.0, 0.8, 8e-6), load_train=esc.Train(3.0)),

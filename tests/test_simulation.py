@@ -54,6 +54,17 @@ def test_defaults():
     assert motion.message == "done"
 
 
+@pytest.mark.parametrize("changes", [{}, {"load_torque": 0.1}, {"follower_viscous": 0.02}])
+def test_the_cycle_of_terminal_is_what_simulate_gives(changes):
+    timer = replace(drive(), **changes)
+    cycle = esc.terminal(timer)
+    motion = esc.simulate(timer, 1, initial_speed=cycle.handoff_velocity)
+    for name in ("end_time", "handoff_times", "handoff_velocities"):
+        expected = getattr(motion, name)
+        np.testing.assert_allclose(getattr(cycle.motion, name), expected, rtol=2e-12, atol=0.0)
+
+
+
 def test_the_default_grid_is_even_between_handoffs_with_all_events(engine):
     motion = esc.simulate(drive(5, 1), 3, engine=engine)
     assert motion.t[0] == 0.0

@@ -8,7 +8,7 @@ the side s = +1 carries the force, and this motion goes on, but a second one is 
 For an ideal pin the limits before and after dead centre are equal, and known in closed form.
 """
 
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -244,6 +244,41 @@ def _beyond(scene):
         if abs(share - 1.0) > 1e-9:
             return share > 1.0
     return mu >= painleve_limit(scene.path, rho, scene.edges[0], scene.edges[-1])[0]
+
+
+class FrictionLimit(NamedTuple):
+    """The limit of scenes of one path, and the numbers on which it depends.
+
+    rho, pin : as in `Scene`.
+    driver_journal, follower_journal : the same without the factor sqrt(1 + mu^2).
+    friction : the least friction at which no motion exists.
+    """
+
+    rho: float
+    pin: float
+    driver_journal: float
+    follower_journal: float
+    friction: float
+
+
+@inner_jit
+def has_limit_of_its_own(scene):
+    """Whether the limit of a scene has to be searched for, and once for all flows of power."""
+    return not (scene.path.table or is_ideal(scene) or is_lossy(scene))
+
+
+@inner_jit
+def friction_limit_after(limit, scene):
+    """The limit of a scene: that of another one with the same path, if it is the same."""
+    share = np.hypot(1.0, scene.mu_minus)
+    driver, follower = scene.driver_journal / share, scene.follower_journal / share
+    alike = limit.rho == scene.rho and limit.pin == scene.pin
+    # the factor leaves rounding errors
+    alike = alike and abs(driver - limit.driver_journal) <= 1e-15 * driver
+    if alike and abs(follower - limit.follower_journal) <= 1e-15 * follower:
+        return limit
+    found = friction_limit(scene, 0.0, scene.edges[-1])[0]
+    return FrictionLimit(scene.rho, scene.pin, driver, follower, found)
 
 
 def critical_friction(mechanism: Mechanism, inertia: Inertia) -> float:

@@ -127,12 +127,12 @@ class StudyPlan(Shown):
             ("engine", self.engine, ""),
         ]
 
-    @property
+    @cached_property
     def subject(self) -> Subject:
         """What the study is about."""
         return subject_of(self.configuration)
 
-    @property
+    @cached_property
     def settings(self) -> dict[str, Setting]:
         """All settings of its subject, by name."""
         return settings_of(self.build, self.meshed, subject=self.subject)
@@ -172,12 +172,12 @@ class StudyPlan(Shown):
         sizes = {name: next(iter(along.values())).size for name, along in self.varied.items()}
         return {name: self.varied[name].get(name, np.arange(size)) for name, size in sizes.items()}
 
-    @property
+    @cached_property
     def shape(self) -> tuple[int, ...]:
         """Length of each dimension."""
         return tuple(values.size for values in self.dimensions.values())
 
-    @property
+    @cached_property
     def cases(self) -> int:
         """Number of cases."""
         return math.prod(self.shape)
@@ -269,7 +269,7 @@ class StudyPlan(Shown):
         values["torque"] = self.curve or values["torque"]
         return escapement_of(self._machine(values), values)
 
-    @property
+    @cached_property
     def lengths(self) -> dict[str, float]:
         """Fixed lengths of the mechanism [m], the least crank radius, and 0 where it has none."""
         if not isinstance(self.build, type):

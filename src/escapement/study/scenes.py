@@ -134,7 +134,9 @@ def _distinct(plan: StudyPlan, cases: NDArray[np.int64]) -> tuple[NDArray[Any], 
     machine = [name for name in machine if name not in LENGTHS]
     errors = [name for name in machine if name.startswith(IMPERFECT)]
     names = errors + [name for name in machine if name not in errors]
-    key = np.array([*scene, *(columns[name] for name in names)])
+    key = np.empty((len(scene) + len(names), cases.size))
+    for row, values in zip(key, (*scene, *(columns[name] for name in names)), strict=True):
+        row[:] = values
     order = np.lexsort(key)
     ordered = key[:, order]
     new = np.append(True, (ordered[:, 1:] != ordered[:, :-1]).any(axis=0))
@@ -150,12 +152,13 @@ def _in_natural_units(plan: StudyPlan, cases: NDArray[np.int64]) -> tuple[Any, .
     first entry, and whether these are in range.
     """
     columns = plan.columns(cases)
-    numbers = {
-        name: np.full(cases.shape, value, dtype=float)
-        for name, value in (plan.fixed_si | plan.lengths | columns).items()
-        if name in DECIDING and value is not None
+    # NumPy's numbers, since those of Python raise an error instead of giving infinity
+    fixed = {
+        name: np.float64(value)
+        for name, value in (plan.fixed_si | plan.lengths).items()
+        if name in DECIDING and value is not None and name not in columns
     }
-    numbers = referred(numbers)
+    numbers = referred(fixed | {name: columns[name] for name in columns if name in DECIDING})
     with np.errstate(all="ignore"):  # the status reports numbers out of range
         ratios = natural(numbers, plan.meshed)
         w = numbers[SPEED] ** 2 * (numbers[FOLLOWER] / numbers[TORQUE])
@@ -165,7 +168,7 @@ def _in_natural_units(plan: StudyPlan, cases: NDArray[np.int64]) -> tuple[Any, .
         if "roller_radius" in numbers:
             pin, roller = numbers["pin_radius"], numbers["roller_radius"]
             sound &= (roller == 0.0) | ((pin > 0.0) & (pin < roller))
-    return columns, ratios, w, sound
+    return columns, ratios, w, np.broadcast_to(sound, cases.shape)
 
 
 def _solve(

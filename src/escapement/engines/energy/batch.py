@@ -7,12 +7,16 @@ import numpy as np
 
 from escapement.base.status import Status
 from escapement.dynamics.law import scene_of, scene_with
-from escapement.dynamics.load import has_load_curve
 from escapement.dynamics.needs import CONSTANT, NO_CURVE, NUMBERS, Kind, kind_of
-from escapement.dynamics.painleve import beyond_painleve
+from escapement.dynamics.painleve import (
+    FrictionLimit,
+    beyond_painleve,
+    friction_limit_after,
+    has_limit_of_its_own,
+)
 from escapement.engines.energy.calls import kernel_addresses
 from escapement.engines.energy.case_figures import figures, transient_memory
-from escapement.engines.energy.cells import CELL, NO_CELLS, cells_of
+from escapement.engines.energy.cells import NO_CELLS, cells_of
 from escapement.engines.energy.cycle import FIGURES
 from escapement.engines.energy.march import OK, PAINLEVE
 from escapement.engines.energy.pairs import new_case, prepare, scene_of_pair
@@ -22,7 +26,7 @@ from escapement.mechanisms.protocol import FloatArray, Mechanism, dwell_angle
 from escapement.mechanisms.slotted import slide_edges
 from escapement.model.scene import Scene, packed
 from escapement.numerics.altered import altered
-from escapement.numerics.jit import jit
+from escapement.numerics.jit import inner_jit, jit
 
 Errors = tuple[FloatArray, FloatArray, FloatArray]
 """Errors of the parts of each scene: `longer`, `pins` and `slots` as `lay_pattern` takes them."""
@@ -40,7 +44,8 @@ def solve_rows(addresses, packed, cells, patterns, numbers, rtol, extent, table,
     Parameters
     ----------
     addresses, packed, cells : as `calls.prepared` gives them, for any scene of the
-        mechanism, of which path, edges and dwell are used where the parts are perfect.
+        mechanism, of which path, edges and dwell are used where the parts are perfect. Without
+        cells each scene has edges for its own pin.
     patterns : array of `mechanisms.pattern.PAIR`, a row for each scene; empty rows for perfect
         parts.
     numbers : array of shape (scenes, k): the numbers of each scene, and its squared speed at
@@ -54,16 +59,27 @@ def solve_rows(addresses, packed, cells, patterns, numbers, rtol, extent, table,
     shared, size = scene_of(packed), patterns.shape[1]
     room, handoffs, rows = transient_memory(shared.edges, size)
     fixed = new_case(addresses, shared, cells, patterns[0], room)
+    asked = handoffs, rows, rtol, extent
+    if size > 0 or cells.size > 0:
+        _solve_alike(fixed, patterns, numbers, asked, table, status)
+        return
     for i in range(status.size):
-        row = numbers[i]
-        scene, known = scene_with(shared, shared.edges, row), cells
-        if size == 0 and scene.pin > 0.0 and not has_load_curve(scene):
-            # a pin with a radius has its own breaks, between which nothing is tabulated
-            edges = slide_edges(shared.path, scene.pin, shared.edges)
-            scene, known = scene_with(shared, edges, row), np.empty((1, 0), CELL)
-        case = altered(fixed, "scene", scene, "cells", known, "pattern", patterns[i])
+        one, pin = slice(i, i + 1), numbers[i, _PIN]
+        edges = slide_edges(shared.path, pin, shared.edges) if pin > 0.0 else shared.edges
+        case = altered(fixed, "scene", altered(shared, "edges", edges))
+        _solve_alike(case, patterns[one], numbers[one], asked, table[one], status[one])
+
+
+@inner_jit
+def _solve_alike(fixed, patterns, numbers, asked, table, status):
+    """Solve scenes with the edges of the case `fixed`; `asked` are inputs of `figures`."""
+    for i in range(status.size):
         if status[i] == OK:
+            row, scene = numbers[i], fixed.scene
+            scene = scene_with(scene, scene.edges, row)
+            case = altered(fixed, "scene", scene, "pattern", patterns[i])
             prepare(case)
+            handoffs, rows, rtol, extent = asked
             status[i] = figures(case, handoffs, rows, row[_COUNT], rtol, extent, table[i])
 
 
@@ -73,13 +89,25 @@ def mark_jammed(packed, patterns, numbers, status):
 
     The arguments are those of `solve_rows`.
     """
-    shared = scene_of(packed)
+    _mark_jammed(scene_of(packed), patterns, numbers, status)
+
+
+@inner_jit
+def _mark_jammed(shared, patterns, numbers, status):
+    limit = FrictionLimit(np.nan, np.nan, np.nan, np.nan, np.inf)
     for i in range(status.size):
-        scene = scene_with(shared, shared.edges, numbers[i])
-        for index in range(max(patterns.shape[1], 1)):
-            one = scene_of_pair(scene, patterns[i], index, 0.0)
-            if status[i] == OK and beyond_painleve(one):
-                status[i] = PAINLEVE
+        scene, jammed = scene_with(shared, shared.edges, numbers[i]), 0
+        if status[i] != OK:
+            continue
+        if patterns.shape[1] == 0 and has_limit_of_its_own(scene):
+            # mostly neighbours differ in friction and torque, and have one limit
+            limit = friction_limit_after(limit, scene)
+            jammed += scene.mu_minus >= limit.friction
+        else:
+            for index in range(max(patterns.shape[1], 1)):
+                jammed += beyond_painleve(scene_of_pair(scene, patterns[i], index, 0.0))
+        if jammed > 0:
+            status[i] = PAINLEVE
 
 
 @jit(allocates=True)
@@ -127,6 +155,11 @@ def solve(
     table, status = np.empty((len(rows), FIGURES)), np.zeros(len(rows), dtype=np.uint8)
     path = writeable(mechanism.path)
     edges = smooth_intervals(path, mechanism.breaks)
+    pin, own_pins = 0.0, False
+    if errors is None and len(rows):
+        pin, own_pins = rows[0, _PIN], bool((rows[:, _PIN] != rows[0, _PIN]).any())
+    if pin > 0.0 and not own_pins:
+        edges = slide_edges(path, pin, edges)
     kind, size, at_once = kind_of(path, CONSTANT, numbers[:_COUNT]), 0, max(len(rows), 1)
     wheel: Any = mechanism
     if errors is not None:
@@ -144,7 +177,7 @@ def solve(
         **dict.fromkeys(NUMBERS, 0.0),
     )
     fixed = kernel_addresses(kind), packed(scene)
-    cells = NO_CELLS if size else cells_of(path, edges)
+    cells = NO_CELLS if size or own_pins else cells_of(path, edges)
     for first in range(0, len(rows), at_once):
         some = slice(first, first + at_once)
         patterns = np.empty((len(rows[some]), size), PAIR)

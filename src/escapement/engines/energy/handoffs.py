@@ -19,7 +19,6 @@ from escapement.engines.energy.panels import NO_PANELS
 from escapement.engines.energy.passage import Detail, request_of
 from escapement.engines.energy.rundown_series import (
     FORGOTTEN,
-    NODES,
     Elapsed,
     fill,
     later,
@@ -56,8 +55,14 @@ def handoffs(addresses, packed, cells, pattern, w, limit, rtol, clock, times, sp
     scene = scene_of(packed)
     room = round_events(scene.edges, min(pattern.size, 1))
     case = new_case(addresses, scene, cells, pattern, room)
+    return _follow(case, w, limit, rtol, clock, times, speeds)
+
+
+@inner_jit
+def _follow(case, w, limit, rtol, clock, times, speeds):
+    """As `handoffs`; here references to arrays are not counted."""
     prepare(case)
-    data = case.data
+    scene, data = case.scene, case.data
     request, size, constant = request_of(Detail.TIME, rtol), data.size, is_constant(scene)
     alone, whole = size == 1 and not constant, data[0].lap
     start, carry_w, elapsed = w, 0.0, Elapsed(0.0, 0.0)
@@ -97,7 +102,7 @@ def handoffs(addresses, packed, cells, pattern, w, limit, rtol, clock, times, sp
         # after this number of engagements the start has no influence
         lead = int(FORGOTTEN / max(-found.slope, SMALL_EXPONENT)) + 2
         if k >= attempt and k - line >= lead:
-            most, series = times.size - k, np.zeros((4, NODES))
+            most, series = times.size - k, case.store.workspace[0].series
             stretch = longest_stretch(case, request, k, most, lead, w, rtol, series)
             done, w, elapsed = fill(stretch, w, elapsed, limit, clock, series, times, speeds)
             k, rounds = k + done, rounds + done

@@ -79,6 +79,7 @@ WORKSPACE = record_dtype(
         "scratch": ROW,  # passed from one step to the next: points, or integrals
         **dict.fromkeys(("at_x", "from_left"), ROW),  # weights of `locate.weights_to`
         **dict.fromkeys(("decay", "gain"), ROW),  # B and A by x while a panel is being solved
+        "series": (NUMBER, (4, N)),  # of `rundown_series`
         "root": ROW,  # the speeds about which viscous drag is linear meanwhile
         "spare": PANEL,  # a panel outside the chain, for a start and for refined events
     }

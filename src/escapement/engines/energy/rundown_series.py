@@ -16,9 +16,10 @@ from escapement.engines.energy.march import OK
 from escapement.engines.energy.pairs import Start, engage, lay_out_again
 from escapement.engines.energy.passage import Detail
 from escapement.numerics.altered import altered
+from escapement.numerics.gauss import N
 from escapement.numerics.jit import inner_jit
 
-NODES = 16
+NODES = N
 # A deviation of w has no influence left once the exponents of the engagements add up to this.
 FORGOTTEN = 36.0
 # A series must give at least WORTH engagements for each that is marched; a march for the map

@@ -177,8 +177,8 @@ def _check_lengths(plan: StudyPlan, values: Mapping[str, Any]) -> None:
     for name, value in values.items():
         number = isinstance(value, int | float)
         size = abs(value) if number else float(np.max(np.abs(value), initial=0.0))
-        # a list that varies is identified by its numbers
-        name = re.sub(r"_\d+$", "", name)
+        if name[-1].isdigit():  # a list that varies is identified by its numbers
+            name = re.sub(r"_\d+$", "", name)
         greatest[name] = max(greatest.get(name, 0.0), size)
     for name in values:
         of = name.removesuffix("_factor")
