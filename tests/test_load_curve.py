@@ -370,6 +370,8 @@ def test_the_figures_of_an_index_are_those_of_all_that_repeat(load, indexes):
     assert found.torque_mean_index == pytest.approx(mean, rel=1e-6)
     square = np.trapezoid(state.torque**2, theta).mean() / SIX.cell_angle
     assert found.torque_rms == pytest.approx(math.sqrt(square), rel=1e-6)
+    alike = esc.cam_drive(replace(found, friction=0.0), "cycloidal")
+    assert (alike.indexes, alike.load_curve) == (indexes, load)
     # the law written out, with friction on the wall that carries the force
     path = SIX.transmission(SIX.breaks[0] * 0.4)
     here = found.at(SIX.breaks[0] * 0.4)

@@ -256,6 +256,10 @@ def test_an_index_with_a_motor_is_an_escapement(capsys):
         assert found[name] == pytest.approx(getattr(cycle, name), rel=1e-12)
     assert found["torque_max"] == pytest.approx(table.torque_max, rel=1e-12)
     assert found["inputs"]["motor_no_load_speed"] == 90.0
+    speed, torque = plots.plot_index(table, motor=esc.simulate(geared(), 2)).axes[-2:]
+    share = speed.get_lines()[1].get_ydata() / 90.0
+    size = 1e3 if "mN" in torque.get_ylabel() else 1.0
+    np.testing.assert_allclose(torque.get_lines()[1].get_ydata(), 0.5 * size * (1.0 - share))
 
 
 @pytest.mark.parametrize(
