@@ -1,16 +1,21 @@
 """A load that changes with the follower's angle: a curve over a step or a turn, or a weight."""
 
+import itertools
 import json
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
 from scipy.integrate import quad, solve_ivp
 
 import escapement as esc
+from clearance_bodies import TwoBodies
 from escapement.base.errors import InputFileError, InvalidValue
 from escapement.base.status import Status
 from escapement.cli import main
+from escapement.dynamics.painleve import friction_limits
+from escapement.engines.contact.rigid.impact import CHATTER
 
 SIX = esc.Geneva(6, pins=1, crank_radius=0.05)
 INERTIA = esc.Inertia(0.02, 0.1)
@@ -36,18 +41,51 @@ def random_load(rng, step, steps=1):
 
 
 def random_drive(rng):
+    """With a load over a step or a turn, some with errors of the parts or a lossy load train."""
+    leads = (rng.standard_normal(6) * 2e-4).tolist()
     mechanism = [
         esc.Geneva(int(rng.integers(3, 9)), pins=1, crank_radius=0.05),
         esc.Geneva(int(rng.choice([3, 4, 6])), crank_radius=0.05, pin_radius=0.002),
         esc.Geneva(6, internal=True, crank_radius=0.05),
         esc.CamIndexer(6, math.radians(120.0)),
         esc.EllipticalPlanetary(2.0, 1.0),
-    ][rng.integers(5)]
+        esc.Geneva(6, crank_radius=0.05, slot_angle_errors=leads),
+        esc.Geneva(6, pins=1, crank_radius=0.05, slot_angle_errors=leads, slot_offsets=[1e-5] * 6),
+    ][rng.integers(7)]
     losses = {"efficiency": 0.9} if mechanism.meshed else {"friction": rng.uniform(0.0, 0.15)}
     losses |= {"follower_viscous": 0.02} if rng.random() < 0.3 else {}
+    if mechanism.perfect and rng.random() < 0.3:
+        losses["load_train"] = esc.Train(2.0, efficiency=0.8, inertia=1e-2)
     inertia = esc.Inertia(10.0 ** rng.uniform(-2.5, -1.0), 0.1)
-    load = random_load(rng, abs(float(mechanism.follower_step)))
+    step = abs(float(mechanism.follower_step))
+    steps = round(2.0 * math.pi / step) if rng.random() < 0.5 else 1
+    weight = esc.Unbalance(rng.uniform(0.1, 2.0), rng.uniform(-3.0, 3.0))
+    load = weight if rng.random() < 0.2 else random_load(rng, step, steps)
     return esc.Escapement(mechanism, inertia, 4.0, load_torque=0.2, load_curve=load, **losses)
+
+
+def loose_drive(rng, **more):
+    """With clearance, and a load that can throw the follower from wall to wall."""
+    slots, inside, radius, torque = int(rng.choice([3, 4, 5, 6, 8])), rng.random() < 0.3, 0.01, 0.01
+    one = inside or rng.random() < 0.4
+    wheel = esc.Geneva(
+        slots, 1 if one else None, inside, radius,
+        pin_radius=rng.choice([0.0, rng.uniform(0.02, 0.1) * radius]),
+        clearance=2.0 * radius * 10.0 ** rng.uniform(-4.5, -2.0),
+    )  # fmt: skip
+    model = {"load_torque": 0.1 * torque} if rng.random() < 0.5 else {}
+    model |= {"driver_bearing_torque": 0.05 * torque} if rng.random() < 0.3 else {}
+    model |= {"restitution": 0.3} if rng.random() < 0.2 else {}
+    if rng.random() < 0.3:
+        model["load_train"] = esc.Train(2.0, efficiency=0.8, inertia=2.5e-7)
+    load = esc.Unbalance(rng.uniform(0.05, 0.8) * torque, rng.uniform(-3.0, 3.0))
+    if rng.random() < 0.7:
+        steps = slots if rng.random() < 0.5 else 1
+        load = random_load(rng, 2.0 * math.pi / slots, steps) * (0.4 * torque)
+    inertia = esc.Inertia(5e-6 * 10.0 ** rng.uniform(-1.5, 0.5), 5e-6)
+    limit = friction_limits(esc.Escapement(wheel, inertia, torque, **model))[0]
+    friction = rng.random() * 0.7 * min(limit, 1.0)
+    return esc.Escapement(wheel, inertia, torque, friction, load_curve=load, **model | more)
 
 
 @pytest.mark.slow
@@ -63,6 +101,102 @@ def test_fifty_random_curves_agree_with_the_reference_engine():
         assert abs(fast.ledger.residual) < 1e-12
         seen += fast.reversals.time.size > 0
     assert seen > 10
+
+
+def agrees_with_two_bodies(one, rtol):
+    """Whether it moves to its end as two bodies in time do, which know no transmission."""
+    start = 0.5 / one.time_unit
+    motion = esc.simulate(one, 3, initial_speed=start)
+    assert abs(motion.ledger.residual) < 1e-12
+    if motion.status is not Status.OK:
+        return False
+    times, speeds = TwoBodies(one, CHATTER).run(3, start)
+    np.testing.assert_allclose(motion.handoff_times, times, rtol=rtol)
+    np.testing.assert_allclose(motion.handoff_velocities, speeds, rtol=rtol)
+    return True
+
+
+@pytest.mark.slow
+def test_fifty_random_curves_with_clearance_agree_with_two_bodies():
+    rng = np.random.default_rng(44)
+    assert sum(agrees_with_two_bodies(loose_drive(rng), 1e-8) for _ in range(50)) > 40
+
+
+@pytest.mark.parametrize("seed", [1, 2, 3])
+def test_two_bodies_with_clearance_agree(seed):
+    assert agrees_with_two_bodies(loose_drive(np.random.default_rng(seed)), 1e-8)
+
+
+def in_complex_numbers(one, end):
+    """theta, phi and their speeds between elastic walls, without the package's law."""
+    scene, joint, clock, wheel = one.scene, one.joint, one.time_unit, one.mechanism
+    slip, torque = joint.slip, one.torque
+
+    def slope(_t, y):
+        theta, phi, driver, follower = y
+        out, along = np.exp(1j * phi), np.exp(-1j * theta)
+        pin, moves = wheel.centre_distance - along, 1j * along * driver
+        across = (pin * out.conjugate()).imag
+        side = 1.0 if across > 0.0 else -1.0
+        depth, relative = side * across - joint.half_clearance, moves - 1j * follower * pin
+        rate = side * (relative * out.conjugate()).imag
+        slide = (relative * out.conjugate()).real
+        force = 0.0
+        if depth > 0.0:
+            force = max(joint.stiffness * depth + joint.damping * rate, 0.0)
+        drag = scene.mu_plus * force * slide / math.hypot(slide, slip)
+        on = force * side * 1j * out + drag * out
+        turn = (pin.conjugate() * on).imag - float(one.load_curve(phi)) / torque
+        back = ((pin - wheel.centre_distance).conjugate() * on).imag
+        return [driver, follower, (1.0 + back) / scene.rho, turn]
+
+    theta = float(scene.edges[0])
+    start = [theta, float(wheel.follower_angle(np.array([theta]))[0]), 0.0, 0.0]
+    found = solve_ivp(
+        slope, (0.0, end / clock), start, "DOP853", rtol=1e-12, atol=1e-14, max_step=2e-3
+    )
+    return found.y[:, -1] * [1.0, 1.0, 1.0 / clock, 1.0 / clock]
+
+
+@pytest.mark.parametrize("load", [CAM, WEIGHT], ids=["curve", "weight"])
+def test_an_integrator_of_its_own_agrees_between_elastic_walls(load):
+    loose = esc.Geneva(6, crank_radius=0.05, clearance=1e-4)
+    unit = 3.0 / 0.05**2
+    one = drive(load, loose, load_torque=0.0, stiffness=2e3 * unit, slip_speed=1e-3)
+    end = 0.9 * float(esc.simulate(one, 1).handoff_times[0])
+    state = esc.simulate(one, duration=end, rtol=1e-12).at(end)
+    found = [state.theta, state.phi, state.theta_dot, state.phi_dot]
+    assert np.array(found) == pytest.approx(in_complex_numbers(one, end), rel=1e-8)
+
+
+@pytest.mark.parametrize("more", [{}, {"stiffness": 1e8}], ids=["rigid", "elastic"])
+@pytest.mark.parametrize("load", [CAM, WEIGHT], ids=["curve", "weight"])
+def test_clearance_has_a_cycle_over_all_that_repeats(load, more):
+    loose = esc.Geneva(6, pins=1, crank_radius=0.05, clearance=1e-4)
+    one = drive(load, loose, **more)
+    cycle = esc.terminal(one)
+    count = 1 if load is CAM else 6
+    assert (cycle.status, len(cycle.beats)) == (Status.OK, count)
+    assert abs(cycle.energy_residual) < 1e-10
+    motion = esc.simulate(one, 60)
+    beats = np.diff(motion.handoff_times)[-count:]
+    np.testing.assert_allclose(beats, cycle.beats, rtol=1e-7)
+    assert abs(motion.ledger.residual) < 1e-10
+
+
+def test_a_heavy_weight_swings_the_follower_back_in_its_slot():
+    """In flight it is a pendulum: its energy is that of a weight on a lever."""
+    loose = esc.Geneva(6, pins=1, crank_radius=0.05, clearance=2e-3)
+    weight = esc.Unbalance(1.5, 2.0)
+    motion = esc.simulate(drive(weight, loose, load_torque=0.0, restitution=0.5), 6)
+    flights = np.flatnonzero(motion.trajectory.sign == 0.0)
+    begins = np.append(motion.trajectory.start, motion.end_time)
+    times = begins[flights, None] + np.diff(begins)[flights, None] * np.linspace(0.0, 1.0, 7)
+    state = motion.within(flights[:, None], times)
+    lifted = 0.5 * 0.1 * state.phi_dot**2 - 1.5 * np.cos(state.phi + 2.0)
+    assert (np.ptp(state.phi, axis=1) > 1e-3).sum() > 5
+    np.testing.assert_allclose(lifted, lifted[:, :1] + 0.0 * times, atol=1e-12)
+    assert abs(motion.ledger.residual) < 1e-13
 
 
 @pytest.mark.parametrize("engine", ["energy", "ivp"])
@@ -83,9 +217,10 @@ def _knots(i):
     return np.array(CAM.angle[1:-1]) + i * STEP
 
 
-def test_a_weight_without_friction_has_a_closed_form():
+@pytest.mark.parametrize("engine", ["energy", "ivp"])
+def test_a_weight_without_friction_has_a_closed_form(engine):
     """Twice the kinetic energy is that of the drive less m g e (cos - cos)."""
-    motion = esc.simulate(drive(WEIGHT, friction=0.0, load_torque=0.0), 9)
+    motion = esc.simulate(drive(WEIGHT, friction=0.0, load_torque=0.0), 9, engine=engine)
     state = motion.at(np.linspace(0.03, 1.0, 200) * motion.end_time)
     begin = float(SIX.follower_angle(SIX.breaks[0]))
     lifted = 0.4 * (math.cos(begin + 0.3) - np.cos(state.phi + 0.3))
@@ -145,16 +280,17 @@ def test_a_curve_over_a_turn_has_a_cycle_of_six_engagements():
     assert len(cycle.beats) == 6
     assert cycle.beat_error > 5e-3 * cycle.period
     motion = esc.simulate(drive(ramp), 7, initial_speed=cycle.handoff_velocity)
-    assert motion.engine == "ivp"
+    assert motion.engine == "energy"
+    slow = esc.terminal(drive(ramp), engine="ivp")
+    for name in ("period", "velocity_max", "beat_error", "contraction", "rise_time"):
+        assert getattr(cycle, name) == pytest.approx(getattr(slow, name), rel=1e-7)
     beats = np.diff(motion.handoff_times, prepend=0.0)
     np.testing.assert_allclose(beats, [*cycle.beats, cycle.beats[0]], rtol=1e-8)
     # a curve over a step that is written out over a turn
     steps = [angle + k * STEP for k in range(6) for angle in CAM.angle[:-1]]
     written = esc.LoadCurve([*steps, steps[0] + 2.0 * math.pi], [*CAM.torque[:-1]] * 6 + [0.1])
     one, other = esc.simulate(drive(written), 5), esc.simulate(drive(CAM), 5)
-    np.testing.assert_allclose(one.handoff_times, other.handoff_times, rtol=1e-10)
-    with pytest.raises(InvalidValue, match=r"^engine must be 'ivp' with a load that repeats in a"):
-        esc.simulate(drive(ramp), engine="energy")
+    np.testing.assert_allclose(one.handoff_times, other.handoff_times, rtol=1e-12)
 
 
 def test_a_train_of_the_load_leaves_the_curve_at_the_follower():
@@ -217,14 +353,52 @@ def test_studies_files_and_the_command_line_take_it(capsys, tmp_path):
     assert found == pytest.approx(math.log(ends[0] / ends[1]) / 2e-5, rel=1e-6)
 
 
-def test_an_index_takes_a_curve_and_a_weight():
+@pytest.mark.parametrize(("load", "indexes"), [(CAM, 1), (WEIGHT, 6)], ids=["curve", "weight"])
+def test_the_figures_of_an_index_are_those_of_all_that_repeat(load, indexes):
+    found = esc.index(SIX, 6.0, 0.3, follower_inertia=0.1, friction=0.08, load_curve=load)
+    assert found.indexes == indexes
+    theta = np.linspace(SIX.breaks[0], SIX.breaks[-1], 100_001)
+    theta = theta + SIX.cell_angle * np.arange(indexes)[:, None]
+    state = found.at(theta)
+    assert found.torque_max == pytest.approx(state.torque.max(), rel=1e-7)
+    assert found.torque_min == pytest.approx(state.torque.min(), rel=1e-7)
+    at = theta.reshape(-1)[state.torque.argmax()]
+    assert found.torque_max_angle == pytest.approx(at, abs=1e-4)
+    assert found.hardest == (0 if indexes == 1 else round(at / SIX.cell_angle))
+    width = theta[0, -1] - theta[0, 0]
+    mean = np.trapezoid(state.torque, theta).mean() / width
+    assert found.torque_mean_index == pytest.approx(mean, rel=1e-6)
+    square = np.trapezoid(state.torque**2, theta).mean() / SIX.cell_angle
+    assert found.torque_rms == pytest.approx(math.sqrt(square), rel=1e-6)
+    alike = esc.cam_drive(replace(found, friction=0.0), "cycloidal")
+    assert (alike.indexes, alike.load_curve) == (indexes, load)
+    # the law written out, with friction on the wall that carries the force
+    path = SIX.transmission(SIX.breaks[0] * 0.4)
+    here = found.at(SIX.breaks[0] * 0.4)
+    moment = 0.3 + float(load(here.phi)) + 0.1 * 36.0 * float(path.dg)
+    ratio = float(path.g) + math.copysign(0.08, moment) * abs(float(path.u))
+    assert here.torque == pytest.approx(ratio * moment, rel=1e-12)
+
+
+def test_studies_of_drives_take_a_load():
+    names = ["torque_max", "torque_min", "torque_rms", "torque_max_deg", "greatest_speed", "zone"]
+    wheel = esc.Geneva(6, pins=1, crank_radius=0.05, pin_radius=0.004)
     for load in (CAM, WEIGHT):
-        found = esc.index(SIX, 6.0, 0.3, follower_inertia=0.1, friction=0.08, load_curve=load)
-        theta = np.linspace(SIX.breaks[0], SIX.breaks[-1], 200_001)
-        torque = found.at(theta).torque
-        assert found.torque_max == pytest.approx(torque.max(), rel=1e-7)
-        mean = np.trapezoid(torque, theta) / (theta[-1] - theta[0])
-        assert found.torque_mean_index == pytest.approx(mean, rel=1e-6)
+        given = {"follower_inertia": 0.1, "friction": 0.08, "load_curve": load}
+        study = esc.sweep(
+            esc.index(wheel, 6.0, 0.3, **given), speed=[3.0, 6.0], pin_radius=[0.0, 0.006],
+            results=names,
+        )  # fmt: skip
+        assert study.failed == 0
+        for (i, speed), (j, pin) in itertools.product(
+            enumerate((3.0, 6.0)), enumerate((0.0, 0.006))
+        ):
+            one = esc.index(replace(wheel, pin_radius=pin), speed, 0.3, **given)
+            expected = [one.torque_max, one.torque_min, one.torque_rms]
+            expected += [math.degrees(one.torque_max_angle), math.nan, one.zone]
+            assert [study[name][i, j] for name in names] == pytest.approx(
+                expected, rel=1e-11, nan_ok=True
+            )
 
 
 def test_what_cannot_be_is_refused_in_one_line(tmp_path):
@@ -241,14 +415,13 @@ def test_what_cannot_be_is_refused_in_one_line(tmp_path):
     with pytest.raises(InvalidValue, match=r"^load_curve must be a LoadCurve or an Unbalance, got"):
         drive(3.0)
     loose = esc.Geneva(6, pins=1, crank_radius=0.05, clearance=1e-4)
-    with pytest.raises(InvalidValue, match=r"^load_curve must be left out with clearance, got"):
-        drive(CAM, loose)
-    with pytest.raises(InvalidValue, match=r"^load_curve must be left out with stiffness, got"):
-        drive(CAM, stiffness=1e8)
-    with pytest.raises(InvalidValue, match=r"^load_curve must be left out with errors of the part"):
-        drive(CAM, esc.Geneva(6, crank_radius=0.05, centre_distance_error=1e-5))
-    with pytest.raises(InvalidValue, match=r"^load_curve must be left out with a load train that"):
-        drive(CAM, load_train=esc.Train(2.0, efficiency=0.9))
+    given = {"follower_inertia": 0.1, "load_curve": CAM}
+    with pytest.raises(InvalidValue, match=r"^clearance must be 0 with a load that changes, got"):
+        esc.index(loose, 6.0, **given)
+    with pytest.raises(InvalidValue, match=r"^locking_radius must be 0 with a load that changes,"):
+        esc.index(SIX, 6.0, locking_radius=0.03, locking_angle=0.3, **given)
+    with pytest.raises(InvalidValue, match=r"^clearance must be 0 with a load that changes, got"):
+        esc.sweep(esc.index(SIX, 6.0, **given), clearance=[0.0, 1e-4])
     (tmp_path / "bad.csv").write_text("angle,torque\n0,1\n1,2\n")
     with pytest.raises(InputFileError, match=r"^load curve .*bad.csv: torque of the load curve"):
         esc.LoadCurve.from_csv(tmp_path / "bad.csv")

@@ -222,6 +222,65 @@ def test_the_command_line_and_files_take_a_motor(capsys, tmp_path):
     assert esc.read_motion(tmp_path / "m.h5").escapement == motion.escapement
 
 
+MODEL = (
+    "--slots 6 --pins 1 --crank-radius .05 --friction .08 --load-torque .3 --follower-inertia .1 "
+    "--driver-inertia .02 --barrel-ratio .1 --barrel-inertia 1e-4 --barrel-efficiency .8 --json"
+)
+
+
+@pytest.mark.parametrize(("units", "motor"), [("SI", "0.5,90"), ("mm", "500,90 rad/s")])
+def test_two_numbers_of_a_motor_are_one_option(capsys, units, motor):
+    given = {"--load-torque": "300", "--crank-radius": "50", "--follower-inertia": "1e5"}
+    given |= {"--driver-inertia": "2e4", "--barrel-inertia": "100"}
+    words = MODEL.split()
+    for name, value in given.items() if units == "mm" else ():
+        words[words.index(name) + 1] = value
+    assert main(["run", *words, "--units", units, "--motor", motor]) == 0
+    found = json.loads(capsys.readouterr().out)
+    assert found["period"] == pytest.approx(esc.terminal(geared()).period, rel=1e-12)
+    assert "motor" not in found["inputs"]
+
+
+def test_an_index_with_a_motor_is_an_escapement(capsys):
+    """Its figures beside those at constant speed; the efficiency is that of the gearbox."""
+    table = esc.index(TABLE, 6.0, 0.3, follower_inertia=0.1, friction=0.08)
+    motor = esc.Motor(0.5, 90.0)
+    assert table.driven_by(motor, driver_inertia=0.02, gearbox=GEARBOX) == geared()
+    lossy = replace(table, efficiency=0.8)
+    gears = replace(GEARBOX, efficiency=1.0)
+    assert lossy.driven_by(motor, driver_inertia=0.02, gearbox=gears) == geared()
+    assert table.driven_by(MOTOR, driver_inertia=0.02) == machine()
+    assert main(["index", *MODEL.split(), "--speed", "6", "--motor", "0.5,90 rad/s"]) == 0
+    found, cycle = json.loads(capsys.readouterr().out), esc.terminal(geared())
+    for name in ("velocity_mean", *NAMES):
+        assert found[name] == pytest.approx(getattr(cycle, name), rel=1e-12)
+    assert found["torque_max"] == pytest.approx(table.torque_max, rel=1e-12)
+    assert found["inputs"]["motor_no_load_speed"] == 90.0
+    speed, torque = plots.plot_index(table, motor=esc.simulate(geared(), 2)).axes[-2:]
+    share = speed.get_lines()[1].get_ydata() / 90.0
+    size = 1e3 if "mN" in torque.get_ylabel() else 1.0
+    np.testing.assert_allclose(torque.get_lines()[1].get_ydata(), 0.5 * size * (1.0 - share))
+
+
+@pytest.mark.parametrize(
+    ("command", "typed", "said"),
+    [
+        ("run", "--torque .5 --motor .5,90", "--torque must not come with --motor, got 0.5; leave"),
+        ("run", "--motor .5", "--motor must be stall torque and no-load speed, with a comma betw"),
+        ("run", "--motor 0,90", "--motor, stall torque, must be greater than 0, got 0.0; give th"),
+        ("index", "--speed 6 --motor .001,90", "--motor must carry the load and all losses, got 0"),
+        ("index", "--speed 6", "--driver-inertia must come with --motor STALL,NO-LOAD, got none; "),
+    ],
+)
+def test_a_motor_that_cannot_be_is_refused_in_one_line(capsys, tmp_path, command, typed, said):
+    out = tmp_path / "a.csv"
+    words = [command, *MODEL.split(), *typed.split(), "-o", str(out)]
+    assert main(words) == 2
+    (line,) = capsys.readouterr().err.splitlines()
+    assert line.startswith(f"escapement: error: {said}")
+    assert not out.exists()
+
+
 def test_a_motor_that_stalls_says_what_it_gives():
     for found in (esc.terminal(machine(load_torque=40.0)), esc.simulate(machine(load_torque=40.0))):
         assert found.status is Status.STALL
@@ -243,6 +302,11 @@ def test_what_cannot_be_is_refused_in_one_line():
     curve = esc.TorqueCurve([0.0, 1.0], [1.0, 2.0])
     with pytest.raises(InvalidValue, match=r"^no_load_speed must be left out with a torque curve"):
         machine(curve, no_load_speed=5.0)
+    table = esc.index(TABLE, 6.0, 0.3, follower_inertia=0.1, efficiency=0.8)
+    with pytest.raises(InvalidValue, match=r"^gearbox efficiency must be 1 with an efficiency of"):
+        table.driven_by(MOTOR, driver_inertia=0.02, gearbox=GEARBOX)
+    with pytest.raises(InvalidValue, match=r"^motor must be a Motor, got 5.0"):
+        table.driven_by(5.0, driver_inertia=0.02)
     with pytest.raises(InvalidValue, match=r"^turns must be given, as turns or as duration"):
         esc.rundown(machine())
     with pytest.raises(InvalidValue, match=r"^motion must be of an escapement with a motor, got"):

@@ -26,7 +26,7 @@ from escapement.model.train import train_numbers, trains_of
 if TYPE_CHECKING:
     from escapement.constant_speed import IndexingDrive
 
-_ROWS = 721
+_ROWS, _STARTS = 721, 4
 _INERTIA = replace(declared(Inertia)["driver_inertia"], required=False, needs="motor")
 _GEARBOX = {
     name: replace(entry, needs="motor", long_name=entry.long_name.replace("barrel", "gearbox"))
@@ -60,10 +60,10 @@ def execute(args: Arguments) -> int:
     _arguments.require(args, declared(IndexCase))
     mechanism = _arguments.read_mechanism(args)
     drive = esc.index(mechanism, **_arguments.typed(args, declared(IndexCase)))
-    motored, inputs = _with_motor(args, drive)
+    motored, started, inputs = _with_motor(args, drive)
     other = esc.cam_drive(drive, args.against) if args.against else None
-    plot = lambda plots: plots.plot_index(drive, against=other, units=args.units)  # noqa: E731
-    _output.save(args, partial(_table, drive), plot)
+    more = {"against": other, "motor": started, "units": args.units}
+    _output.save(args, partial(_table, drive), lambda plots: plots.plot_index(drive, **more))
     known = [*inputs_of_mechanism(mechanism), *inputs_of_settings(drive, mechanism.meshed)]
     known += inputs
     record, table = record_of(drive) | motored, None
@@ -78,8 +78,11 @@ def execute(args: Arguments) -> int:
     return 0
 
 
-def _with_motor(args: Arguments, drive: "IndexingDrive") -> tuple[Record, list[Input]]:
-    """Figures of the drive with the motor that was given, and its numbers; none without one.
+def _with_motor(
+    args: Arguments, drive: "IndexingDrive"
+) -> "tuple[Record, esc.Motion | None, list[Input]]":
+    """Figures of the drive with the motor that was given, its start, and its numbers; none without
+    one.
 
     Raises
     ------
@@ -88,7 +91,7 @@ def _with_motor(args: Arguments, drive: "IndexingDrive") -> tuple[Record, list[I
     """
     given = _arguments.typed_by_name(args, _MOTOR)
     if (motor := given.pop("motor", None)) is None:
-        return Record({}), []
+        return Record({}), None, []
     args.motor = None  # its numbers are told instead
     if (inertia := given.pop("driver_inertia", None)) is None:
         raise InvalidValue(
@@ -110,7 +113,7 @@ def _with_motor(args: Arguments, drive: "IndexingDrive") -> tuple[Record, list[I
     inputs = ("motor_stall_torque", motor.stall_torque, "torque"), (
         "motor_no_load_speed", motor.no_load_speed, "speed"
     )  # fmt: skip
-    return found, [*inputs]
+    return found, esc.simulate(escapement, _STARTS), [*inputs]
 
 
 def _columns(args: Arguments, record: Record, beside: Record) -> None:

@@ -9,7 +9,7 @@ from escapement.mechanisms.cam_indexer import LAWS, CamIndexer
 _SAME = (
     *("speed", "load_torque", "follower_inertia", "efficiency", "driver_bearing_torque"),
     *("driver_drag", "follower_drag", "driver_viscous", "follower_viscous"),
-    *("load_frequency", "load_damping", "load_tolerance"),
+    *("load_curve", "load_frequency", "load_damping", "load_tolerance"),
 )
 """Numbers that both drives have; a cam has no pin, and no friction in a slot."""
 

@@ -3,8 +3,8 @@
 Read `law` first: it is the equation of motion.
 
 - `codes`: kinds of events, and how an engagement ends
-- `law`, `torque`, `load`, `train_losses`, `state_table`: the equation, the torque of the drive, a
-  load that changes, trains that lose power, and what kernels tabulate
+- `law`, `torque`, `load`, `power_flow`, `train_losses`, `state_table`: the equation, the torque of
+  the drive, a load that changes, trains that lose power, and what kernels tabulate
 - `free_bodies`: driver and follower that move on their own
 - `needs`: what a scene needs, for which alone kernels are compiled
 - `painleve`: the friction at which the equation loses its solution

@@ -12,7 +12,9 @@ from escapement.base import validate
 from escapement.base.text import words
 from escapement.base.units import SYSTEMS, factor, printed, unit_name
 from escapement.constant_speed import IndexingDrive, IndexState
+from escapement.dynamics.motion import Motion
 from escapement.plots import style
+from escapement.plots.motor_panels import draw_motor
 from escapement.plots.style import finished, number_text, scaled
 
 _SAMPLES = 800
@@ -22,7 +24,11 @@ Shown = tuple[IndexingDrive, IndexState, style.Look]
 
 
 def plot_index(
-    result: IndexingDrive, *, against: IndexingDrive | None = None, units: str = SYSTEMS[0]
+    result: IndexingDrive,
+    *,
+    against: IndexingDrive | None = None,
+    motor: Motion | None = None,
+    units: str = SYSTEMS[0],
 ) -> Figure:
     """What an indexing drive does in a cycle, alone or beside another one.
 
@@ -32,6 +38,8 @@ def plot_index(
         What `escapement.index` returns.
     against : IndexingDrive, optional
         Another one to draw beside it, as `escapement.cam_drive` makes it.
+    motor : Motion, optional
+        A motion of what its `driven_by` makes, to draw speed and torque of the motor.
     units : str
         A system of units, as of the command line.
 
@@ -44,15 +52,16 @@ def plot_index(
         the force on the pin, or the moment on the follower without a crank radius, with reversals
         and impacts. Of a load that repeats in a turn of the follower the index with the greatest
         torque is drawn. Over the time [s]: the deflection of a load on an elastic shaft, with the
-        dwell shaded.
+        dwell shaded; and what `plot_motor` draws of a motor.
     """
     drives = [result] if against is None else [result, against]
     if not all(isinstance(one, IndexingDrive) for one in drives):
         raise validate.fail("result", "an IndexingDrive", result, "give what index returns")
     validate.choice("units", units, SYSTEMS)
     rings = result.load_frequency > 0.0
-    figure = style.new_figure(style.TWO_COLUMN, 5.4 if rings else 2.7)
-    grid = figure.add_gridspec(2 if rings else 1, 3)
+    rows = 1 + rings + (motor is not None)
+    figure = style.new_figure(style.TWO_COLUMN, 2.7 * rows)
+    grid = figure.add_gridspec(rows, 3)
     axes = [style.dress(figure.add_subplot(grid[0, column])) for column in range(3)]
     shown: list[Shown] = []
     for one, look in zip(drives, style.LOOKS, strict=False):
@@ -71,6 +80,10 @@ def plot_index(
         ax.set_xlim(-reach, reach)
     if rings:
         _draw_ringing(style.dress(figure.add_subplot(grid[1, :])), shown, units)
+    if motor is not None:
+        halves = grid[-1, :].subgridspec(1, 2)
+        above, below = (style.dress(figure.add_subplot(halves[0, k])) for k in range(2))
+        draw_motor(above, below, motor, None)
     return figure
 
 

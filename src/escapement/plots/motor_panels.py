@@ -3,6 +3,7 @@
 from typing import Any
 
 import numpy as np
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from escapement.base import validate
@@ -35,26 +36,34 @@ def plot_motor(motion: Motion, figures: Figures | None = None) -> Figure:
     InvalidValue
         If no motor drives, or for a motion without length.
     """
-    escapement: Any = motion.escapement
-    no_load, stall = escapement.no_load_speed, escapement.torque
-    if no_load is None:
+    if motion.escapement.no_load_speed is None:
         rule, remedy = "of an escapement with a motor", "give torque=Motor(...)"
         raise validate.fail("motion", rule, "one without", remedy)
-    times = times_of(motion)
+    times_of(motion)  # refuses a motion without length
+    figure = style.new_figure(style.TWO_COLUMN, 4.4)
+    above, below = (style.dress(ax) for ax in figure.subplots(2, 1, sharex=True))
+    draw_motor(above, below, motion, figures)
+    above.set_xlabel("")
+    return figure
+
+
+def draw_motor(above: Axes, below: Axes, motion: Motion, figures: Figures | None) -> None:
+    """Draw speed and torque of the motor of a motion, see `plot_motor`."""
+    escapement: Any = motion.escapement
+    no_load, stall, times = escapement.no_load_speed, escapement.torque, times_of(motion)
     factor, unit = scaled("s", times)
     share = motion.at(times).theta_dot / escapement.referred["no_load_speed"]
-    figure = style.new_figure(style.TWO_COLUMN, 4.4)
-    above, below = axes = [style.dress(ax) for ax in figure.subplots(2, 1, sharex=True)]
-    for ax in axes:
+    for ax in (above, below):
         ax.axhline(0.0, **style.ZERO)
         look: dict[str, Any] = {"color": style.LIGHT_GREY, "lw": 0.7, "ls": ":", "zorder": 0}
         ax.vlines(
             motion.handoff_times * factor, 0.0, 1.0, transform=ax.get_xaxis_transform(), **look
         )
+        ax.set_xlim(0.0, motion.end_time * factor)
     above.plot(times * factor, share * no_load, color=style.BLUE, label="motor")
     text = f"no-load speed, {number_text(no_load)} rad/s"
     above.axhline(no_load, lw=1.0, label=text, **style.BROKEN)
-    finished(above, ("", ""), ("speed of the motor", "rad/s"), 2)
+    finished(above, ("time", unit), ("speed of the motor", "rad/s"), 2)
     prefix, torque_unit = readable("torque", np.array([stall]))
     x, torque = times * factor, prefix * stall * (1.0 - share)
     below.plot(x, torque, color=style.BLUE, label="motor")
@@ -66,6 +75,4 @@ def plot_motor(motion: Motion, figures: Figures | None = None) -> Figure:
         effective = prefix * figures.motor_torque_rms
         text = f"effective in the steady state, {number_text(effective)} {torque_unit}"
         below.axhline(effective, color=style.BLACK, lw=1.0, ls=(0, (1, 1.5)), label=text)
-    below.set_xlim(0.0, motion.end_time * factor)
     finished(below, ("time", unit), ("torque of the motor", torque_unit), 3)
-    return figure
