@@ -53,10 +53,12 @@ def test_every_tick_is_found_where_it_begins(rate, room):
     times = ticks(max(int(10 * rate), 12), 1.0 / rate, 1e-3 / rate)
     sound = esc.synthetic_recording(times, signal_to_noise=20.0, room=room)
     onsets = find_onsets(sound, RATE)
-    found = onsets.times[find_rhythm(onsets.times, onsets.sure, onsets.often).beats]
+    rhythm = find_rhythm(onsets)
+    found = onsets.times[rhythm.beats]
     assert found.size == times.size
     assert np.median(np.abs(found - times)) < 2.0 / RATE
-    assert np.mean(np.abs(found - times) < 1.96 * onsets.deviations[onsets.sure][0]) > 0.5
+    inside = np.abs(found - times) <= onsets.half_widths[rhythm.beats]
+    assert np.mean(inside) > 0.9
 
 
 def test_noise_has_no_ticks():
