@@ -153,6 +153,8 @@ def test_two_sounds_of_a_beat_are_one_beat_unless_the_rate_says_otherwise(tmp_pa
         ("beat [ms]\n{d1000}", None),
         ("{dcomma}", "ms"),
         ("n\tinterval us\n1\t{d1e6}", None),
+        ("interval us\n{d1e6}", None),
+        ("time\n{clock}", None),
     ],
 )
 def test_text_files_of_instants_and_of_intervals(tmp_path, text, unit):
@@ -162,6 +164,8 @@ def test_text_files_of_instants_and_of_intervals(tmp_path, text, unit):
     forms = {
         "t": [f"{x:.6f}" for x in times], "t1000": [f"{1e3 * x:.3f}" for x in times],
         "d1000": [f"{1e3 * x:.3f}" for x in steps], "d1e6": [f"{1e6 * x:.0f}" for x in steps],
+        "clock": [f"23:59:{58 + x:.6f}" for x in times if x < 2.0]
+        + [f"00:00:{x - 2:09.6f}" for x in times if x >= 2.0],
         "dcomma": [f"{1e3 * x:.3f}".replace(".", ",") for x in steps],
     }  # fmt: skip
     (name,) = (key for key in forms if "{" + key + "}" in row)
@@ -174,10 +178,10 @@ def test_text_files_of_instants_and_of_intervals(tmp_path, text, unit):
 @pytest.mark.parametrize(
     ("text", "words"),
     [
-        ("", "is empty"),
-        ("time\n1\nabc\n", "must have a number in each row"),
-        ("speed;force\n1;2\n", "must name its columns"),
-        ("interval\n.2\n-.1\n" + ".2\n" * 9, "greater than 0"),
+        ("", "must hold rows of times, got none"),
+        ("time\n1\nabc\n", "line 3 must have numbers in fields 1, got 'abc'"),
+        ("speed;force\n1;2\n", "must have one column called time or interval"),
+        ("interval\n.2\n-.1\n" + ".2\n" * 9, "line 3 must have an interval greater than 0"),
         ("time [weeks]\n1\n2\n", "must have times in"),
         ("1\n2\n3\n", "at least 8 sounds"),
         ("time\n" + "3\n2\n1\n" * 9, "must have times that increase"),

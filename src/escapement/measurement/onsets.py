@@ -245,8 +245,8 @@ def _refined(samples: NDArray[Any], spectrum: _Spectrum, rate: float, found: _Ca
     # a strike falls on average half a sample before the first sample that shows it
     times = (first + shift - 0.5) / rate
     order = np.argsort(times, kind="stable")
-    columns = times, half / rate, loud, found.chances * rate / (spectrum.size // 2), found.sure
-    return Onsets(*(values[order] for values in columns))
+    often = found.chances * rate / (spectrum.size // 2)
+    return Onsets(times[order], (half / rate)[order], loud[order], often[order], found.sure[order])
 
 
 class _Near(NamedTuple):
