@@ -61,6 +61,18 @@ def test_every_tick_is_found_where_it_begins(rate, room):
     assert np.mean(inside) > 0.9
 
 
+def test_dense_ticks_are_found_although_their_tails_fill_the_time_between_them():
+    times = ticks(600, 0.01, 1e-5, seed=13)
+    sound = esc.synthetic_recording(times, signal_to_noise=10.0, room=0.05, seed=13)
+    onsets = find_onsets(sound, RATE)
+    beats = find_rhythm(onsets).beats
+    found = onsets.times[beats[beats >= 0]]
+    apart = np.abs(found[:, None] - times).min(axis=1)
+    assert np.count_nonzero(apart < 1e-3) >= 570
+    assert np.count_nonzero(apart >= 1e-3) <= 6
+    assert 0.91 <= np.mean(apart <= onsets.half_widths[beats[beats >= 0]]) <= 0.99
+
+
 def test_noise_has_no_ticks():
     noise = np.random.default_rng(0).normal(size=20 * RATE)
     assert not find_onsets(noise, RATE).sure.any()
