@@ -44,7 +44,7 @@ def judged(rate: float, snr: float, seeds: int) -> dict[str, object]:
         times, sound = recorded(rate, snr, seed)
         onsets = find_onsets(sound, RATE)
         try:
-            rhythm = find_rhythm(onsets.times, onsets.sure, onsets.often)
+            rhythm = find_rhythm(onsets)
         except EscapementError:
             refused += 1
             continue
@@ -56,7 +56,7 @@ def judged(rate: float, snr: float, seeds: int) -> dict[str, object]:
         wrong += int((~right).sum())
         every += times.size
         apart.append(off[right])
-        widths.append(onsets.deviations[beats][right])
+        widths.append(onsets.half_widths[beats][right])
     row: dict[str, object] = {"beats_per_second": rate, "snr_db": snr, "seeds": seeds}
     row["refused"] = refused
     if every:
@@ -65,7 +65,7 @@ def judged(rate: float, snr: float, seeds: int) -> dict[str, object]:
             "found": f"{found / every:.4f}",
             "false": f"{wrong / every:.4f}",
             "median_error_samples": f"{np.median(np.abs(off)) * RATE:.2f}",
-            "within_95": f"{np.mean(np.abs(off) < 1.96 * width):.3f}",
+            "within_95": f"{np.mean(np.abs(off) <= width):.3f}",
         }
     return row
 

@@ -53,10 +53,24 @@ def test_every_tick_is_found_where_it_begins(rate, room):
     times = ticks(max(int(10 * rate), 12), 1.0 / rate, 1e-3 / rate)
     sound = esc.synthetic_recording(times, signal_to_noise=20.0, room=room)
     onsets = find_onsets(sound, RATE)
-    found = onsets.times[find_rhythm(onsets.times, onsets.sure, onsets.often).beats]
+    rhythm = find_rhythm(onsets)
+    found = onsets.times[rhythm.beats]
     assert found.size == times.size
     assert np.median(np.abs(found - times)) < 2.0 / RATE
-    assert np.mean(np.abs(found - times) < 1.96 * onsets.deviations[onsets.sure][0]) > 0.5
+    inside = np.abs(found - times) <= onsets.half_widths[rhythm.beats]
+    assert np.mean(inside) > 0.9
+
+
+def test_dense_ticks_are_found_although_their_tails_fill_the_time_between_them():
+    times = ticks(600, 0.01, 1e-5, seed=13)
+    sound = esc.synthetic_recording(times, signal_to_noise=10.0, room=0.05, seed=13)
+    onsets = find_onsets(sound, RATE)
+    beats = find_rhythm(onsets).beats
+    found = onsets.times[beats[beats >= 0]]
+    apart = np.abs(found[:, None] - times).min(axis=1)
+    assert np.count_nonzero(apart < 1e-3) >= 570
+    assert np.count_nonzero(apart >= 1e-3) <= 6
+    assert 0.91 <= np.mean(apart <= onsets.half_widths[beats[beats >= 0]]) <= 0.99
 
 
 def test_noise_has_no_ticks():
@@ -151,6 +165,8 @@ def test_two_sounds_of_a_beat_are_one_beat_unless_the_rate_says_otherwise(tmp_pa
         ("beat [ms]\n{d1000}", None),
         ("{dcomma}", "ms"),
         ("n\tinterval us\n1\t{d1e6}", None),
+        ("interval us\n{d1e6}", None),
+        ("time\n{clock}", None),
     ],
 )
 def test_text_files_of_instants_and_of_intervals(tmp_path, text, unit):
@@ -160,6 +176,8 @@ def test_text_files_of_instants_and_of_intervals(tmp_path, text, unit):
     forms = {
         "t": [f"{x:.6f}" for x in times], "t1000": [f"{1e3 * x:.3f}" for x in times],
         "d1000": [f"{1e3 * x:.3f}" for x in steps], "d1e6": [f"{1e6 * x:.0f}" for x in steps],
+        "clock": [f"23:59:{58 + x:.6f}" for x in times if x < 2.0]
+        + [f"00:00:{x - 2:09.6f}" for x in times if x >= 2.0],
         "dcomma": [f"{1e3 * x:.3f}".replace(".", ",") for x in steps],
     }  # fmt: skip
     (name,) = (key for key in forms if "{" + key + "}" in row)
@@ -172,10 +190,10 @@ def test_text_files_of_instants_and_of_intervals(tmp_path, text, unit):
 @pytest.mark.parametrize(
     ("text", "words"),
     [
-        ("", "is empty"),
-        ("time\n1\nabc\n", "must have a number in each row"),
-        ("speed;force\n1;2\n", "must name its columns"),
-        ("interval\n.2\n-.1\n" + ".2\n" * 9, "greater than 0"),
+        ("", "must hold rows of times, got none"),
+        ("time\n1\nabc\n", "line 3 must have numbers in fields 1, got 'abc'"),
+        ("speed;force\n1;2\n", "must have one column called time or interval"),
+        ("interval\n.2\n-.1\n" + ".2\n" * 9, "line 3 must have an interval greater than 0"),
         ("time [weeks]\n1\n2\n", "must have times in"),
         ("1\n2\n3\n", "at least 8 sounds"),
         ("time\n" + "3\n2\n1\n" * 9, "must have times that increase"),

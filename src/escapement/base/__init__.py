@@ -5,8 +5,8 @@
 - `units`, `spoken`, `quantity`: unit factors, numbers in the user's units, and declarations of
   numbers
 - `results`, `records`: declarations of what is computed, and records that print themselves
-- `columns`, `headings`, `lines`, `clock`: the reader of files with columns, and of headings, lines
-  and times as loggers write them
+- `text_table`, `columns`, `headings`, `lines`, `clock`: the readers of files with columns, of those
+  with angles, and of headings, lines and times as loggers write them
 - `text`, `files`, `toml_file`: tables and JSON, files that appear only when they are complete, TOML
 - `progress`, `notice`: progress of long work, and the notice that kernels are compiled
 - `lazy`: modules that are loaded when they are first used

@@ -1,41 +1,20 @@
 """The reader of text files with columns of input angles, output angles and times."""
 
-import csv
 import math
-import os
-import re
-from collections.abc import Callable
-from contextlib import suppress
 from functools import partial
-from itertools import chain
 from os import PathLike
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from escapement.base import validate
-from escapement.base.clock import EXAMPLES, Clock, past_midnight
-from escapement.base.errors import InputFileError, InvalidValue, MissingInput
-from escapement.base.headings import (
-    COUNTS,
-    NAMES,
-    TIME_NAMES,
-    TIMES,
-    UNITS,
-    is_row_of_units,
-    name_and_unit,
-)
-from escapement.base.lines import BrokenLine, Lines
+from escapement.base.errors import InvalidValue
+from escapement.base.headings import COUNTS, NAMES, TIME_NAMES, TIMES, UNITS, name_and_unit
+from escapement.base.lines import BrokenLine
+from escapement.base.text_table import Content, Layout, read_table
 
 _ROLES = (*NAMES, "time")
-_MISSING = {  # an empty field, and what spreadsheets and loggers write for one
-    "", "na", "n/a", "n.a.", "#na", "#n/a", "#value!", "#ref!", "#div/0!", "#num!", "null", "none",
-    "-", "--", "---", "?",
-}  # fmt: skip
-_NUMBER = re.compile(r"[-+]?[\d.,]+(e[-+]?\d+)?|nan", re.IGNORECASE)
-_DATE = re.compile(r" *\d+-\d+-")
-_SEPARATORS = {"\t": "a tab", ";": "';'", ",": "','", " ": "blanks"}
 
 
 class Columns(NamedTuple):
@@ -73,18 +52,6 @@ class _Wanted(NamedTuple):
     angles: tuple[dict[str, float], dict[str, float]]
 
 
-class _Layout(NamedTuple):
-    """How a file is laid out.
-
-    indices : of the columns of input, output and time, None for a missing column.
-    units, scales : of the same.
-    """
-
-    indices: tuple[int | None, ...]
-    units: tuple[str | None, ...]
-    scales: tuple[float, ...]
-
-
 def read_columns(
     path: str | PathLike[str],
     what: str,
@@ -101,10 +68,7 @@ def read_columns(
     Parameters
     ----------
     path : path
-        Text in UTF-8, UTF-16 or code page 1252, with fields separated by tab, semicolon, comma or
-        blanks; lines that begin with # are comments. Where commas do not separate fields, they may
-        be decimal points. The first line holds names if none of its fields is a number, and the
-        line below it may hold units.
+        Text as `read_table` reads it.
     what : str
         What the file is, for messages.
     names : (str, str, str), optional
@@ -145,111 +109,18 @@ def read_columns(
             "angle_unit counts must come with a resolution, got none; give the number of counts in "
             "a turn"
         )
-    lines = Lines(path, skip)
-    layout = _Wanted(names, unit, time_unit, by_order, default, (angles[0], angles[1]))
-    try:
-        # reading as plain numbers takes half the time; a pipe cannot be read a second time
-        if os.path.isfile(path):
-            with suppress(BrokenLine):
-                return _read(lines, layout, plain=True)
-        return _read(lines, layout, plain=False)
-    except BrokenLine as error:
-        (rule, remedy), text = error.args, lines.text.strip()
-        shown = text if len(text) <= 60 else text[:57] + "..."
-        where = f"{path}, line {lines.number}"
-        raise InputFileError(f"{where} must {rule}, got {shown!r}; {remedy}") from None
-    except (FileNotFoundError, NotADirectoryError):
-        raise MissingInput(f"{what} {path} does not exist; check its name") from None
-    except (OSError, UnicodeDecodeError) as error:
-        reason = getattr(error, "strerror", None) or error
-        raise InputFileError(
-            f"{what} {path} must be a readable text file, got: {reason}; save it as CSV in UTF-8"
-        ) from None
-    except StopIteration:
-        raise InputFileError(
-            f"{what} {path} must hold rows of angles, got none; "
-            "give a column of the input and one of the output"
-        ) from None
+    wanted = _Wanted(names, unit, time_unit, by_order, default, (angles[0], angles[1]))
+    content = Content(what, "angles", "a column of the input and one of the output")
+    table = read_table(path, content, partial(_find_layout, wanted=wanted), skip)
+    *both, time = table.columns
+    empty = np.full(table.line.size, np.nan)
+    first, second = (empty if one is None else one for one in both)
+    *units, time_unit = table.layout.units
+    kept = tuple(one for one, column in zip(units, both, strict=True) if column is not None)
+    return Columns((first, second), time, table.line, kept, time_unit, table.comments)
 
 
-def _read(lines: Lines, wanted: _Wanted, plain: bool) -> Columns:
-    """The columns; `plain` allows only numbers. An error concerns the line that was read last."""
-    rows = iter(lines)
-    separator, fields = _first_fields(next(rows))
-    header = not any(map(_NUMBER.fullmatch, fields))
-    names, head = fields, (lines.number, lines.text)
-    if header:
-        lines.passed_over.append(lines.number)
-        next(rows)
-        below = _split(lines.text, separator)
-        if len(below) == len(fields) and is_row_of_units(below):
-            names = [f"{name} {unit}" for name, unit in zip(fields, below, strict=True)]
-            lines.passed_over.append(lines.number)
-            next(rows)
-    try:
-        layout = _find_layout(fields, names, header, wanted)
-    except BrokenLine:
-        lines.number, lines.text = head
-        raise
-    indices = sorted(index for index in layout.indices if index is not None)
-    number, clock = partial(_number, decimal_comma=separator != ","), Clock()
-    readers: dict[int | str, Callable[[str], Any]] = dict.fromkeys(indices, number)
-    if layout.indices[-1] is not None:
-        readers[layout.indices[-1]] = partial(_time, number=number, clock=clock)
-    # a type for each field makes `loadtxt` refuse rows with more or fewer of them
-    kinds = [(str(i), float if i in indices else "U1") for i in range(len(fields))]
-    try:
-        table = np.loadtxt(
-            chain([lines.text], rows), np.dtype(kinds), comments=None, encoding=None, ndmin=1,
-            delimiter=None if separator == " " else separator, quotechar='"',
-            converters=None if plain else readers,
-        )  # fmt: skip
-    except UnicodeDecodeError:
-        raise
-    except ValueError:
-        raise _bad_row(lines.text, separator, len(fields), layout.indices) from None
-    line = np.delete(np.arange(lines.number + 1), lines.passed_over)
-    first, second, time = (
-        np.full(line.size, np.nan) if index is None else table[str(index)] * scale
-        for index, scale in zip(layout.indices, layout.scales, strict=True)
-    )
-    timed, time_unit = None if layout.indices[-1] is None else time, layout.units[-1]
-    if clock.used:
-        timed, time_unit = past_midnight(table[str(layout.indices[-1])]), "clock"
-    units = tuple(
-        unit
-        for unit, index in zip(layout.units[:-1], layout.indices, strict=False)
-        if index is not None
-    )
-    return Columns((first, second), timed, line, units, time_unit, lines.comments)
-
-
-def _bad_row(text: str, separator: str, width: int, indices: tuple[int | None, ...]) -> BrokenLine:
-    """The rule that a row breaks."""
-    if len(_split(text, separator)) != width:
-        remedy = "give one row for each sample"
-        if separator == " " and re.search(r"\d-\d\d?-\d+ +\d+:\d", text):
-            remedy = "write date and time as one word, or separate the columns by semicolons"
-        return BrokenLine(f"have {width} fields separated by {_SEPARATORS[separator]}", remedy)
-    known = sorted(index + 1 for index in indices if index is not None)
-    remedy = "correct it, or leave the field empty"
-    if indices[-1] is not None:
-        remedy += f"; times are numbers, {EXAMPLES}"
-    return BrokenLine(f"have numbers in fields {' and '.join(map(str, known))}", remedy)
-
-
-def _first_fields(text: str) -> tuple[str, list[str]]:
-    """The separator of a file whose first row is `text`, and the fields of this row."""
-    separator = next((mark for mark in _SEPARATORS if mark in text.strip()), " ")
-    # a unit in brackets belongs to the word before it
-    fields = _split(re.sub(r" +(?=[(\[])", "", text) if separator == " " else text, separator)
-    if len(fields) < 2:
-        remedy = "separate input and output by a comma, a semicolon or a tab"
-        raise BrokenLine("have two columns", remedy)
-    return separator, fields
-
-
-def _find_layout(fields: list[str], names: list[str], header: bool, wanted: _Wanted) -> _Layout:
+def _find_layout(fields: list[str], names: list[str], header: bool, wanted: _Wanted) -> Layout:
     """Layout of a file with these fields in its first row; `names` have their units too."""
     if not header and (len(fields) > 2 or any(wanted.names)):
         remedy = "begin the file with a line of names, among them input and output"
@@ -265,13 +136,13 @@ def _find_layout(fields: list[str], names: list[str], header: bool, wanted: _Wan
         chosen = (wanted.time_unit if timed else wanted.unit) or stated
         usual = "s" if timed else wanted.default
         if (chosen or usual) not in known:
-            raise _wrong_unit(chosen, timed)
+            raise wrong_unit(chosen, timed)
         scales.append(known[chosen or usual])
         units.append(chosen)
-    return _Layout(indices, tuple(units), tuple(scales))
+    return Layout(indices, tuple(units), tuple(scales))
 
 
-def _wrong_unit(unit: str | None, timed: bool) -> BrokenLine:
+def wrong_unit(unit: str | None, timed: bool) -> BrokenLine:
     """The rule that the unit in a heading breaks."""
     if timed:
         remedy = "convert them, or give --time-unit, in Python time_unit"
@@ -332,25 +203,3 @@ def _unnamed(role: str, usual: tuple[str, ...]) -> BrokenLine:
     """The rule that headings break if they do not identify the column of a role."""
     rule = f"have one column called {' or '.join(usual)}"
     return BrokenLine(rule, f"name the {role}'s column with --{role}-column NAME")
-
-
-def _split(text: str, separator: str) -> list[str]:
-    """Fields of a line."""
-    fields = text.split() if separator == " " else next(csv.reader([text], delimiter=separator))
-    return [field.strip() for field in fields]
-
-
-def _number(field: str, decimal_comma: bool) -> float:
-    """A field as a number, NaN for a missing reading."""
-    if field.strip().lower() in _MISSING:
-        return math.nan
-    if "_" in field:  # Python takes 1_5 for 15
-        raise ValueError
-    return float(field.replace(",", ".") if decimal_comma else field)
-
-
-def _time(field: str, number: Callable[[str], float], clock: Clock) -> float:
-    """A time as a number, or in s as a time of day or a date."""
-    if ":" in field or _DATE.match(field):
-        return clock(field)
-    return number(field)

@@ -4,15 +4,15 @@ from typing import Any
 
 import numpy as np
 
-from escapement.base.records import Record, in_units
+from escapement.base.records import Record
 from escapement.base.results import Result
-from escapement.base.units import SYSTEMS, printed
+from escapement.base.units import SYSTEMS
 from escapement.measurement.beat_times import BeatTimes
 from escapement.measurement.beats import BeatFit
 from escapement.measurement.estimate import Estimate
+from escapement.measurement.fitted_numbers import fitted_record
 from escapement.measurement.run_up import RunUp
 from escapement.measurement.timekeeping import Timekeeping
-from escapement.study.plan import unit_kind
 
 RESULTS = {
     "duration": Result("time"),
@@ -80,15 +80,10 @@ def _of_timekeeping(keeping: Timekeeping) -> dict[str, Any]:
 
 def _of_run_up(fit: RunUp, units: str) -> dict[str, Any]:
     """The verdict, and the fitted numbers with the ends of their intervals."""
-    fitted = {}
-    for one in fit.numbers:
-        kind = unit_kind(one.name)
-        value, *ends = in_units([one.value, one.low, one.high], kind, units)
-        fitted[one.name] = {"value": value, "interval": ends, "unit": printed(kind, units)}
     return {
         "verdict": fit.verdict.text,
         "good": fit.verdict.good,
-        "fitted": fitted,
+        "fitted": fitted_record(fit.told, units),
         "release_time": fit.release.value,
         "noise": fit.noise,
         "p_value": fit.p_value,

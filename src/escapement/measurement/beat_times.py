@@ -17,7 +17,7 @@ from escapement.measurement.rhythm import FEWEST, find_rhythm
 from escapement.mechanisms.protocol import FloatArray
 
 HOUR = 3600.0
-_SAVED = "time [s],deviation [s],loudness"
+_SAVED = "time [s],half_width [s],loudness"
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -29,8 +29,9 @@ class BeatTimes(Shown):
     times : ndarray, shape (n,)
         The instant at which the sound of each beat begins [s]; NaN where it was not heard. As
         they are, they can be given to `fit_beats` with `times=True`.
-    deviations : ndarray, shape (n,)
-        Standard deviation of each [s]; NaN where it was not heard, and of a text file.
+    half_widths : ndarray, shape (n,)
+        Half the width of the 95 % interval of each [s]; NaN where it was not heard, and 0 of a text
+        file.
     loudness : ndarray, shape (n,)
         Root mean square of each sound over that of the noise before it [-]; NaN of a text file.
     doubles : ndarray, shape (m,)
@@ -46,7 +47,7 @@ class BeatTimes(Shown):
     """
 
     times: FloatArray
-    deviations: FloatArray
+    half_widths: FloatArray
     loudness: FloatArray
     doubles: FloatArray
     period: float
@@ -147,12 +148,12 @@ def read_beats(
     else:
         times = read_times(path, time_unit)
         nan = np.full(times.size, np.nan)
-        found = Onsets(times, nan, nan, np.zeros(times.size), np.isfinite(times))
+        found = Onsets(times, 0.0 * times, nan, 0.0 * times, np.isfinite(times))
         duration, rate = float(np.nanmax(times)) if times.size else 0.0, np.nan
     if run_up:
         return _every(found, duration, rate, path)
     try:
-        rhythm = find_rhythm(found.times, found.sure, found.often, expected)
+        rhythm = find_rhythm(found, expected)
     except InvalidValue as error:
         what = "recording" if is_recording(path) else "file"
         raise InputFileError(f"{what} {path} must hold beats: {error}") from None
@@ -162,7 +163,7 @@ def read_beats(
         return np.where(index >= 0, values[index], np.nan)
 
     return BeatTimes(
-        times=heard(found.times), deviations=heard(found.deviations),
+        times=heard(found.times), half_widths=heard(found.half_widths),
         loudness=heard(found.loudness), doubles=found.times[rhythm.doubles],
         period=rhythm.period, sounds=rhythm.sounds, duration=duration, rate=rate,
     )  # fmt: skip
@@ -175,7 +176,7 @@ def _every(found: Onsets, duration: float, rate: float, path: AnyPath) -> BeatTi
         raise InputFileError(
             f"{path} must hold {FEWEST} beats or more, got {sure.size}; record from the release on"
         )
-    columns = found.times[sure], found.deviations[sure], found.loudness[sure]
+    columns = found.times[sure], found.half_widths[sure], found.loudness[sure]
     period = float(np.mean(np.diff(columns[0])))
     return BeatTimes(*columns, np.empty(0), period, 1, duration, rate)
 
@@ -189,5 +190,5 @@ def write_beats(beats: BeatTimes, path: AnyPath, *, force: bool = False) -> None
         As `escapement.base.files.write_file`.
     """
     heard = beats.heard
-    columns = [values[heard] for values in (beats.times, beats.deviations, beats.loudness)]
+    columns = [values[heard] for values in (beats.times, beats.half_widths, beats.loudness)]
     write_file(path, [(_SAVED + "\n").encode(), csv_lines(columns)], force)

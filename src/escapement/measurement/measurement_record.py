@@ -5,9 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from escapement.base.records import in_units
-from escapement.base.units import printed
-from escapement.study.plan import unit_kind
+from escapement.measurement.fitted_numbers import fitted_record
 
 TESTS = "chi_squared", "chi_squared_published", "anderson_darling"
 """Tests of normality, by JSON key."""
@@ -50,16 +48,11 @@ def record_of(result: Any, fit: Any, units: str) -> dict[str, Any]:
 
 def _of_motion(fit: Any, units: str) -> dict[str, Any]:
     """What is reported of a `MotionFit`, by JSON key, in the user's units."""
-    fitted = {}
-    for name, value, ends in zip(fit.parameters, fit.values, fit.intervals, strict=True):
-        kind = unit_kind(name)
-        best, *interval = in_units([float(value), *map(float, ends)], kind, units)
-        fitted[name] = {"value": best, "interval": interval, "unit": printed(kind, units)}
     apart = fit.speeds - fit.computed_speeds
     return {
         "samples": fit.time.size,
         "release_time": fit.start,
-        "fitted": fitted,
+        "fitted": fitted_record(fit.told, units),
         **_attributes(fit, "confidence", "noise", "autocorrelation", "p_value"),
         "speed_max": float(fit.speeds.max()),
         "speed_max_computed": float(fit.computed_speeds.max()),

@@ -10,27 +10,28 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from escapement.base import spoken
 from escapement.base.lazy import Lazy
-from escapement.base.text import Shown, words
-from escapement.base.units import factor
+from escapement.base.text import Shown
 from escapement.measurement.estimate import (
-    SURE,
     Verdict,
     checked_confidence,
     correlation,
-    f_test,
     tangent_of,
 )
-from escapement.measurement.motion_task import MotionTask, is_share, task_of
+from escapement.measurement.fitted_numbers import (
+    Told,
+    chance_of,
+    check_determined,
+    contradicted,
+    numbers_in_words,
+)
+from escapement.measurement.motion_task import INEFFECTIVE, MotionTask, is_share, task_of
 from escapement.measurement.readings import Readings
 from escapement.mechanisms.protocol import FloatArray
 from escapement.model.escapement import Escapement
-from escapement.study.plan import unit_kind
 
 optimize = Lazy("scipy.optimize")
 _TOLERANCES = {"xtol": 1e-9, "ftol": 1e-12, "gtol": 1e-12, "max_nfev": 60}
-_ALIKE = 0.05  # a smaller correlation of neighbouring residuals hardly changes an interval
 _SLOW = 6  # slow changes that are looked for have up to so many half waves
 _EXACT = 1e-8  # a scatter below this share of the travel is rounding, and is no evidence
 _DEGREE = 3  # of the smooth curve
@@ -98,10 +99,14 @@ class MotionFit(Shown):
         return np.clip(ends, 0.0, np.array(most)[:, None])
 
     @property
+    def told(self) -> list[Told]:
+        """The fitted numbers with their intervals."""
+        return [*map(Told, self.parameters, self.values.tolist(), *self.intervals.T.tolist())]
+
+    @property
     def contradicted(self) -> bool:
         """Whether the residuals have what independent noise does not have."""
-        alike = self.autocorrelation > max(3.3 / math.sqrt(self.residuals.size), _ALIKE)
-        return alike or self.p_value < SURE
+        return contradicted(self.p_value, self.autocorrelation, self.residuals.size)
 
     @property
     def explained(self) -> bool:
@@ -111,17 +116,9 @@ class MotionFit(Shown):
     @property
     def verdict(self) -> Verdict:
         """Whether the model explains the motion, and the estimates with their intervals."""
-        units = [factor(unit_kind(name), spoken.spoken()) for name in self.parameters]
-        found = [
-            f"{words(name)} {value / unit:.4g} ({100.0 * self.confidence:g} % interval "
-            f"{low / unit:.4g} to {spoken.as_spoken(high, unit_kind(name), 4)})"
-            for name, value, (low, high), unit in zip(
-                self.parameters, self.values, self.intervals, units, strict=True
-            )
-        ]
-        text = f" with {' and '.join(found)}; all other numbers are as given" if found else ""
+        text = numbers_in_words(self.told, self.confidence)
         if self.contradicted:
-            text = f", not even{text}" if found else ""
+            text = text and f", not even{text}"
             return Verdict(False, f"The model does not explain the motion{text}.")
         if self.doubt:
             return Verdict(None, f"Cannot say whether the model explains the motion: {self.doubt}.")
@@ -178,7 +175,7 @@ def fit_motion(
     found = optimize.least_squares(
         task.residuals, task.begin(), task.slopes, bounds=task.bounds, x_scale="jac", **_TOLERANCES
     )
-    task.check_determined(found.jac)
+    check_determined(found.jac, task.parameters, INEFFECTIVE)
     angle, start = np.asarray(task.state(found.x).theta), float(found.x[-1]) * task.span
     known = tangent_of(found.jac, 2.0 * found.cost, task.time.size - found.x.size - 1, share)
     apart = np.diff(task.time) > 0.0
@@ -251,14 +248,7 @@ def _chance(rest: FloatArray, slopes: FloatArray, cells: FloatArray) -> float:
     slow = [np.cos(k * halves) for k in range(1, _SLOW + 1)]
     repeated = [wave(2.0 * np.pi * k * cells) for k in (1, 2) for wave in (np.cos, np.sin)]
     waves = np.column_stack([*slow[:2], *repeated, *slow[2:]])[:, : (size - unknowns) // 3]
-    lengths = np.linalg.norm(slopes, axis=0)
-    scaled = slopes / np.where(lengths > 0.0, lengths, 1.0)
-    fitted, _ = np.linalg.qr(np.column_stack([np.ones(size), scaled]))
-    basis, sizes, _ = np.linalg.svd(waves - fitted @ (fitted.T @ waves), full_matrices=False)
-    basis = basis[:, sizes > 1e-6 * math.sqrt(size)]
-    rest = rest - fitted @ (fitted.T @ rest)
-    explained, count = float(np.sum((basis.T @ rest) ** 2)), basis.shape[1]
-    return f_test(explained, count, float(rest @ rest) - explained, size - unknowns - count)
+    return chance_of(rest, np.column_stack([np.ones(size), slopes]), waves)
 
 
 def _smooth_as_well(time: FloatArray, angle: FloatArray, rest: FloatArray) -> bool:

@@ -15,11 +15,12 @@ from escapement.base.errors import InvalidValue
 from escapement.base.status import Status
 from escapement.dynamics.motion import State
 from escapement.engines import simulate as simulation
+from escapement.measurement.fitted_numbers import given_numbers, with_numbers
 from escapement.measurement.loggers import check_unit
 from escapement.measurement.readings import Readings
 from escapement.mechanisms.protocol import FloatArray
 from escapement.model.escapement import Escapement
-from escapement.model.numbers import numbers_of, with_number
+from escapement.model.numbers import numbers_of
 from escapement.model.torque_curve import TorqueCurve
 
 _SHARES = (1.0, 0.5, 2.0, 0.7, 1.4)  # the search tries to begin at these multiples of each number
@@ -29,9 +30,8 @@ _STEP = 1e-4  # share of a number by which it is changed for a derivative
 _SMALL = 0.01  # below this share of its given value, a number is changed by a share of this one
 _LEAST = 1e-6  # least share of its given value that a number may have
 _SHOWN = 10.0  # the driver turns by at least so many standard deviations of the readings
-# a combination of unknowns with a smaller effect, relative to the strongest, is not determined
-_SINGULAR = 1e-4
-_INVOLVED = 0.1  # numbers with a smaller share in such a combination are not named in the message
+INEFFECTIVE = 1e-8
+"""Length of the derivatives by a number that has no effect, which is rounding [rad]."""
 
 
 @dataclass(frozen=True)
@@ -73,10 +73,8 @@ class MotionTask:
 
     def changed(self, unknowns: FloatArray) -> Escapement:
         """The escapement that belongs to the unknowns."""
-        found = self.escapement
-        for name, share, given in zip(self.parameters, unknowns, self.given, strict=False):
-            found = with_number(found, name, float(share * given))
-        return found
+        values = unknowns[: self.given.size] * self.given
+        return with_numbers(self.escapement, self.parameters, values)
 
     def state(self, unknowns: FloatArray) -> State:
         """The motion at each sample; before the release it is the state at rest.
@@ -159,47 +157,15 @@ class MotionTask:
         curve = isinstance(self.escapement.torque, TorqueCurve)
         check_unit("time", rate, text, None if curve else numbers_of(self.escapement)["torque"])
 
-    def check_determined(self, slopes: FloatArray) -> None:
-        """Raise an error if these readings do not determine each of the numbers."""
-        lengths = np.linalg.norm(slopes, axis=0)
-        for name, length in zip(self.parameters, lengths, strict=False):
-            if not length > _SINGULAR * _STEP:
-                raise InvalidValue(
-                    f"parameters must affect the motion, got {name!r}, which does not; leave it out"
-                )
-        _, sizes, directions = np.linalg.svd(slopes / lengths, full_matrices=False)
-        if sizes[-1] < _SINGULAR * sizes[0]:
-            shares = np.abs(directions[-1] / lengths)[: len(self.parameters)]
-            named = zip(self.parameters, shares / shares.max(), strict=True)
-            names = [name for name, part in named if part > _INVOLVED]
-            raise InvalidValue(
-                "parameters must each be determined by the motion, got "
-                f"{', '.join(names)}, of which it shows only a combination; leave one of them out "
-                "and give its value in escapement"
-            )
-
 
 def task_of(readings: Readings, escapement: Escapement, parameters: tuple[str, ...]) -> MotionTask:
     """The problem for these readings, or InvalidValue."""
     if not isinstance(readings, Readings) or readings.time is None:
         remedy = "give read_readings(path, time='time')"
         raise validate.fail("readings", "Readings with times", readings, remedy)
-    if not isinstance(escapement, Escapement):
-        raise validate.fail("escapement", "an Escapement", escapement, "see escapement.Escapement")
-    numbers = numbers_of(escapement)
-    if isinstance(escapement.torque, TorqueCurve):
-        del numbers["torque"]
-    for name in parameters:
-        if name not in numbers:
-            remedy = validate.nearest(name, numbers, f"for example {', '.join([*numbers][:4])}")
-            raise validate.fail("parameters", "numbers of the escapement", name, remedy)
-        if not numbers[name] > 0.0:
-            remedy = "give an estimate, at which the search begins"
-            raise validate.fail(name, "above 0 to be fitted", numbers[name], remedy)
-    if len({*parameters}) < len(parameters):
-        raise validate.fail("parameters", "different numbers", parameters, "name each once")
+    given = given_numbers(escapement, parameters)
     time, angle = _used(readings)
-    given, clock = np.array([numbers[name] for name in parameters], float), float(time[0])
+    clock = float(time[0])
     return MotionTask(escapement, parameters, given, clock, time - clock, angle)
 
 

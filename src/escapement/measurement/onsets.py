@@ -1,4 +1,4 @@
-"""Instants at which the ticks of a recording begin, each with its standard deviation.
+"""Instants at which the ticks of a recording begin, each with its interval.
 
 The recording is cut into short frames. In each frequency the median power of all frames tells the
 noise, which ticks hardly change. The band in which frames stand out most from this noise gives the
@@ -7,8 +7,8 @@ that of the noise, and frames whose weighted power stands out from those before 
 
 The beginning of a tick is then searched sample by sample. A causal filter with the same weights,
 which also makes the noise white, moves no sound before its beginning. Behind the beginning the
-variance rises as that of a decaying burst of noise through this filter, and the likelihoods of all
-instants give the likeliest one and its standard deviation.
+variance rises as that of a decaying burst of noise through this filter, and then as the mean tick
+that follows. The likelihoods of all instants give the likeliest one and its interval.
 """
 
 import math
@@ -29,7 +29,7 @@ _FRAME = 1.4e-3  # length of a frame, half of which lies beyond the one before i
 _GUARD = 2  # frames before a candidate that the tick may reach already
 _BEFORE = 8  # frames before those that tell the noise there
 _NEAR = 3  # the nearest of these frames, which tell it where the noise decays
-_LEAST = 0.1  # share of the frames that are taken to hold noise alone
+_QUIET = 0.1, 0.03  # shares of frames that hold noise alone, in a frequency and in all together
 _APART = 2  # frames between two ticks, at least
 _WINDOWS = (1, 2, 4)  # lengths in frames that are tried
 _WEAK = 0.02  # probability with which noise makes a candidate, which only a rhythm may confirm
@@ -40,7 +40,10 @@ _SHARE = 5e-4  # or so many for each sure candidate, where that is more
 _BLOCK = 1 << 15  # frames that are transformed at a time
 _SAMPLED = 1 << 14  # frames that tell the noise
 _RARE = 1e-6  # probability of the power beyond which a frame counts as a burst
+_SILENCE = 3  # frames before a tick that tell the noise there, sample by sample
 _TAPS = 256  # coefficients of the filter
+_GIVEN = 8.0  # ticks for which the burst counts in the mean tick
+_LEVEL = 0.95  # confidence level of the intervals
 _DECAYS = 0.2e-3 * 1.5 ** np.arange(9)  # times in which a tick may decay [s]
 _TICKS = 2048  # ticks that are refined at a time
 _FLOOR = 1e-10  # of the greatest power of the noise; below it a spectrum is rounding
@@ -50,14 +53,14 @@ class Onsets(NamedTuple):
     """Beginnings of the ticks of a recording, in turn; arrays of shape (n,).
 
     times : [s].
-    deviations : standard deviations of the times [s].
+    half_widths : half the widths of their 95 % intervals [s].
     loudness : root mean square of the tick, in standard deviations of the noise before it [-].
     often : how often noise alone makes such a tick [1/s].
     sure : whether it hardly does so in the whole recording.
     """
 
     times: FloatArray
-    deviations: FloatArray
+    half_widths: FloatArray
     loudness: FloatArray
     often: FloatArray
     sure: NDArray[np.bool_]
@@ -119,8 +122,8 @@ def _band(samples: NDArray[Any], size: int) -> _Spectrum:
     count = _count(samples, size)
     some = np.unique(np.linspace(0, count - 1, min(count, _SAMPLED)).astype(np.int64))
     powers = _powers(samples, size, some)
-    # the median of exponentially distributed powers is log 2 times their mean
-    noise = np.median(powers, axis=0) / math.log(2.0)
+    # noise has exponentially distributed powers; ticks hardly change the least of them
+    noise = np.quantile(powers, _QUIET[0], axis=0) / -math.log1p(-_QUIET[0])
     noise = np.maximum(noise, _FLOOR * max(float(noise.max()), float(powers.mean())))
     last, bands = noise.size - 1, []
     for width in (2 ** np.arange(1, int(math.log2(last)) + 1)).tolist():
@@ -191,8 +194,8 @@ def _noise_of(power: FloatArray, weights: FloatArray, window: int) -> tuple[floa
     """
     alike = np.convolve(weights, _SHARED, "same") @ weights
     shape = window * float(weights.sum() ** 2 / alike)
-    low = float(special.gammaincinv(shape, _LEAST)) / shape
-    return shape, float(np.quantile(power, _LEAST)) / low
+    low = float(special.gammaincinv(shape, _QUIET[1])) / shape
+    return shape, float(np.quantile(power, _QUIET[1])) / low
 
 
 def _earlier(values: FloatArray, shift: int) -> FloatArray:
@@ -229,7 +232,7 @@ def _refined(samples: NDArray[Any], spectrum: _Spectrum, rate: float, found: _Ca
     taps, first = _filter(spectrum), found.frames * (spectrum.size // 2)
     # so many neighbouring squares tell as much as one that is independent
     alike = float((np.correlate(taps, taps, "full") ** 2).sum())
-    reach, before = spectrum.size, (_BEFORE + _GUARD) // 2 * spectrum.size
+    reach, before = spectrum.size, _SILENCE * spectrum.size
     length = 2 * spectrum.size
     parts = [*range(0, first.size, _TICKS)]
     every = (_Near.of(samples, taps, first[k : k + _TICKS], before, reach, length) for k in parts)
@@ -238,13 +241,12 @@ def _refined(samples: NDArray[Any], spectrum: _Spectrum, rate: float, found: _Ca
         if profile is None:
             profile = near.best_profile(taps, rate, found.sure[:_TICKS])
         rows.append(near.likeliest(profile, alike))
-    shift, spread, loud = (np.concatenate(column) for column in zip(*rows, strict=True))
+    shift, half, loud = (np.concatenate(column) for column in zip(*rows, strict=True))
     # a strike falls on average half a sample before the first sample that shows it
     times = (first + shift - 0.5) / rate
     order = np.argsort(times, kind="stable")
-    deviations = np.sqrt(spread**2 + 1.0 / 12.0) / rate
     often = found.chances * rate / (spectrum.size // 2)
-    return Onsets(times[order], deviations[order], loud[order], often[order], found.sure[order])
+    return Onsets(times[order], (half / rate)[order], loud[order], often[order], found.sure[order])
 
 
 class _Near(NamedTuple):
@@ -275,13 +277,21 @@ class _Near(NamedTuple):
         return cls(squares[:, before + reach :] / np.maximum(noise, 1e-300), reach, length)
 
     def best_profile(self, taps: FloatArray, rate: float, sure: NDArray[np.bool_]) -> FloatArray:
-        """Rise of the variance over a tick, with the mean 1, for the likeliest time of decay."""
+        """Rise of the variance over the mean tick, with the mean 1.
+
+        Ticks are laid on each other where bursts with the likeliest time of decay begin.
+        """
         found, some = [], self if not sure.any() else self._replace(scaled=self.scaled[sure])
         for decay in _DECAYS.tolist():
             burst = np.exp(-np.arange(self.length) / (decay * rate))
             profile = np.convolve(taps**2, burst)[: self.length]
             found.append(profile / profile.mean())
-        return max(found, key=lambda one: float(np.median(some._likelihoods(one)[0].max(axis=1))))
+        best = max(found, key=lambda one: float(np.median(some._likelihoods(one)[0].max(axis=1))))
+        each, rise = some._likelihoods(best)
+        at = each.argmax(axis=1)[:, None] + np.arange(self.length)
+        ticks = np.take_along_axis(some.scaled, at, axis=1) - 1.0
+        mean = np.maximum(_GIVEN * np.median(rise) * best + ticks.sum(axis=0), 0.0)
+        return np.asarray(mean / mean.mean())
 
     def _likelihoods(self, profile: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Logarithms of the likelihoods of all beginnings, and the mean rise of each tick."""
@@ -299,10 +309,19 @@ class _Near(NamedTuple):
     def likeliest(
         self, profile: FloatArray, alike: float
     ) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Shift of the likeliest beginning, its standard deviation, and the loudness."""
+        """Shift of the likeliest beginning, half the width of its interval, and the loudness."""
         each, rise = self._likelihoods(profile)
         best, grid = each.argmax(axis=1), np.arange(2 * self.reach + 1)
-        weight = np.exp((each - each.max(axis=1, keepdims=True)) / alike)
-        weight /= weight.sum(axis=1, keepdims=True)
-        spread = np.sqrt((weight * (grid - best[:, None]) ** 2).sum(axis=1))
-        return best - self.reach, spread, np.sqrt(rise)
+        within = np.zeros((best.size, 2 * self.reach + 2))
+        chances = _chances(each, alike)
+        for row, chance, middle in zip(within, chances, best.tolist(), strict=True):
+            row[1:] = np.bincount(np.abs(grid - middle), chance, grid.size).cumsum()
+        # each sample stands for all instants within half of one
+        half = [np.interp(_LEVEL, row, [0.0, *(grid + 0.5)]) for row in within]
+        return best - self.reach, np.array(half), np.sqrt(rise)
+
+
+def _chances(each: FloatArray, alike: float) -> FloatArray:
+    """Probabilities of all beginnings, from the logarithms of their likelihoods."""
+    chances = np.exp((each - each.max(axis=1, keepdims=True)) / alike)
+    return np.asarray(chances / chances.sum(axis=1, keepdims=True))

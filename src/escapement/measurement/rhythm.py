@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from escapement.base.errors import InvalidValue
+from escapement.measurement.onsets import Onsets
 from escapement.mechanisms.protocol import FloatArray
 
 FEWEST = 8
@@ -50,22 +51,13 @@ class _Cycle(NamedTuple):
     shares: FloatArray
 
 
-def find_rhythm(
-    times: FloatArray,
-    sure: NDArray[np.bool_] | None = None,
-    often: FloatArray | None = None,
-    nominal: float | None = None,
-) -> Rhythm:
+def find_rhythm(sounds: Onsets, nominal: float | None = None) -> Rhythm:
     """Number the beats.
 
     Parameters
     ----------
-    times : ndarray, shape (n,)
-        Instants of the sounds, in turn [s].
-    sure : ndarray of bool, shape (n,), optional
-        Which of them are no noise. The others count only where the rhythm expects a beat.
-    often : ndarray, shape (n,), optional
-        How often noise makes such a sound [1/s].
+    sounds : Onsets
+        The sounds. Those that are not sure count only where the rhythm expects a beat.
     nominal : float, optional
         Expected time of a beat [s], which tells how many sounds it has.
 
@@ -74,7 +66,7 @@ def find_rhythm(
     InvalidValue
         When the sounds have no rhythm.
     """
-    certain = np.flatnonzero(np.ones(times.size, bool) if sure is None else sure)
+    times, certain = sounds.times, np.flatnonzero(sounds.sure)
     if certain.size < FEWEST:
         raise InvalidValue(
             f"a rhythm must have at least {FEWEST} sounds, got {certain.size}; record longer, or "
@@ -86,9 +78,7 @@ def find_rhythm(
     taken = _one_each(slots, apart)
     _check(slots, apart, taken, cycle)
     found = dict(zip(slots[taken].tolist(), certain[taken].tolist(), strict=True))
-    weak = np.setdiff1d(np.arange(times.size), certain)
-    if often is not None:
-        _add_weak(found, times, weak, often[weak], cycle, apart[taken])
+    _add_weak(found, sounds, cycle.shares.size, apart[taken])
     first, last = min(found), max(found)
     every = np.array([found.get(slot, -1) for slot in range(first, last + 1)])
     if per_beat > 1:
@@ -202,28 +192,23 @@ def _check(
         )
 
 
-def _add_weak(
-    found: dict[int, int], times: FloatArray, weak: NDArray[np.int64], often: FloatArray,
-    cycle: _Cycle, apart: FloatArray,
-) -> None:  # fmt: skip
+def _add_weak(found: dict[int, int], sounds: Onsets, count: int, apart: FloatArray) -> None:
     """Fill slots in which nothing is sure with a weak sound that is close to its time."""
-    count, filled = cycle.shares.size, sorted(found)
+    filled = np.array(sorted(found))
     missing = np.setdiff1d(np.arange(filled[0], filled[-1] + 1), filled)
-    if not (weak.size and missing.size):
-        return
-    # the rhythm runs straight from one sure sound to the next one of its kind
-    reach = _SPREAD * 1.4826 * float(np.median(np.abs(apart - np.median(apart))))
-    possible = weak[often * 2.0 * reach < _BY_CHANCE]
-    at = times[possible]
+    scatter = 1.4826 * float(np.median(np.abs(apart - np.median(apart))))
+    reach = np.hypot(_SPREAD * scatter, sounds.half_widths)
+    possible = np.flatnonzero(~sounds.sure & (sounds.often * 2.0 * reach < _BY_CHANCE))
     if not possible.size:
         return
+    at, reach = sounds.times[possible], reach[possible]
     for k in range(count):
-        same = np.array([slot for slot in filled if slot % count == k])
-        here = missing[missing % count == k]
-        if same.size < 2 or not here.size:
+        same, here = filled[filled % count == k], missing[missing % count == k]
+        if same.size < 2:
             continue
-        expected = np.interp(here, same, times[[found[slot] for slot in same.tolist()]])
+        # the rhythm runs straight from one sure sound to the next one of its kind
+        expected = np.interp(here, same, sounds.times[[found[slot] for slot in same.tolist()]])
         for slot, time in zip(here.tolist(), expected.tolist(), strict=True):
             near = int(np.abs(at - time).argmin())
-            if abs(at[near] - time) <= reach:
+            if abs(at[near] - time) <= reach[near]:
                 found[slot] = int(possible[near])

@@ -1,15 +1,9 @@
-"""Measured beats, sorted by their pin and slot, with the covariance of their noise.
-
-Some of the noise may be of each beat alone, and some from the jitter of time stamps: a stamp that
-comes late makes the beat before it longer and the one after it shorter. Let s be the share of the
-variance of a beat that comes from the stamps at its ends. Then the correlation of neighbouring
-beats is -s/2, and that of others is 0.
-"""
+"""Measured beats, sorted by their pin and slot, and their mean for each pair of these."""
 
 import math
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -18,6 +12,7 @@ from escapement.base import validate
 from escapement.base.errors import InvalidValue
 from escapement.base.lazy import Lazy
 from escapement.base.text import Shown
+from escapement.measurement.interval_fit import Intervals, Solution, weights_of
 from escapement.measurement.ticks import ticks_of
 from escapement.mechanisms import Geneva
 from escapement.mechanisms.protocol import FloatArray
@@ -29,20 +24,6 @@ SHARES = 1.0 - _ROOTS**2
 _ALONE = np.where(SHARES == 0.0, 1.0, 0.0)
 _SURE = 5.4  # a gain of log-likelihood that chance exceeds once in a thousand times
 _NEGLIGIBLE = 1e-9
-
-
-class _Solution(NamedTuple):
-    """Means of the beats of a pattern by least squares, for one share of jitter.
-
-    means, covariance : shapes (pattern,) and (pattern, pattern), the latter for noise of size 1.
-    scatter : sum of the squared deviations from the means, made independent.
-    likelihood : logarithm of the restricted likelihood, except for a constant.
-    """
-
-    means: FloatArray
-    covariance: FloatArray
-    scatter: float
-    likelihood: float
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -85,32 +66,27 @@ class Rounds(Shown):
         return np.flatnonzero(np.isfinite(self.table.ravel()))
 
     @cached_property
-    def _solved(self) -> tuple[FloatArray, FloatArray, float]:
-        """Means, the root of their information, and what is left, averaged over the shares."""
+    def intervals(self) -> Intervals:
+        """The measured beats as combinations of the means."""
+        design = np.eye(self.pattern)[self.known % self.pattern]
+        joined = np.diff(self.known) == 1
+        return Intervals(self.table.ravel()[self.known], design, np.ones(self.samples), joined)
+
+    @cached_property
+    def _average(self) -> Solution:
         some = np.flatnonzero(self.weights > _NEGLIGIBLE)
-        weights = self.weights[some] / self.weights[some].sum()
-        each = [self.solution(share) for share in SHARES[some].tolist()]
-        means = np.asarray(weights @ [one.means for one in each])
-        sizes = np.array([one.scatter for one in each])
-        scatter, left = float(weights @ sizes), self.samples - self.pattern
-        covariance = np.zeros((self.pattern, self.pattern))
-        for weight, one in zip(weights.tolist(), each, strict=True):
-            if scatter > 0.0:
-                apart = one.means - means
-                weight *= one.scatter / scatter
-                covariance += weight * left / one.scatter * np.outer(apart, apart)
-            covariance += weight * one.covariance
-        return means, np.asarray(linalg.cholesky(np.linalg.inv(covariance))), scatter
+        each = [self.intervals.solution(share) for share in SHARES[some].tolist()]
+        return self.intervals.average(each, self.weights[some] / self.weights[some].sum())
 
     @property
     def means(self) -> FloatArray:
         """Best estimate of the beat of each engagement of the pattern, shape (pattern,) [s]."""
-        return self._solved[0]
+        return self._average.values
 
-    @property
+    @cached_property
     def root(self) -> FloatArray:
         """R such that R (means - true means) is independent noise of one beat's size."""
-        return self._solved[1]
+        return np.asarray(linalg.cholesky(np.linalg.inv(self._average.covariance)))
 
     @cached_property
     def spread(self) -> FloatArray:
@@ -125,32 +101,12 @@ class Rounds(Shown):
     @property
     def scatter(self) -> float:
         """Sum of the squared deviations from the means, made independent [s^2]."""
-        return self._solved[2]
-
-    def _band(self, share: float) -> FloatArray:
-        """Lower Cholesky factor of the covariance of noise of size 1, diagonal by diagonal."""
-        band = np.ones((2, self.samples))
-        band[1, :-1] = np.where(np.diff(self.known) == 1, -0.5 * share, 0.0)
-        band[1, -1] = 0.0
-        return np.asarray(linalg.cholesky_banded(band, lower=True))
-
-    def solution(self, share: float) -> _Solution:
-        """Least squares with one share of jitter."""
-        factor = self._band(share)
-        white = linalg.solve_banded((1, 0), factor, np.eye(self.pattern)[self.known % self.pattern])
-        values = linalg.solve_banded((1, 0), factor, self.table.ravel()[self.known])
-        basis, upper = np.linalg.qr(white)
-        rest = values - basis @ (basis.T @ values)
-        scatter, inverse = float(rest @ rest), np.linalg.inv(upper)
-        size = np.log(factor[0]).sum() + np.log(np.abs(np.diag(upper))).sum()
-        left = self.samples - self.pattern
-        likelihood = -float(size) - 0.5 * left * math.log(scatter or 1e-300)
-        return _Solution(inverse @ (basis.T @ values), inverse @ inverse.T, scatter, likelihood)
+        return self._average.scatter
 
     def independent(self, computed: FloatArray) -> FloatArray:
         """Measured beats less computed ones of one pattern, made independent, shape (samples,)."""
         rest = (self.table - computed).ravel()[self.known]
-        return np.asarray(linalg.solve_banded((1, 0), self._band(self.jitter), rest))
+        return self.intervals.independent(rest, self.jitter)
 
 
 def rounds_of(given: ArrayLike, wheel: Geneva, times: bool = False) -> Rounds:
@@ -171,11 +127,11 @@ def rounds_of(given: ArrayLike, wheel: Geneva, times: bool = False) -> Rounds:
             f"beats must tell of all {size} engagements of the pattern, got none of pin "
             f"{k % (wheel.pins or 1)} in slot {k % wheel.slots}{amiss}; measure longer"
         )
-    likelihoods = np.array([found.solution(share).likelihood for share in SHARES.tolist()])
-    if times or likelihoods.max() - likelihoods[-1] > _SURE:
+    each = [found.intervals.solution(share) for share in SHARES.tolist()]
+    gain = max(one.likelihood for one in each) - each[-1].likelihood
+    if times or gain > _SURE:
         # the shares are closer to each other by their square root near 1
-        weights = _ROOTS * np.exp(likelihoods - likelihoods.max())
-        return replace(found, weights=weights / weights.sum())
+        return replace(found, weights=weights_of(each, _ROOTS))
     return found
 
 

@@ -11,33 +11,36 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from escapement.base import validate
 from escapement.base.errors import InvalidValue
 from escapement.base.lazy import Lazy
-from escapement.base.spoken import as_spoken
-from escapement.base.text import Shown, words
+from escapement.base.text import Shown
 from escapement.engines import simulate as simulation
 from escapement.measurement.beat_times import BeatTimes
 from escapement.measurement.estimate import (
-    SURE,
     Estimate,
     Verdict,
     checked_confidence,
     correlation,
-    f_test,
     tangent_of,
+)
+from escapement.measurement.fitted_numbers import (
+    Told,
+    chance_of,
+    check_determined,
+    contradicted,
+    given_numbers,
+    numbers_in_words,
+    with_numbers,
 )
 from escapement.measurement.loggers import check_unit
 from escapement.mechanisms.protocol import FloatArray
 from escapement.model.escapement import Escapement
-from escapement.model.numbers import numbers_of, with_number
-from escapement.study.plan import unit_kind
 
 optimize = Lazy("scipy.optimize")
 _STARTS = (1.0, 0.6, 1.5)  # multiples of the given numbers from which the search begins
 _BOUNDS = 0.02, 50.0  # least and greatest multiple of a given number
 _STEP = 1e-5  # share of a number by which it is changed for a derivative
-_SINGULAR = 1e-4  # a combination of numbers with a smaller effect is not determined
+_INEFFECTIVE = 1e-6  # share of a beat by which a number without effect moves one
 _FADING = 0.7, 2.5  # beats in which errors of a model fade as the motion settles
 _HALVES = 2  # half waves over the recording that noise does not have
 _FAR = 1e3  # residual where there is no motion, in mean beats
@@ -64,6 +67,8 @@ class RunUp(Shown):
         Probability that independent noise alone looks as much like the error of a model [-].
     autocorrelation : float
         Correlation of each residual with the next one [-].
+    confidence : float
+        Confidence level of the intervals [-].
     """
 
     escapement: Escapement
@@ -73,18 +78,18 @@ class RunUp(Shown):
     noise: float
     p_value: float
     autocorrelation: float
+    confidence: float
+
+    @property
+    def told(self) -> list[Told]:
+        """The fitted numbers with their intervals."""
+        return [Told(one.name, one.value, one.low, one.high) for one in self.numbers]
 
     @property
     def verdict(self) -> Verdict:
         """Whether the model explains the beats, and with which numbers."""
-        parts = []
-        for one in self.numbers:
-            kind = unit_kind(one.name)
-            ends = f"{as_spoken(one.low, kind, 4)} to {as_spoken(one.high, kind, 4)}"
-            parts.append(f"{words(one.name)} {as_spoken(one.value, kind, 4)} ({ends})")
-        text = f" with {' and '.join(parts)}; all other numbers are as given" if parts else ""
-        alike = self.autocorrelation > max(3.3 / math.sqrt(self.residuals.size), 0.1)
-        if self.p_value < SURE or alike:
+        text = numbers_in_words(self.told, self.confidence)
+        if contradicted(self.p_value, self.autocorrelation, self.residuals.size):
             return Verdict(False, f"The model does not explain the beats{text}.")
         if math.isnan(self.p_value):
             return Verdict(None, "Cannot say whether the model explains the beats: they are few.")
@@ -119,11 +124,7 @@ def fit_run_up(
         measured ones, or the beats determine only a combination of the numbers.
     """
     share, names = checked_confidence(confidence), tuple(parameters)
-    known = numbers_of(escapement)
-    for name in names:
-        validate.choice("parameters", name, tuple(known))
-        validate.positive(name, known[name], "give a value at which the search begins")
-    heard, given = beats.heard, np.array([known[name] for name in names])
+    heard, given = beats.heard, given_numbers(escapement, names)
     if heard.size < max(_FEWEST, 3 * (len(names) + 1)):
         raise InvalidValue(
             f"beats must be {_FEWEST} or more in a run-up, got {heard.size}; record longer"
@@ -132,10 +133,7 @@ def fit_run_up(
     _check_times(escapement, times, heard)
 
     def built(unknowns: FloatArray) -> Escapement:
-        changed = escapement
-        for name, value in zip(names, (unknowns[:-1] * given).tolist(), strict=True):
-            changed = with_number(changed, name, value)
-        return changed
+        return with_numbers(escapement, names, unknowns[:-1] * given)
 
     def rest(unknowns: FloatArray) -> FloatArray:
         motion = simulation.simulate(built(unknowns), count)
@@ -153,7 +151,7 @@ def fit_run_up(
         for start in (_STARTS if names else (1.0,))
     ]  # fmt: skip
     found = min(every, key=lambda one: float(one.cost))
-    _check_determined(found.jac, names)
+    check_determined(found.jac, names, _INEFFECTIVE * beats.period * math.sqrt(heard.size))
     known_fit = tangent_of(found.jac, 2.0 * float(found.cost), heard.size - len(names) - 1, share)
     scale = np.array([*given, beats.period])
     values, halves = found.x * scale, np.linalg.norm(known_fit.root, axis=1) * scale
@@ -163,7 +161,7 @@ def fit_run_up(
         escapement=built(found.x), numbers=tuple(fitted),
         release=release._replace(value=release.value + float(times[0])), residuals=found.fun,
         noise=known_fit.noise, p_value=_chance(found.fun, found.jac),
-        autocorrelation=correlation(found.fun),
+        autocorrelation=correlation(found.fun), confidence=share,
     )  # fmt: skip
 
 
@@ -180,16 +178,6 @@ def _check_times(escapement: Escapement, times: FloatArray, heard: np.ndarray) -
     check_unit("beats", float(np.ptp(times)) / design, took)
 
 
-def _check_determined(slopes: FloatArray, names: tuple[str, ...]) -> None:
-    """Raise InvalidValue where the beats determine only a combination of the numbers."""
-    sizes = np.linalg.svd(slopes, compute_uv=False)
-    if not sizes[-1] > _SINGULAR * sizes[0]:
-        raise InvalidValue(
-            f"parameters must each be determined by the beats, got {', '.join(names)}, of which "
-            "they show only a combination; leave one of them out"
-        )
-
-
 def _chance(residuals: FloatArray, slopes: FloatArray) -> float:
     """Probability that independent noise looks as much like the error of a model.
 
@@ -198,10 +186,4 @@ def _chance(residuals: FloatArray, slopes: FloatArray) -> float:
     size, index = residuals.size, np.arange(residuals.size)
     fading = [np.exp(-index / beats) for beats in _FADING]
     halves = [np.cos(np.pi * k * (index + 0.5) / size) for k in range(1, _HALVES + 1)]
-    waves = np.column_stack([*fading, *halves])
-    fitted, _ = np.linalg.qr(slopes)
-    basis, _ = np.linalg.qr(waves - fitted @ (fitted.T @ waves))
-    explained = float(np.sum((basis.T @ residuals) ** 2))
-    count = basis.shape[1]
-    freedom = size - fitted.shape[1] - count
-    return f_test(explained, count, float(residuals @ residuals) - explained, freedom)
+    return chance_of(residuals, slopes, np.column_stack([*fading, *halves]))

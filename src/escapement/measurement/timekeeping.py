@@ -2,11 +2,7 @@
 
 An interval between two beats that were heard is m T + o_j - o_i plus noise: m beats of the mean
 time T, and the offsets o of the positions in a pattern at which the beats stand, such as tick and
-tock. T may change linearly. Some of the noise is of each beat alone and adds up over m beats, and
-some is the jitter of both instants, which neighbouring intervals share with opposite signs. The
-share s of the jitter is not known: all results are means over s, weighted by the restricted
-likelihood, as for `fit_beats`. The covariance matrix of the intervals has three diagonals, so that
-the effort grows with their number only.
+tock. T may change linearly. `interval_fit` tells what the noise may be.
 """
 
 import math
@@ -21,9 +17,9 @@ from escapement.base.lazy import Lazy
 from escapement.base.text import Shown
 from escapement.measurement.beat_times import HOUR, BeatTimes
 from escapement.measurement.estimate import Estimate, checked_confidence, reach_of
+from escapement.measurement.interval_fit import Intervals, weights_of
 from escapement.mechanisms.protocol import FloatArray
 
-linalg = Lazy("scipy.linalg")
 special = Lazy("scipy.special")
 DAY = 86400.0
 _LEAST = 6  # intervals for each unknown
@@ -126,10 +122,14 @@ def timekeeping(
             f"{heard.size}; record longer"
         )
     times = beats.times[heard]
-    fit = _fit(times, heard, size)
-    reach = reach_of(share, fit.freedom)
+    intervals = _intervals(times, heard, size)
+    each = [intervals.solution(jitter) for jitter in _SHARES.tolist()]
+    weights = weights_of(each)
+    fit = intervals.average(each, weights)
+    variance = fit.scatter / intervals.freedom
+    covariance, reach = variance * fit.covariance, reach_of(share, intervals.freedom)
     period, drift, *offsets = fit.values.tolist()
-    half = reach * np.sqrt(np.diag(fit.covariance))
+    half = reach * np.sqrt(np.diag(covariance))
     hourly = Estimate("beats_per_hour", HOUR / period, HOUR / period**2 * float(half[0]))
     rate = Estimate("rate", math.nan, math.nan, "no nominal rate is given")
     if right is not None:
@@ -138,69 +138,27 @@ def timekeeping(
     # a beat of T that changes by d a beat: the rate changes by -d/T of itself in a beat
     slow = -DAY / period**2 * HOUR
     changes = Estimate("drift", slow * drift, abs(slow) * float(half[1]))
-    late, positions = _positions(np.array(offsets), fit.covariance[2:, 2:], reach)
+    late, positions = _positions(np.array(offsets), covariance[2:, 2:], reach)
     error = Estimate("beat_error", math.nan, math.nan, "the pattern is not of two beats")
     if size == 2:
         error = Estimate("beat_error", 2.0 * offsets[0], 2.0 * float(half[2]))
     rest = times - times.mean() - period * (heard - heard.mean()) - late[heard % size]
     return Timekeeping(
         beats_per_hour=hourly, rate=rate, beat_error=error, offsets=positions, drift=changes,
-        scatter=fit.noise, jitter=fit.jitter, stability=_stability(rest, heard, period, share),
-        residuals=rest - rest.mean(), confidence=share,
+        scatter=math.sqrt(variance), jitter=float(weights @ _SHARES),
+        stability=_stability(rest, heard, period, share), residuals=rest - rest.mean(),
+        confidence=share,
     )  # fmt: skip
 
 
-class _Fit(NamedTuple):
-    """Values of T, its change in a beat, and the offsets of all positions but the first."""
-
-    values: FloatArray
-    covariance: FloatArray
-    noise: float
-    jitter: float
-    freedom: int
-
-
-def _fit(times: FloatArray, index: np.ndarray, size: int) -> _Fit:
-    """Least squares for all shares of jitter, weighted by their likelihood."""
-    numbers, steps = np.diff(index), np.diff(times)
+def _intervals(times: FloatArray, index: np.ndarray, size: int) -> Intervals:
+    """Intervals by T, its change in a beat, and the offsets of all positions but the first."""
+    numbers, position = np.diff(index), index % size
     middle = 0.5 * (index[0] + index[-1])
-    position = index % size
     columns = [numbers, 0.5 * np.diff((index - middle) ** 2)]
     columns += [np.diff((position == k).astype(float)) for k in range(1, size)]
-    design = np.column_stack(columns).astype(float)
-    each = [_solved(design, steps, numbers, share) for share in _SHARES.tolist()]
-    likelihoods = np.array([one[3] for one in each])
-    weights = np.exp(likelihoods - likelihoods.max())
-    weights /= weights.sum()
-    freedom = steps.size - design.shape[1]
-    values = weights @ np.array([one[0] for one in each])
-    covariance = np.zeros((values.size, values.size))
-    noise = 0.0
-    for weight, (found, spread, variance, _) in zip(weights.tolist(), each, strict=True):
-        apart = found - values
-        covariance += weight * (variance * spread + np.outer(apart, apart))
-        noise += weight * variance
-    return _Fit(values, covariance, math.sqrt(noise), float(weights @ _SHARES), freedom)
-
-
-def _solved(
-    design: FloatArray, steps: FloatArray, numbers: np.ndarray, share: float
-) -> tuple[FloatArray, FloatArray, float, float]:
-    """Values, covariance for noise of 1, variance, and restricted log-likelihood of one share."""
-    band = np.empty((2, steps.size))
-    band[0] = (1.0 - share) * numbers + share
-    band[1] = -0.5 * share
-    band[1, -1] = 0.0
-    factor = linalg.cholesky_banded(band, lower=True)
-    white = linalg.solve_banded((1, 0), factor, np.column_stack([design, steps]))
-    basis, upper = np.linalg.qr(white[:, :-1])
-    along = basis.T @ white[:, -1]
-    rest = white[:, -1] - basis @ along
-    freedom, inverse = steps.size - design.shape[1], np.linalg.inv(upper)
-    square = float(rest @ rest) or 1e-300
-    size = np.log(factor[0]).sum() + np.log(np.abs(np.diag(upper))).sum()
-    likelihood = -float(size) - 0.5 * freedom * math.log(square)
-    return inverse @ along, inverse @ inverse.T, square / freedom, likelihood
+    joined = np.ones(numbers.size - 1, bool)
+    return Intervals(np.diff(times), np.column_stack(columns).astype(float), numbers, joined)
 
 
 def _positions(
