@@ -143,11 +143,13 @@ def picture(plot: Callable[[Any], Content]) -> Content:
     return plot(esc.plots)
 
 
-def page_of(escapement: Any, budget: Any = None, speed: float = 0.0) -> str:
+def page_of(
+    escapement: Any, budget: Any = None, speed: float = 0.0, title: str = "", date: str = ""
+) -> str:
     """A report of a design; `speed` is that of the driver at the first pin entry [rad/s]."""
     from escapement.reports import page
 
-    return page(escapement, budget, "", speed)
+    return page(escapement, budget, title, speed, date)
 
 
 def moving(path: Path | None, motion: Any, still: Callable[[Any], Content]) -> Any:

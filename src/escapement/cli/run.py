@@ -43,7 +43,7 @@ def configure(parser: Parser) -> None:
     study = parser.add_argument_group("one case of a study, instead of mechanism and model")
     add_study(study)
     _arguments.add_mechanism(parser)
-    length = {name: entry for name, entry in declared(Run).items() if name not in _START}
+    length = {name: declared(Run)[name] for name in ("engagements", "duration")}
     _arguments.add_group(parser, "model", model())
     _arguments.add_group(parser, "length of the motion", length)
     _arguments.add_group(parser, "solver", declared(Solver))

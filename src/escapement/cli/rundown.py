@@ -4,7 +4,7 @@ from dataclasses import replace
 from functools import partial
 
 import escapement as esc
-from escapement.base.quantity import Quantity, declared
+from escapement.base.quantity import declared
 from escapement.base.records import Record
 from escapement.base.status import MESSAGES, Status
 from escapement.base.text import as_csv
@@ -14,12 +14,8 @@ from escapement.engines.solver import Solver
 from escapement.model.escapement import Run, model_settings
 from escapement.model.inputs import inputs_of
 
-_TURNS = Quantity(
-    name="turns", key="turns", long_name="driver turns to run, in whole engagements", metavar="N",
-    exclusive=True, remedy="give how often the driver turns",
-)  # fmt: skip
 _RUN = {
-    "turns": _TURNS,
+    "turns": replace(declared(Run)["turns"], note=", in whole engagements"),
     "duration": replace(declared(Run)["duration"], note=", instead of turns"),
     "initial_speed": declared(Run)["initial_speed"],
     "rtol": declared(Solver)["rtol"],

@@ -20,11 +20,17 @@ def _motored(escapement: Any) -> bool:
     return escapement.no_load_speed is not None
 
 
+def _never(_escapement: Any) -> bool:
+    """Of what studies compute, since only these know the length of a run."""
+    return False
+
+
 def uneven(escapement: Any) -> bool:
     """Whether engagements may differ from each other, or begin with a blow."""
     return escapement.contact or len(escapement.pairs) > 1
 
 
+RUN_TIME = "run_time"
 FIGURES = {
     "velocity_max": Result("speed", "largest driver velocity of the terminal cycle"),
     "velocity_min": Result("speed", "smallest driver velocity of the terminal cycle"),
@@ -37,6 +43,7 @@ FIGURES = {
     "blow_max": Result(
         "energy", "energy lost in the greatest impact, its friction included", exists=uneven
     ),
+    RUN_TIME: Result("time", "time in which the driver makes its turns", exists=_never),
     "rise_time": Result("time", "time of the first velocity extremum within 2 % of terminal"),
     "rise_time_63": Result("time", "time in which the handoff velocity's deviation falls to 1/e"),
     "rise_time_98": Result("time", "time in which the handoff velocity's deviation falls to 0.02"),

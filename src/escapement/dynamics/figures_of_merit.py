@@ -84,6 +84,8 @@ class Figures(JudgedResult, Shown):
     velocity_mean : cell angle over period [rad/s].
     period : time of one terminal engagement, dwell included [s]; with imperfect parts the mean
         over the engagements after which pins and slots meet again.
+    run_time : time of the number of turns that a study gives [s]; NaN without one, or if the driver
+        stops before.
     rise_time : first velocity extremum within 2 % of its terminal value [s]. It jumps, by
         half an engagement or so, where a change of the design brings an earlier extremum
         into the band or takes one out. An impact that takes less than 1e-4 of the speed is no
@@ -124,6 +126,7 @@ class Figures(JudgedResult, Shown):
     velocity_min: float = _NAN
     velocity_mean: float = _NAN
     period: float = _NAN
+    run_time: float = _NAN
     rise_time: float = _NAN
     settling_time: float = _NAN
     rise_time_63: float = _NAN

@@ -555,6 +555,10 @@ class Run(Declared):
         "engagements to run", minimum=1, whole=True, axis=False, metavar="N",
         remedy="give the number of engagements; the figures of merit need no long motion"
     ))  # fmt: skip
+    turns: float | None = field(default=None, metadata=quantity(
+        "driver turns to run", exclusive=True, metavar="N",
+        remedy="give how often the driver turns"
+    ))  # fmt: skip
     duration: float | None = field(default=None, metadata=quantity(
         "time to run", "time", exclusive=True, axis=False, note=", instead of engagements",
         remedy="give the time to run"

@@ -15,6 +15,7 @@ from escapement.base.errors import InvalidValue
 from escapement.base.quantity import Quantity, Setting, declared
 from escapement.base.results import Result
 from escapement.base.text import Shown
+from escapement.dynamics.figure_table import RUN_TIME
 from escapement.engines.solver import Solver
 from escapement.mechanisms import KINDS, kind_of
 from escapement.mechanisms.protocol import Mechanism
@@ -328,6 +329,8 @@ class StudyPlan(Shown):
         if self.subject is not ESCAPEMENT:
             return notes[0]
         named = "the torque behind the start" if self.curve else "spring_rate"
+        if RUN_TIME in self.results:
+            return notes[0]
         if self.curve or np.any(self.every("spring_rate")):
             notes.append(f"{named} has no effect on results, which are those of the first torque")
         return "; ".join(filter(None, notes))

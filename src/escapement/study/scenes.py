@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from escapement.base.errors import InvalidValue
 from escapement.base.quantity import quantities
 from escapement.base.status import Status
-from escapement.dynamics.figure_table import FIGURES, TRANSIENT
+from escapement.dynamics.figure_table import FIGURES, RUN_TIME, TRANSIENT
 from escapement.dynamics.figures_of_merit import Figures
 from escapement.engines import simulate as simulation
 from escapement.mechanisms.protocol import FloatArray
@@ -255,7 +255,8 @@ def si_unit(name: str, clock: Any, torque: Any, motor_torque: Any) -> Any:
 
 def together(plan: StudyPlan) -> bool:
     """Whether many cases are solved at once; otherwise one by one."""
-    if plan.subject is not ESCAPEMENT or plan.fixed_si.get("load_curve") is not None:
+    apart = RUN_TIME in plan.results or plan.fixed_si.get("load_curve") is not None
+    if plan.subject is not ESCAPEMENT or apart:
         return False
     if plan.solver.engine != "energy" or plan.perfect:
         return plan.solver.engine == "energy"
