@@ -175,6 +175,20 @@ class Reader:
             raise UsageError(str(error)) from None
 
 
+class Several(Quantity):
+    """A number of which several may be typed, with commas between them; one alone stays one."""
+
+    def parse(self, label: str, text: str) -> Any:
+        """The number, or a tuple of numbers."""
+        found = tuple(super(Several, self).parse(label, word) for word in text.split(","))
+        return found if len(found) > 1 else found[0]
+
+
+def several(entry: Setting) -> Several:
+    """The declaration of a number, of which several may be typed."""
+    return Several(**vars(entry) | {"note": f"{entry.note}; several as 1,2: a table"})
+
+
 @dataclass(frozen=True, kw_only=True)
 class OutputFile(Setting):
     """A file to write, which `_output.check_files` checks before anything is computed.

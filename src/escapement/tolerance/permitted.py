@@ -83,8 +83,9 @@ class Inverse:
         def missing(factor: float) -> float:
             return wanted - float(self._good(factor, names, draws).mean())
 
-        factor, bounded = _greatest(missing, min(MOST, self._reach(names, draws)))
         random = self._draws("random", table["size"], table["seed"] + 1)
+        reach = min(self._reach(names, drawn) for drawn in (draws, random))
+        factor, bounded = _greatest(missing, min(MOST, reach))
         spans = {key: self.spreads[self.groups[key][0]] for key in keys}
         ranges = {key: self._ends(key, span, factor) for key, span in spans.items()}
         inside = intervals.share(self._good(factor, names, random))
