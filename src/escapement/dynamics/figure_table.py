@@ -16,6 +16,10 @@ def _sized(escapement: Any) -> bool:
     return escapement.mechanism.crank_radius is not None
 
 
+def _stressed(escapement: Any) -> bool:
+    return bool(escapement.pin_length)
+
+
 def _motored(escapement: Any) -> bool:
     return escapement.no_load_speed is not None
 
@@ -65,6 +69,21 @@ FIGURES = {
     "follower_acceleration_max": Result("acceleration", "greatest follower acceleration"),
     "contact_moment_max": Result("torque", "greatest moment on the follower"),
     "contact_force_max": Result("force", "greatest force on the pin", exists=_sized),
+    "rubbing_max": Result(
+        "power", "greatest product of force on the pin and sliding speed", exists=_sized
+    ),
+    "pressure_max": Result("pressure", "greatest pressure between pin and wall", exists=_stressed),
+    "pin_bending_max": Result("pressure", "greatest bending stress of the pin", exists=_stressed),
+    "pin_shear_max": Result(
+        "pressure", "greatest mean shear stress of the pin", exists=_stressed
+    ),
+    "pressure_speed_max": Result(
+        "pressure_speed", "greatest mean pressure times sliding speed", exists=_stressed,
+        missing="a roller does not slide in its slot",
+    ),
+    "pin_load_frequency": Result(
+        "frequency", "load cycles of each pin in a second", exists=_stressed
+    ),
     "speed_dip": Result(
         "ratio", "share by which the driver velocity falls below its greatest", exists=_motored
     ),

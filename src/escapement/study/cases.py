@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from escapement.base import units
 from escapement.base.errors import InvalidValue
+from escapement.base.quantity import declared
 from escapement.base.status import Status
 from escapement.dynamics.figure_table import RUN_TIME
 from escapement.dynamics.figures_of_merit import Figures
@@ -16,6 +17,8 @@ from escapement.engines import simulate as simulation
 from escapement.engines.run_down import ROUNDING, rundown
 from escapement.mechanisms.protocol import FloatArray
 from escapement.model.checks import ratio_in_range
+from escapement.model.escapement import Escapement
+from escapement.model.materials import NEEDED, pin_stresses
 from escapement.model.train import referred
 from escapement.study import scenes
 from escapement.study.index_cases import evaluate_drives
@@ -57,8 +60,14 @@ def _on_their_clocks(
     torques = values[scenes.TORQUE], given[scenes.TORQUE]
     found = {
         name: line * scenes.si_unit(name, clock, *torques)
-        for name, line in zip(plan.results, [*figures, status], strict=True)
+        for name, line in zip(plan.solved, figures, strict=True)
     }
+    found["status"] = status
+    if not NEEDED.keys().isdisjoint(plan.results):
+        numbers = {name: entry.default for name, entry in declared(Escapement).items()}
+        numbers |= {name: x for name, x in given.items() if x is not None}
+        force, rubbing = (found.get(name, np.nan) for name in dict.fromkeys(NEEDED.values()))
+        found |= pin_stresses(force, rubbing, plan.lengths | numbers)
     return _in_its_units(plan, found)
 
 

@@ -22,6 +22,7 @@ from escapement.mechanisms.protocol import Mechanism
 from escapement.mechanisms.wheel_checks import IMPERFECT, LENGTHS
 from escapement.model.checks import idle_settings
 from escapement.model.escapement import Escapement, escapement_of
+from escapement.model.materials import NEEDED
 from escapement.model.torque_curve import TorqueCurve
 from escapement.study.result import kept
 from escapement.study.subject import ESCAPEMENT, SUBJECTS, Subject, subject_of
@@ -187,6 +188,12 @@ class StudyPlan(Shown):
     def results(self) -> dict[str, Result]:
         """The results that the study keeps of every case, by name, the status last."""
         return kept(self.configuration)
+
+    @cached_property
+    def solved(self) -> list[str]:
+        """Figures that are computed of every scene: the results, or what these follow from."""
+        names = (NEEDED.get(name, name) for name in self.results if name != "status")
+        return [*dict.fromkeys(names)]
 
     def unit(self, name: str) -> str:
         """UDUNITS spelling of the unit of a parameter, a dimension or a result."""
