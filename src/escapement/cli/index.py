@@ -6,13 +6,13 @@ from typing import TYPE_CHECKING
 import escapement as esc
 from escapement.base.quantity import Choice, declared
 from escapement.base.records import Record
-from escapement.base.text import as_csv, print_columns, words
+from escapement.base.text import as_csv, words
 from escapement.cli import _arguments, _output
-from escapement.cli._arguments import Arguments, Parser
+from escapement.cli._arguments import Arguments, Parser, UsageError
 from escapement.constant_speed.index_case import IndexCase
 from escapement.mechanisms import DEFAULT_KIND
 from escapement.mechanisms.cam_indexer import LAWS
-from escapement.model.inputs import inputs_of_mechanism, inputs_of_settings
+from escapement.model.inputs import Input, inputs_of_mechanism, inputs_of_settings
 
 if TYPE_CHECKING:
     from escapement.constant_speed import IndexingDrive
@@ -26,7 +26,7 @@ _AGAINST = Choice(
 
 def configure(parser: Parser) -> None:
     """Add the command's arguments."""
-    _arguments.add_mechanism(parser)
+    _arguments.add_mechanism(parser, tables=True)
     _arguments.add_group(parser, "model", declared(IndexCase))
     _arguments.add_setting(parser.add_argument_group("comparison"), _AGAINST)
     output = parser.add_argument_group("output")
@@ -38,18 +38,20 @@ def execute(args: Arguments) -> int:
     """Print the figures; write and draw what was asked for."""
     from escapement.constant_speed.index_record import doubt_of, record_of
 
-    _arguments.require(args, declared(IndexCase))
-    mechanism = _arguments.read_mechanism(args)
-    drive = esc.index(mechanism, **_arguments.typed(args, declared(IndexCase)))
+    if isinstance(args.slots, tuple):
+        if args.against:
+            raise UsageError("--against must come with one number of slots; leave it out")
+        return _output.tell_several(args, _of_one)
+    drive = _drive(args)
     other = esc.cam_drive(drive, args.against) if args.against else None
     plot = lambda plots: plots.plot_index(drive, against=other, units=args.units)  # noqa: E731
     _output.save(args, partial(_table, drive), plot)
-    known = [*inputs_of_mechanism(mechanism), *inputs_of_settings(drive, mechanism.meshed)]
-    record, table = record_of(drive), None
+    known, record, table = _inputs(drive), record_of(drive), None
     doubt = doubt_of(drive)
     if other is not None:
         beside = record_of(other)
-        table = partial(_columns, args, record, beside)
+        heads = words(args.kind or DEFAULT_KIND), words(args.against)
+        table = partial(_output.side_by_side, args, (record, beside), heads)
         record = record | Record({"against": {"law": args.against, **beside.values}})
         if drive.friction:
             doubt = "the cam has no friction: give the efficiency of its drive"
@@ -57,17 +59,24 @@ def execute(args: Arguments) -> int:
     return 0
 
 
-def _columns(args: Arguments, record: Record, beside: Record) -> None:
-    """Print the figures of a drive and those of a cam, side by side."""
-    columns = [{row.name: row for row in one.rows(args.units)} for one in (record, beside)]
-    names = dict.fromkeys((*columns[0], *columns[1]))
-    lines, wide = [], max(map(len, names))
-    for name in names:
-        both = [column.get(name) for column in columns]
-        shown = ["-" if row is None else row.value for row in both]
-        unit = next(row.unit for row in both if row is not None)
-        lines.append([name.ljust(wide), *shown, unit])
-    print_columns([["", words(args.kind or DEFAULT_KIND), words(args.against), ""]], lines)
+def _drive(args: Arguments) -> "IndexingDrive":
+    """The drive that the arguments describe."""
+    _arguments.require(args, declared(IndexCase))
+    mechanism = _arguments.read_mechanism(args)
+    return esc.index(mechanism, **_arguments.typed(args, declared(IndexCase)))
+
+
+def _inputs(drive: "IndexingDrive") -> list[Input]:
+    mechanism = drive.mechanism
+    return [*inputs_of_mechanism(mechanism), *inputs_of_settings(drive, mechanism.meshed)]
+
+
+def _of_one(args: Arguments) -> _output.Found:
+    """What is told of a drive in a table of several."""
+    from escapement.constant_speed.index_record import doubt_of, record_of
+
+    drive = _drive(args)
+    return _output.with_reasons(record_of(drive), doubt_of(drive)), _inputs(drive), 0
 
 
 def _table(drive: "IndexingDrive") -> str:

@@ -43,6 +43,10 @@ NO_LOAD = "no_load_speed"
 MOST_SHARED = 1 << 20
 """Scenes that are kept for all blocks of a study: 50 MiB."""
 
+_FORMULAS = ("velocity_mean", "velocity_average_published", "pin_load_frequency")
+"""Figures that follow from others."""
+_ALONE, _RUNDOWN = 1e-3, 1e-2
+"""Rough times of a case that is built as an escapement, and of one that runs down [s]."""
 _PIN = Scene._fields.index("pin") - Scene._fields.index("rho")
 _LIMITS = ("critical_friction", "uniqueness_friction", "jam_margin")
 """Figures that a case has even if it does not move."""
@@ -262,6 +266,27 @@ def si_unit(name: str, clock: Any, torque: Any, motor_torque: Any) -> Any:
     scales = {"speed": 1.0 / clock, "time": clock, "acceleration": clock**-2.0}
     scales |= {"power": torque / clock, "frequency": 1.0 / clock}
     return (scales | dict.fromkeys(("torque", "force", "energy"), torque)).get(kind, 1.0)
+
+
+def cost_note(plan: StudyPlan) -> str:
+    """Which results make a study long, since they are computed case by case; "" if none does."""
+    from escapement.engines.energy.cycle import COLUMNS
+    from escapement.engines.energy.peaks import PEAKS
+
+    fast = {*COLUMNS, *_FORMULAS, *(PEAKS if plan.perfect else ())}
+    slow = [name for name in plan.solved if name not in fast]
+    if RUN_TIME in slow:
+        slow, each = [RUN_TIME], _RUNDOWN
+    else:
+        each = _ALONE
+    minutes = plan.cases * each / 60.0
+    if not slow or plan.subject is not ESCAPEMENT or minutes < 1.0:
+        return ""
+    names, verb = ", ".join(slow), "is" if len(slow) == 1 else "are"
+    return (
+        f"{names} {verb} computed case by case, about {1e3 * each:g} ms for each: some "
+        f"{minutes:.0f} minutes on one processor"
+    )
 
 
 def together(plan: StudyPlan) -> bool:
