@@ -35,6 +35,7 @@ _NAMES = {
     "mass": ("kg", "lbf s2 in-1", "kg"),
     "energy": ("J", "in lbf", "mJ"),
     "pressure": ("Pa", "lbf in-2", "MPa"),
+    "pressure_speed": ("Pa m s-1", "lbf in-1 s-1", "MPa m s-1"),
     "speed": ("rad s-1", "rad s-1", "rpm"),
     "angle": ("rad", "rad", "degree"),
 }

@@ -32,6 +32,8 @@ Arguments = argparse.Namespace
 ArgumentGroup = argparse._ActionsContainer
 """A group of options in the help, or a parser."""
 
+SLOTS = "slots"
+"""The number of which several may be typed."""
 _NEGATIVE = re.compile(r"-(\.?\d|inf|nan)", re.IGNORECASE)
 _OPTION = re.compile(r"--?[a-z]")
 
@@ -84,12 +86,24 @@ class Parser(argparse.ArgumentParser):
                     f"{option(name)} must come with {needed}, got none; it has no effect alone"
                 )
 
+    def _hide_other_kinds(self, kind: str | None) -> None:
+        """Leave out of the help what a kind of mechanism does not have."""
+        of, meshed = owners(), kind_of(kind).meshed if kind else False
+        for action in self._actions if kind else ():
+            entry = getattr(action, "entry", None)
+            if kind in of.get(action.dest, ()):
+                action.help = entry.help if entry else action.help
+            elif action.dest in of or (entry is not None and not entry.applies_to(meshed)):
+                action.help = argparse.SUPPRESS
+
     def understand(self, argv: Sequence[str]) -> Arguments:
         """Parsed arguments, and as `settings` their declarations.
 
         SystemExit ends it where help was asked for and given.
         """
         known = self._option_string_actions
+        if not {"-h", "--help"}.isdisjoint(argv):
+            self._hide_other_kinds(next((word for word in argv if word in KINDS), None))
         for name in (word.partition("=")[0] for word in argv):
             # argparse would first report a missing argument, although an option was misspelt
             passes = name in known or name[:2] in known or _NEGATIVE.match(name)
@@ -192,6 +206,20 @@ class Reader:
             raise UsageError(str(error)) from None
 
 
+class Several(Quantity):
+    """A number of which several may be typed, with commas between them; one alone stays one."""
+
+    def parse(self, label: str, text: str) -> Any:
+        """The number, or a tuple of numbers."""
+        found = tuple(super(Several, self).parse(label, word) for word in text.split(","))
+        return found if len(found) > 1 else found[0]
+
+
+def several(entry: Setting) -> Several:
+    """The declaration of a number, of which several may be typed."""
+    return Several(**vars(entry) | {"note": f"{entry.note}; several as 1,2: a table"})
+
+
 @dataclass(frozen=True, kw_only=True)
 class OutputFile(Setting):
     """A file to write, which `_output.check_files` checks before anything is computed.
@@ -278,8 +306,10 @@ def read_escapement(args: Arguments) -> Any:
     return escapement_of(read_mechanism(args), typed_by_name(args, model_settings()))
 
 
-def add_mechanism(parser: Parser, file: str = "") -> None:
+def add_mechanism(parser: Parser, file: str = "", tables: bool = False) -> None:
     """Add the mechanism: its kind, and the options of every kind.
+
+    With `tables` several numbers of slots may be typed, see `_output.tell_several`.
 
     Instead of the kind there may be the name of a file, which then is a `Path`; its suffix is
     that of `file`.
@@ -297,6 +327,7 @@ def add_mechanism(parser: Parser, file: str = "") -> None:
     group = parser.add_argument_group("mechanism")
     for name, kinds in owners().items():
         entry = kind_of(kinds[0]).options()[name]  # the first of those that share it explains it
+        entry = several(entry) if tables and name == SLOTS else entry
         add_setting(group, entry, help=f"{', '.join(kinds)}: {entry.help}")
 
 

@@ -25,11 +25,11 @@ from escapement.base.files import (
 from escapement.base.records import Record
 from escapement.base.spoken import speak
 from escapement.base.status import MESSAGES, Status
-from escapement.base.text import as_json
+from escapement.base.text import as_json, print_columns
 from escapement.base.toml_file import read_toml
 from escapement.base.units import SYSTEMS
 from escapement.cli import _log, _waiting
-from escapement.cli._arguments import Arguments, OutputFile, UsageError
+from escapement.cli._arguments import SLOTS, Arguments, OutputFile, UsageError
 from escapement.cli._inputs import as_record, inputs_of_command, print_inputs
 from escapement.model.inputs import Input
 
@@ -74,6 +74,49 @@ def tell(
             found.without("message").show(system)
     if message not in ("", MESSAGES[Status.OK]):
         note(message)
+
+
+Found = tuple[Record, Iterable[Input], int]
+"""What a command found, the numbers that went in, and its exit code."""
+
+
+def tell_several(args: Arguments, find: Callable[[Arguments], Found]) -> int:
+    """Print what a command finds for each of several numbers of slots, as one table."""
+    files = (name for name in ("output", "plot", "report") if getattr(args, name, None) is not None)
+    if name := next(files, None):
+        raise UsageError(f"--{name} must come with one number of slots, got {len(args.slots)}")
+    values, found = args.slots, []
+    for args.slots in values:
+        found.append(find(args))
+    args.slots = [*values]
+    records, inputs = [one for one, _, _ in found], [[*known] for _, known, _ in found]
+    # what follows from the number of slots is no input of all
+    known = [x for x in inputs[0] if all(x in others for others in inputs)]
+    cases = [{SLOTS: n, **one.values} for n, one in zip(values, records, strict=True)]
+    table = partial(side_by_side, args, records, [f"{n} slots" for n in values])
+    told = Record({"cases": cases}, records[0].results)
+    messages = (one.values.get("message", "") for one in records)
+    notes = [
+        f"{n} slots: {text}" for n, text in zip(values, messages, strict=True)
+        if text not in ("", MESSAGES[Status.OK])
+    ]  # fmt: skip
+    tell(args, told | Record({"message": "; ".join(notes)}) if notes else told, known, table)
+    return max(code for _, _, code in found)
+
+
+def side_by_side(args: Arguments, records: Iterable[Record], heads: Iterable[str]) -> None:
+    """Print the single values of several records, a column for each."""
+    shown = (one.without("message").rows(args.units) for one in records)
+    columns = [{row.name: row for row in rows} for rows in shown]
+    names = dict.fromkeys(name for column in columns for name in column)
+    lines, wide = [], max(map(len, names))
+    for name in names:
+        every = [column.get(name) for column in columns]
+        unit = next((row.unit for row in every if row is not None and row.unit), "")
+        lines.append(
+            [name.ljust(wide), *("-" if row is None else row.value for row in every), unit]
+        )
+    print_columns([["", *heads, ""]], lines)
 
 
 def speak_as(args: Arguments, path: Path, what: str) -> None:
@@ -143,11 +186,13 @@ def picture(plot: Callable[[Any], Content]) -> Content:
     return plot(esc.plots)
 
 
-def page_of(escapement: Any, budget: Any = None, speed: float = 0.0) -> str:
+def page_of(
+    escapement: Any, budget: Any = None, speed: float = 0.0, title: str = "", date: str = ""
+) -> str:
     """A report of a design; `speed` is that of the driver at the first pin entry [rad/s]."""
     from escapement.reports import page
 
-    return page(escapement, budget, "", speed)
+    return page(escapement, budget, title, speed, date)
 
 
 def moving(path: Path | None, motion: Any, still: Callable[[Any], Content]) -> Any:

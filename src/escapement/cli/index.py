@@ -9,9 +9,9 @@ from escapement.base.errors import InvalidValue
 from escapement.base.quantity import Choice, Setting, declared
 from escapement.base.records import Record
 from escapement.base.spoken import as_spoken
-from escapement.base.text import as_csv, print_columns, words
+from escapement.base.text import as_csv, words
 from escapement.cli import _arguments, _output
-from escapement.cli._arguments import Arguments, Parser
+from escapement.cli._arguments import Arguments, Parser, UsageError
 from escapement.constant_speed.index_case import IndexCase
 from escapement.constant_speed.index_record import INDEX, doubt_of, record_of
 from escapement.dynamics.figure_table import FIGURES
@@ -45,7 +45,7 @@ _AGAINST = Choice(
 
 def configure(parser: Parser) -> None:
     """Add the command's arguments."""
-    _arguments.add_mechanism(parser)
+    _arguments.add_mechanism(parser, tables=True)
     _arguments.add_group(parser, "model", declared(IndexCase))
     _arguments.add_group(parser, "motor", _MOTOR)
     _arguments.add_setting(parser.add_argument_group("comparison"), _AGAINST)
@@ -57,20 +57,22 @@ def configure(parser: Parser) -> None:
 
 def execute(args: Arguments) -> int:
     """Print the figures; write and draw what was asked for."""
-    _arguments.require(args, declared(IndexCase))
-    mechanism = _arguments.read_mechanism(args)
-    drive = esc.index(mechanism, **_arguments.typed(args, declared(IndexCase)))
+    if isinstance(args.slots, tuple):
+        if args.against or args.motor is not None:
+            name = "against" if args.against else "motor"
+            raise UsageError(f"--{name} must come with one number of slots; leave it out")
+        return _output.tell_several(args, _of_one)
+    drive = _drive(args)
     motored, started, inputs = _with_motor(args, drive)
     other = esc.cam_drive(drive, args.against) if args.against else None
     more = {"against": other, "motor": started, "units": args.units}
     _output.save(args, partial(_table, drive), lambda plots: plots.plot_index(drive, **more))
-    known = [*inputs_of_mechanism(mechanism), *inputs_of_settings(drive, mechanism.meshed)]
-    known += inputs
-    record, table = record_of(drive) | motored, None
+    known, record, table = [*_inputs(drive), *inputs], record_of(drive) | motored, None
     doubt = doubt_of(drive)
     if other is not None:
         beside = record_of(other)
-        table = partial(_columns, args, record, beside)
+        heads = words(args.kind or DEFAULT_KIND), words(args.against)
+        table = partial(_output.side_by_side, args, (record, beside), heads)
         record = record | Record({"against": {"law": args.against, **beside.values}})
         if drive.friction:
             doubt = "the cam has no friction: give the efficiency of its drive"
@@ -116,17 +118,22 @@ def _with_motor(
     return found, esc.simulate(escapement, _STARTS), [*inputs]
 
 
-def _columns(args: Arguments, record: Record, beside: Record) -> None:
-    """Print the figures of a drive and those of a cam, side by side."""
-    columns = [{row.name: row for row in one.rows(args.units)} for one in (record, beside)]
-    names = dict.fromkeys((*columns[0], *columns[1]))
-    lines, wide = [], max(map(len, names))
-    for name in names:
-        both = [column.get(name) for column in columns]
-        shown = ["-" if row is None else row.value for row in both]
-        unit = next(row.unit for row in both if row is not None)
-        lines.append([name.ljust(wide), *shown, unit])
-    print_columns([["", words(args.kind or DEFAULT_KIND), words(args.against), ""]], lines)
+def _drive(args: Arguments) -> "IndexingDrive":
+    """The drive that the arguments describe."""
+    _arguments.require(args, declared(IndexCase))
+    mechanism = _arguments.read_mechanism(args)
+    return esc.index(mechanism, **_arguments.typed(args, declared(IndexCase)))
+
+
+def _inputs(drive: "IndexingDrive") -> list[Input]:
+    mechanism = drive.mechanism
+    return [*inputs_of_mechanism(mechanism), *inputs_of_settings(drive, mechanism.meshed)]
+
+
+def _of_one(args: Arguments) -> _output.Found:
+    """What is told of a drive in a table of several."""
+    drive = _drive(args)
+    return _output.with_reasons(record_of(drive), doubt_of(drive)), _inputs(drive), 0
 
 
 def _table(drive: "IndexingDrive") -> str:

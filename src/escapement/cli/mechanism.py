@@ -30,7 +30,7 @@ _STATIONS = Result(
 
 def configure(parser: Parser) -> None:
     """Add the command's arguments."""
-    _arguments.add_mechanism(parser)
+    _arguments.add_mechanism(parser, tables=True)
     _arguments.add_group(parser, "inertia, for the critical friction", _INERTIA)
     _arguments.add_group(parser, "shaft", _SHAFT)
     drawing = parser.add_argument_group("drawing")
@@ -42,6 +42,15 @@ def configure(parser: Parser) -> None:
 
 def execute(args: Arguments) -> int:
     """Print the geometry; draw it where asked for."""
+    if isinstance(args.slots, tuple):
+        return _output.tell_several(args, _found)
+    record, known, code = _found(args)
+    _output.tell(args, record, known)
+    return code
+
+
+def _found(args: Arguments) -> _output.Found:
+    """What is told of one mechanism, which is drawn where that is asked for."""
     mechanism: Any = _arguments.read_mechanism(args)
     if args.angle is not None and isinstance(mechanism, esc.Tabulated):
         raise UsageError(
@@ -70,8 +79,7 @@ def execute(args: Arguments) -> int:
     units["solutions"] = Result(tabled=len(record.get("solutions", ())) > 1)
     found = Record(record, {"stations": _STATIONS} | units) | sizes
     warning = "; ".join(f"warning: {text}" for text in warnings)
-    _output.tell(args, _output.with_reasons(found, warning), inputs_of_mechanism(mechanism))
-    return 0
+    return _output.with_reasons(found, warning), inputs_of_mechanism(mechanism), 0
 
 
 def _critical_friction(mechanism: Any, given: dict[str, float]) -> float:

@@ -13,13 +13,18 @@ from escapement.base.units import SYSTEMS
 from escapement.cli import _output
 from escapement.cli._arguments import Arguments, Parser, UsageError
 
-UNITS = "units of the figure (default: those of a study; SI for a motion)"
+UNITS = "units of the figure (default: those of a study; SI for a motion), and of a CSV table"
 
 
 def configure(parser: Parser) -> None:
     """Add the command's arguments."""
     add = parser.add_argument
-    add("file", type=Path, metavar="FILE.h5", help="written by sweep or run -o")
+    add(
+        "file",
+        type=Path,
+        metavar="FILE.h5",
+        help="of run -o or sweep, also .csv and .parquet",
+    )
     text = (
         ".png, .pdf or .svg; of a motion also a film, .gif, .mp4 or .webm, or .html, a page that "
         "plays it; replaced if it exists (default: FILE.png beside FILE.h5)"
@@ -39,9 +44,11 @@ def execute(args: Arguments) -> int:
     check_input(args.file, "file")
     path = args.output or args.file.with_suffix(".png")
     from escapement.motion_file import is_motion, read_motion
+    from escapement.study.table_files import is_table
 
     # a file of a motion says so itself; every other one is taken for a study
-    holds, gaps, moving, units = "motion", "", is_motion(args.file), SYSTEMS[0]
+    holds, gaps, units = "motion", "", SYSTEMS[0]
+    moving = not is_table(args.file) and is_motion(args.file)
     file_format(path, FORMATS + FILMS if moving else FORMATS)
     _output.check_output(path, args.file, drawn=True)
     if moving:
@@ -56,7 +63,7 @@ def execute(args: Arguments) -> int:
     else:
         from escapement.study.selection import parse_selection
 
-        holds, study = "study", esc.read_study(args.file)
+        holds, study = "study", _study(args)
         units = study.configuration.get("units", SYSTEMS[0])
         selected = parse_selection(args.select or "", units)
         try:
@@ -74,6 +81,18 @@ def execute(args: Arguments) -> int:
     args.units = args.units or units
     _output.tell(args, record, table=lambda: _output.note(f"{holds} drawn in {path}"))
     return 0
+
+
+def _study(args: Arguments) -> "esc.Study":
+    """The study in an HDF5 file or a table."""
+    from escapement.study.table_files import is_table, read_table
+
+    if not is_table(args.file):
+        return esc.read_study(args.file)
+    try:
+        return read_table(args.file, args.units)
+    except InvalidValue as error:
+        raise UsageError(f"{args.file}: {error}") from None
 
 
 def _gaps(study: "esc.Study", results: Iterable[str]) -> str:

@@ -44,8 +44,8 @@ def configure(parser: Parser) -> None:
     """Add the command's arguments."""
     study = parser.add_argument_group("one case of a study, instead of mechanism and model")
     add_study(study)
-    _arguments.add_mechanism(parser)
-    length = {name: entry for name, entry in declared(Run).items() if name not in _START}
+    _arguments.add_mechanism(parser, tables=True)
+    length = {name: declared(Run)[name] for name in ("engagements", "duration")}
     _arguments.add_group(parser, "model", model())
     _arguments.add_group(parser, "length of the motion", length)
     _arguments.add_group(parser, "solver", declared(Solver))
@@ -70,6 +70,15 @@ def model() -> dict[str, Setting]:
 
 def execute(args: Arguments) -> int:
     """Simulate and print the figures; write the files that were asked for."""
+    if isinstance(args.slots, tuple):
+        return _output.tell_several(args, _computed)
+    record, inputs, code = _computed(args)
+    _output.tell(args, record, inputs)
+    return code
+
+
+def _computed(args: Arguments) -> _output.Found:
+    """What is told of one motion, which is written and drawn where that is asked for."""
     escapement, settings = read_case(args)
     # if the rule refuses the escapement, nothing is computed or written
     jammed = esc.jam_rule(escapement) if args.jam_rule else None
@@ -90,9 +99,8 @@ def execute(args: Arguments) -> int:
     taken = args.duration or args.engagements or quantities(Run)["engagements"].default
     inputs = [*inputs_of(escapement), ("initial_speed", settings["initial_speed"], "speed")]
     inputs += [(length, taken, quantities(Run)[length].unit), ("rtol", motion.rtol, "ratio")]
-    _output.tell(args, _found(motion, figures, jammed), inputs)
     failed = motion.status.failed or figures.status.failed
-    return SOME_FAILED if failed and jammed is None else 0
+    return _found(motion, figures, jammed), inputs, SOME_FAILED * (failed and jammed is None)
 
 
 def read_case(args: Arguments) -> "tuple[Escapement, dict[str, Any]]":

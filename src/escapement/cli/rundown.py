@@ -12,25 +12,29 @@ from escapement.cli import SOME_FAILED, _arguments, _output
 from escapement.cli._arguments import Arguments, Parser
 from escapement.engines.solver import Solver
 from escapement.model.escapement import Run, model_settings
-from escapement.model.inputs import inputs_of
+from escapement.model.inputs import Input, inputs_of
 
-_TURNS = Quantity(
-    name="turns", key="turns", long_name="driver turns to run, in whole engagements", metavar="N",
-    exclusive=True, remedy="give how often the driver turns",
-)  # fmt: skip
 _RUN = {
-    "turns": _TURNS,
+    "turns": replace(declared(Run)["turns"], note=", in whole engagements"),
     "duration": replace(declared(Run)["duration"], note=", instead of turns"),
     "initial_speed": declared(Run)["initial_speed"],
     "rtol": declared(Solver)["rtol"],
 }
 
+_FAILED = (Status.PAINLEVE, Status.NOT_CONVERGED, Status.INVALID)
+_TARGET = Quantity(
+    name="target", long_name="time that the run should take", unit="time", metavar="S",
+    exclusive=True, remedy="give the time",
+)  # fmt: skip
+
 
 def configure(parser: Parser) -> None:
     """Add the command's arguments."""
     _arguments.add_mechanism(parser)
-    _arguments.add_group(parser, "model", model_settings())
-    _arguments.add_group(parser, "length of the run", _RUN)
+    model = model_settings()
+    model["friction"] = _arguments.several(model["friction"])
+    _arguments.add_group(parser, "model", model)
+    _arguments.add_group(parser, "length of the run", _RUN | {"target": _TARGET})
     output = parser.add_argument_group("output")
     _arguments.add_output(output, "FILE.csv", "write the end of each engagement")
     _arguments.add_plot(output, "draw speed and lateness over the turns")
@@ -40,15 +44,72 @@ def execute(args: Arguments) -> int:
     """Let it run down, write what was asked for, print the figures."""
     from escapement.engines.run_down import RUNDOWN
 
+    frictions = args.friction
+    if isinstance(frictions, tuple):
+        return _compared(args, frictions)
     timer = _arguments.read_escapement(args)
-    run = esc.rundown(timer, **_arguments.typed(args, _RUN))
+    run = _run(args, timer)
     _output.save(args, partial(_table, run), lambda plots: plots.plot_rundown(run))
-    start = {"initial_speed": 0.0} | _arguments.typed_by_name(args, _RUN)
-    known = [*inputs_of(timer), *((name, x, _RUN[name].unit) for name, x in start.items())]
+    known = [*inputs_of(timer), *_asked(args)]
     stopped = run.message if run.message != MESSAGES[Status.OK] else ""
-    _output.tell(args, _output.with_reasons(Record(run.as_dict(), RUNDOWN), stopped), known)
-    failed = (Status.PAINLEVE, Status.NOT_CONVERGED, Status.INVALID)
-    return SOME_FAILED if run.status in failed else 0
+    _output.tell(
+        args,
+        _output.with_reasons(Record(run.as_dict() | _against(args, run), RUNDOWN), stopped),
+        known,
+    )
+    return SOME_FAILED if run.status in _FAILED else 0
+
+
+def _compared(args: Arguments, frictions: tuple[float, ...]) -> int:
+    """Let it run down with each of several frictions, and print a table."""
+    from escapement.engines.run_down import RUNDOWN
+
+    runs, lines = [], []
+    for args.friction in frictions:
+        timer = _arguments.read_escapement(args)
+        runs.append(_run(args, timer))
+        told = {"turns": runs[-1].end_turns, "end_time": runs[-1].end_time}
+        lines.append(
+            {
+                "friction": args.friction,
+                **told,
+                **_against(args, runs[-1]),
+                "status": runs[-1].status.label,
+            }
+        )
+    args.friction = list(frictions)
+    known = [(name, x, unit) for name, x, unit in inputs_of(timer) if name != "friction"]
+    _output.tell(args, Record({"runs": lines}, RUNDOWN), [*known, *_asked(args)])
+    return SOME_FAILED if any(run.status in _FAILED for run in runs) else 0
+
+
+def _run(args: Arguments, timer: esc.Escapement) -> "esc.Rundown":
+    """The run that was asked for; of a timer that runs for ever, its turns in the target's time."""
+    length = _arguments.typed(args, _RUN)
+    if args.target is not None and _endless(args, timer):
+        length["duration"] = replace(_TARGET, system=args.units).to_si(args.target)
+    return esc.rundown(timer, **length)
+
+
+def _endless(args: Arguments, timer: "esc.Escapement") -> bool:
+    """Whether nothing ends the run of a timer."""
+    return timer.curve is None and args.turns is None and args.duration is None
+
+
+def _against(args: Arguments, run: "esc.Rundown") -> dict[str, float]:
+    """How a run compares with its target, if there is one."""
+    from escapement.engines.run_down import run_against
+
+    if args.target is None or _endless(args, run.escapement):
+        return {}
+    target = replace(_TARGET, system=args.units).to_si(args.target)
+    return run_against(run, target, _arguments.typed(args, _RUN).get("initial_speed", 0.0))
+
+
+def _asked(args: Arguments) -> list[Input]:
+    """How long a run was asked for."""
+    start = {"initial_speed": 0.0} | _arguments.typed_by_name(args, _RUN)
+    return [(name, x, _RUN[name].unit) for name, x in start.items()]
 
 
 def _table(run: "esc.Rundown") -> str:

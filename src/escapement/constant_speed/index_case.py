@@ -6,11 +6,10 @@ from typing import TYPE_CHECKING, Any
 
 from escapement.base import validate
 from escapement.base.lazy import Lazy
-from escapement.base.quantity import like, quantity, setting
+from escapement.base.quantity import like, quantity
 from escapement.constant_speed import Case
-from escapement.model.checks import refuse_idle
-from escapement.model.escapement import Escapement
-from escapement.model.materials import MATERIALS, MaterialSetting
+from escapement.model.checks import check_pin, refuse_idle
+from escapement.model.escapement import STRESSES, Escapement
 
 if TYPE_CHECKING:
     import numpy as np
@@ -18,15 +17,7 @@ else:
     np = Lazy("numpy")
 
 _HAIR = 1e-9  # rad, by which rounding may lengthen a dwell
-_PIN, _LOAD, _LOCK = "Stresses of the pin", "Load on an elastic shaft", "Locking disc"
-_MATERIAL = f"a name ({', '.join(MATERIALS)}), or modulus in Pa and Poisson's ratio"
-
-
-def _material(of: str) -> dict[str, Any]:
-    return setting(MaterialSetting(
-        long_name=f"material of the {of}, {_MATERIAL}", metavar="NAME", group=_PIN,
-        remedy="name a material, or give two numbers, 206e9,0.3", needs="pin_length",
-    ))  # fmt: skip
+_LOAD, _LOCK = "Load on an elastic shaft", "Locking disc"
 
 
 def _length(what: str, **rule: Any) -> dict[str, Any]:
@@ -68,21 +59,15 @@ class IndexCase(Case):
     follower_drag: float = field(default=0.0, metadata=like(Escapement, "follower_drag"))
     driver_viscous: float = field(default=0.0, metadata=like(Escapement, "driver_viscous"))
     follower_viscous: float = field(default=0.0, metadata=like(Escapement, "follower_viscous"))
-    pressure_pin_radius: float = field(default=0.0, metadata=_length(
-        "radius of the pin for its stresses alone", group=_PIN, needs="pin_length",
-        note=", by default that of the pin or roller",
-    ))  # fmt: skip
-    pin_length: float = field(default=0.0, metadata=_length(
-        "length of the pin in its slot", group=_PIN
-    ))  # fmt: skip
-    pin_gap: float = field(default=0.0, metadata=_length(
-        "gap between the driver and the slot, for the bending of the pin", group=_PIN,
-        needs="pin_length",
-    ))  # fmt: skip
-    pin_material: Any = field(default="steel", metadata=_material("pin"))
-    wheel_material: Any = field(default="steel", metadata=_material("wheel"))
+    pressure_pin_radius: float = field(
+        default=0.0, metadata=like(Escapement, "pressure_pin_radius")
+    )
+    pin_length: float = field(default=0.0, metadata=like(Escapement, "pin_length"))
+    pin_gap: float = field(default=0.0, metadata=like(Escapement, "pin_gap"))
+    pin_material: Any = field(default="steel", metadata=like(Escapement, "pin_material"))
+    wheel_material: Any = field(default="steel", metadata=like(Escapement, "wheel_material"))
     pressure_limit: float = field(default=0.0, metadata=quantity(
-        "permitted pressure between pin and slot", "pressure", group=_PIN, needs="pin_length",
+        "permitted pressure between pin and slot", "pressure", group=STRESSES, needs="pin_length",
         remedy="give the pressure, 0 for none",
     ))  # fmt: skip
     load_frequency: float = field(default=0.0, metadata=quantity(
@@ -119,15 +104,10 @@ class IndexCase(Case):
         if not wheel.takes_clearance and self.locking_radius:
             rule = "0 for a mechanism that is not a Geneva wheel"
             raise validate.fail("locking_radius", rule, self.locking_radius, "leave it out")
-        for name in ("pin_length", "locking_radius"):
-            if (value := getattr(self, name)) and not wheel.lengths["crank_radius"]:
-                rule, remedy = "0 for a mechanism without a length", "give the crank radius"
-                raise validate.fail(name, rule, value, remedy)
-        sizes = self.pressure_pin_radius, wheel.pin_radius, self.pressure_limit
-        if self.pin_length and not any(sizes):
-            rule = "given with the radius of the pin, or with a permitted pressure"
-            remedy = "give pressure_pin_radius or pressure_limit"
-            raise validate.fail("pin_length", rule, self.pin_length, remedy)
+        if (value := self.locking_radius) and not wheel.lengths["crank_radius"]:
+            rule, remedy = "0 for a mechanism without a length", "give the crank radius"
+            raise validate.fail("locking_radius", rule, value, remedy)
+        check_pin(vars(self), wheel)
         if wheel.cell_angle > wheel.breaks[-1] - wheel.breaks[0] + _HAIR:
             return
         for name, value in (

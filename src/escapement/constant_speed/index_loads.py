@@ -9,16 +9,9 @@ from typing import Any
 
 import numpy as np
 
-from escapement.constant_speed.index_torque import NAN, IndexTorque, given
+from escapement.constant_speed.index_torque import NAN, IndexTorque
 from escapement.constant_speed.knock import NOWHERE
-from escapement.model.materials import (
-    contact_modulus,
-    hertz_pressure,
-    material,
-    pin_bending,
-    pin_shear,
-    radius_for,
-)
+from escapement.model.materials import contact_modulus, given, material, pin_stresses, radius_for
 
 
 class IndexLoads(IndexTorque):
@@ -55,46 +48,31 @@ class IndexLoads(IndexTorque):
         """Where it is, from dead centre [rad]."""
         return self.cycle.force_max_angle + 0.0 * self._length
 
-    @property
-    def _stressed_radius(self: Any) -> Any:
-        """Radius of what presses on the wall [m]; NaN where none is given."""
-        pin, roller = self.lengths["pin_radius"], self.lengths["roller_radius"]
-        return _first(self.pressure_pin_radius, roller, pin)
-
-    @property
-    def _pin_radius(self: Any) -> Any:
-        """Radius of the pin itself, also inside a roller [m]."""
-        return _first(self.lengths["pin_radius"], self.pressure_pin_radius)
-
     @cached_property
-    def _modulus(self: Any) -> float:
-        return contact_modulus(material(self.pin_material), material(self.wheel_material))
+    def _stresses(self: Any) -> dict[str, Any]:
+        return pin_stresses(self.contact_force_max, NAN, vars(self) | self.lengths)
 
     @property
     def pressure_max(self) -> Any:
         """Greatest pressure between pin and wall [Pa]; NaN without radius and length of the pin."""
-        return self._pressure(self._stressed_radius)
-
-    def _pressure(self: Any, radius: Any) -> Any:
-        force = self.contact_force_max
-        return hertz_pressure(force, self._modulus, given(self.pin_length), radius)
+        return self._stresses["pressure_max"]
 
     @property
     def pin_diameter_needed(self: Any) -> Any:
         """Diameter of a pin whose pressure is `pressure_limit` under the same force [m]."""
+        modulus = contact_modulus(material(self.pin_material), material(self.wheel_material))
         force, limit = self.contact_force_max, given(self.pressure_limit)
-        return 2.0 * radius_for(force, self._modulus, given(self.pin_length), limit)
+        return 2.0 * radius_for(force, modulus, given(self.pin_length), limit)
 
     @property
-    def pin_bending_max(self: Any) -> Any:
+    def pin_bending_max(self) -> Any:
         """Greatest bending stress of the pin, a cantilever [Pa]."""
-        force, length = self.contact_force_max, given(self.pin_length)
-        return pin_bending(force, length, self.pin_gap, self._pin_radius)
+        return self._stresses["pin_bending_max"]
 
     @property
-    def pin_shear_max(self: Any) -> Any:
+    def pin_shear_max(self) -> Any:
         """Greatest mean shear stress of the pin [Pa]."""
-        return pin_shear(self.contact_force_max, self._pin_radius) + 0.0 * given(self.pin_length)
+        return self._stresses["pin_shear_max"]
 
     # --- impacts ----------------------------------------------------------------------------
 
@@ -181,12 +159,3 @@ class IndexLoads(IndexTorque):
         distance = getattr(self.mechanism, "centre_distance", NAN) * self._length
         lever = distance * np.sin(given(self.locking_angle))
         return self.locking_friction * self.load_torque / lever * given(self.locking_radius)
-
-
-def _first(*values: Any) -> Any:
-    """The first that is not 0, NaN if there is none; of arrays element by element."""
-    found: Any = NAN
-    for value in reversed(values):
-        plain = isinstance(value, float | int) and isinstance(found, float)
-        found = value or found if plain else np.where(value != 0.0, value, found)
-    return found

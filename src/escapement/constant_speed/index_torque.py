@@ -9,16 +9,11 @@ from typing import Any
 
 import numpy as np
 
+from escapement.model.materials import given
+
 NAN = math.nan
 _CONSTANT = 1e-12  # share of g below which g' is rounding, as in a table of constant ratio
 _NOTHING = 1e-11  # share of its greatest value below which a deceleration at the exit is rounding
-
-
-def given(value: Any) -> Any:
-    """A number, or NaN in its place if it is 0; or an array of these."""
-    if isinstance(value, float | int):
-        return value or NAN
-    return np.where(value != 0.0, value, NAN)
 
 
 class IndexTorque:

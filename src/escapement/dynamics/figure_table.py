@@ -16,8 +16,17 @@ def _sized(escapement: Any) -> bool:
     return escapement.mechanism.crank_radius is not None
 
 
+def _stressed(escapement: Any) -> bool:
+    return bool(escapement.pin_length)
+
+
 def _motored(escapement: Any) -> bool:
     return escapement.no_load_speed is not None
+
+
+def _never(_escapement: Any) -> bool:
+    """Of what studies compute, since only these know the length of a run."""
+    return False
 
 
 def uneven(escapement: Any) -> bool:
@@ -25,6 +34,7 @@ def uneven(escapement: Any) -> bool:
     return escapement.contact or len(escapement.pairs) > 1
 
 
+RUN_TIME = "run_time"
 FIGURES = {
     "velocity_max": Result("speed", "largest driver velocity of the terminal cycle"),
     "velocity_min": Result("speed", "smallest driver velocity of the terminal cycle"),
@@ -37,6 +47,7 @@ FIGURES = {
     "blow_max": Result(
         "energy", "energy lost in the greatest impact, its friction included", exists=uneven
     ),
+    RUN_TIME: Result("time", "time in which the driver makes its turns", exists=_never),
     "rise_time": Result("time", "time of the first velocity extremum within 2 % of terminal"),
     "rise_time_63": Result("time", "time in which the handoff velocity's deviation falls to 1/e"),
     "rise_time_98": Result("time", "time in which the handoff velocity's deviation falls to 0.02"),
@@ -58,6 +69,20 @@ FIGURES = {
     "follower_acceleration_max": Result("acceleration", "greatest follower acceleration"),
     "contact_moment_max": Result("torque", "greatest moment on the follower"),
     "contact_force_max": Result("force", "greatest force on the pin", exists=_sized),
+    "rubbing_max": Result(
+        "power", "greatest product of force on the pin and sliding speed", exists=_sized
+    ),
+    "pressure_max": Result("pressure", "greatest pressure between pin and wall", exists=_stressed),
+    "pin_bending_max": Result("pressure", "greatest bending stress of the pin", exists=_stressed),
+    "pin_shear_max": Result(
+        "pressure", "greatest mean shear stress of the pin", exists=_stressed
+    ),
+    "pressure_speed_max": Result(
+        "pressure_speed", "greatest mean pressure times sliding speed", exists=_stressed
+    ),
+    "pin_load_frequency": Result(
+        "frequency", "load cycles of each pin in a second", exists=_stressed
+    ),
     "speed_dip": Result(
         "ratio", "share by which the driver velocity falls below its greatest", exists=_motored
     ),

@@ -9,6 +9,7 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass, field, fields, replace
 from functools import cached_property
+from operator import attrgetter
 from typing import Any
 
 import numpy as np
@@ -23,6 +24,8 @@ from escapement.dynamics.motor_figures import NAMES as MOTOR
 from escapement.dynamics.motor_figures import motor_figures
 from escapement.dynamics.trajectory import Extrema
 from escapement.mechanisms.protocol import FloatArray
+from escapement.model.materials import NEEDED as STRESSES
+from escapement.model.materials import pin_stresses
 from escapement.numerics import search
 
 RISE_BAND = 0.02
@@ -49,6 +52,13 @@ def _peak(index: int, meaning: str) -> cached_property[float]:
     peak = cached_property(lambda figures: float(figures._peaks[index]))
     peak.__doc__ = meaning
     return peak
+
+
+def _stress(name: str, meaning: str) -> cached_property[float]:
+    """A stress of the pin."""
+    found = cached_property(lambda figures: float(figures._stresses[name]))
+    found.__doc__ = meaning
+    return found
 
 
 def _of_motor(name: str, meaning: str) -> cached_property[float]:
@@ -84,6 +94,8 @@ class Figures(JudgedResult, Shown):
     velocity_mean : cell angle over period [rad/s].
     period : time of one terminal engagement, dwell included [s]; with imperfect parts the mean
         over the engagements after which pins and slots meet again.
+    run_time : time of the number of turns that a study gives [s]; NaN without one, or if the driver
+        stops before.
     rise_time : first velocity extremum within 2 % of its terminal value [s]. It jumps, by
         half an engagement or so, where a change of the design brings an earlier extremum
         into the band or takes one out. An impact that takes less than 1e-4 of the speed is no
@@ -101,6 +113,10 @@ class Figures(JudgedResult, Shown):
     contact_moment_max : greatest magnitude of the moment on the follower [N m].
     contact_force_max : greatest magnitude of the force on the pin [N]; NaN
         without a crank radius.
+    rubbing_max : greatest product of the force on the pin and its sliding speed [W].
+    pressure_max to pressure_speed_max : see `model.materials.pin_stresses`; NaN without a
+        `pin_length`.
+    pin_load_frequency : how often each pin is loaded [1/s].
     speed_dip, motor_torque_max, motor_torque_rms, motor_stall_share : with a motor, see
         `motor_figures.motor_figures`; without one NaN.
     energy_residual : energy unaccounted for over the terminal cycle, as a share of the work [-].
@@ -124,6 +140,7 @@ class Figures(JudgedResult, Shown):
     velocity_min: float = _NAN
     velocity_mean: float = _NAN
     period: float = _NAN
+    run_time: float = _NAN
     rise_time: float = _NAN
     settling_time: float = _NAN
     rise_time_63: float = _NAN
@@ -158,12 +175,34 @@ class Figures(JudgedResult, Shown):
 
     @cached_property
     def _peaks(self) -> list[float]:
-        return [_NAN] * 4 if self.motion is None else find_peaks(self.motion)
+        return [_NAN] * 5 if self.motion is None else find_peaks(self.motion)
 
     acceleration_max = _peak(0, "Greatest driver acceleration [rad/s^2].")
     follower_acceleration_max = _peak(1, "Greatest follower acceleration [rad/s^2].")
     contact_moment_max = _peak(2, "Greatest moment on the follower [N m].")
     contact_force_max = _peak(3, "Greatest force on the pin [N].")
+    rubbing_max = _peak(4, "Greatest product of force on the pin and sliding speed [W].")
+
+    @cached_property
+    def _stresses(self) -> dict[str, float]:
+        if self.motion is None or not self.motion.escapement.pin_length:
+            return dict.fromkeys(STRESSES, _NAN)
+        owner = self.motion.escapement
+        numbers = owner.settings | owner.mechanism.lengths
+        return pin_stresses(self.contact_force_max, self.rubbing_max, numbers)
+
+    pressure_max = _stress("pressure_max", "Greatest pressure between pin and wall [Pa].")
+    pin_bending_max = _stress("pin_bending_max", "Greatest bending stress of the pin [Pa].")
+    pin_shear_max = _stress("pin_shear_max", "Greatest mean shear stress of the pin [Pa].")
+    pressure_speed_max = _stress("pressure_speed_max", "Greatest pressure times speed [W/m^2].")
+
+    @property
+    def pin_load_frequency(self) -> float:
+        """How often each pin is loaded [1/s]."""
+        if self.motion is None or not self.motion.escapement.pin_length:
+            return _NAN
+        wheel: Any = self.motion.escapement.mechanism
+        return float(1.0 / (wheel.pins * self.period))
 
     @cached_property
     def _motor(self) -> dict[str, float]:
@@ -380,37 +419,42 @@ def _extremes(extrema: Extrema) -> np.ndarray:
 
 
 def find_peaks(motion: Motion) -> list[float]:
-    """Greatest accelerations of driver and follower, contact moment and force of a motion.
+    """Greatest accelerations of driver and follower, contact moment, force, and force times speed.
 
-    They are magnitudes over all pieces, one-sided at their boundaries. The force is NaN
+    They are magnitudes over all pieces, one-sided at their boundaries. The last two are NaN
     without a crank radius.
     """
     # one engine computes them itself; the motion of the other is sampled
     found = motion.trajectory.peaks
     if found is None:
         return _sampled_peaks(motion)
-    *others, force = found.max(axis=1).tolist()
+    *others, force, rubbing = found.max(axis=1).tolist()
     crank = motion.escapement.mechanism.crank_radius
-    return [*others, _NAN if crank is None else force / crank]
+    return [*others, _NAN, _NAN] if crank is None else [*others, force / crank, rubbing]
 
 
 def _sampled_peaks(motion: Motion) -> list[float]:
     """The same from states of the motion."""
-    names = ["theta_ddot", "phi_ddot", "contact_moment"]
+    read: list[Callable[[Any], Any]] = [
+        attrgetter(name) for name in ("theta_ddot", "phi_ddot", "contact_moment")
+    ]
     if motion.escapement.mechanism.crank_radius is not None:
-        names.append("contact_force")
+        read.append(attrgetter("contact_force"))
+        if friction := float(motion.escapement.scene.mu_plus):
+            read.append(lambda states: states.power_lost["friction"] / friction)
     bounds = np.append(motion.trajectory.start, motion.end_time)
     pieces = np.arange(bounds.size - 1)[:, None]
     grid = _first_grid(motion, pieces, bounds)
     first, tops = motion.within(pieces, grid), []
-    for name in names:
+    for one in read:
 
-        def size_at(times: FloatArray, name: str = name) -> FloatArray:
-            return np.asarray(np.abs(getattr(motion.within(pieces, times), name)))
+        def size_at(times: FloatArray, one: Any = one) -> FloatArray:
+            return np.asarray(np.abs(one(motion.within(pieces, times))))
 
-        values, _times = search.peaks(size_at, grid, np.abs(np.asarray(getattr(first, name))))
+        values, _times = search.peaks(size_at, grid, np.abs(np.asarray(one(first))))
         tops.append(float(values.max()))
-    return tops if len(tops) == 4 else [*tops, _NAN]
+    # without friction the states do not tell how the pin slides
+    return [*tops, _NAN, _NAN][:5]
 
 
 def _first_grid(motion: Motion, pieces: np.ndarray, bounds: np.ndarray) -> FloatArray:

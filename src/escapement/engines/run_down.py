@@ -5,13 +5,13 @@ theory if that is as exact as `rtol`: see `engines.energy.rundown_series`.
 """
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from functools import cached_property
 from typing import Any, ClassVar
 
 import numpy as np
-from scipy.optimize import brentq
+from scipy.optimize import brentq, root_scalar
 
 from escapement.base import validate
 from escapement.base.results import Result
@@ -21,6 +21,7 @@ from escapement.dynamics.motion import Motion
 from escapement.engines.simulate import LONGEST, simulate, terminal
 from escapement.mechanisms.protocol import FloatArray
 from escapement.model.escapement import Escapement
+from escapement.model.torque_curve import TorqueCurve
 
 MOST = LONGEST["energy"]
 """Engagements of a run."""
@@ -28,6 +29,8 @@ ROUNDING = 1e-12
 """Turns that differ by less are equal; angles in radians round them [-]."""
 MOST_CELLS = 10_000
 """Greatest number of cells after which the driver may have made whole turns."""
+_LATE = 10.0
+"""Logarithm of time over target for a torque with which the driver stops on the way."""
 ROWS = 11
 """Engagements that are told one by one."""
 
@@ -40,6 +43,10 @@ RUNDOWN = {
     "last_period": Result("time", "duration of the last engagement"),
     "rate_error_percent": Result("ratio", "rate over that of the nominal period, minus 1"),
     "lateness": Result("time", "time minus that of as many nominal periods"),
+    "target_error": Result("time", "time to the end minus the target"),
+    "target_error_percent": Result("ratio", "the same, as a share of the target"),
+    "turns_at_target": Result("ratio", "driver turns at the time of the target"),
+    "torque_for_target": Result("torque", "torque with which the same turns take that time"),
     "time": Result("time", "end of an engagement"),
     "mean_speed": Result("speed", "mean driver speed over an engagement"),
 }
@@ -241,6 +248,42 @@ def rundown(
         status=status,
         message=message,
     )
+
+
+def run_against(run: Rundown, target: float, initial_speed: float = 0.0) -> dict[str, float]:
+    """How a run compares with the time that it should take [s], by name as in `RUNDOWN`.
+
+    The torque for the target is that at the start, of a curve the greatest; the whole curve changes
+    in proportion to it. It is NaN where the driver stops on the way.
+    """
+    error = run.end_time - target
+    reached = rundown(run.escapement, duration=target, initial_speed=initial_speed).end_turns
+    return {
+        "target_error": error,
+        "target_error_percent": 100.0 * error / target,
+        "turns_at_target": reached,
+        "torque_for_target": _torque_for(run, target, initial_speed),
+    }
+
+
+def _torque_for(run: Rundown, target: float, speed: float) -> float:
+    """Torque at the start with which as many turns take the time of the target [N m]."""
+    timer: Any = run.escapement
+    scaled = {"torque": timer.torque, "spring_rate": timer.spring_rate}
+    if run.status not in (Status.OK, Status.SPENT) or not run.end_turns:
+        return math.nan
+
+    def excess(root: float) -> float:
+        numbers = {name: math.exp(root) * x for name, x in scaled.items()}
+        other = rundown(replace(timer, **numbers), turns=run.end_turns, initial_speed=speed)
+        short = other.end_turns < run.end_turns * (1.0 - ROUNDING)
+        return _LATE if short else math.log(other.end_time / target)
+
+    # without a load the time is inversely proportional to the root of the torque
+    guess = 2.0 * math.log(run.end_time / target)
+    found = root_scalar(excess, x0=guess, x1=guess + 1e-3, method="secant", xtol=1e-10)
+    torque = timer.torque.greatest if isinstance(timer.torque, TorqueCurve) else timer.torque
+    return float(torque * math.exp(found.root)) if found.converged else math.nan
 
 
 def turns_before(escapement: Escapement, engagement: Any) -> Any:

@@ -10,9 +10,10 @@ from typing import Any
 from escapement.base import units, validate
 from escapement.base.errors import InvalidValue
 from escapement.base.files import AnyPath
-from escapement.base.quantity import Quantity
+from escapement.base.quantity import Quantity, declared
 from escapement.base.text import Shown
 from escapement.base.toml_file import read_toml
+from escapement.model.escapement import Escapement
 
 Range = tuple[float, float]
 _NUMBER = "give a number, or [low, high]"
@@ -45,9 +46,11 @@ RANGES = _by_name(
     _quantity("slots", "slots of the follower", whole=True, minimum=3, maximum=64),
 )
 """Numbers that the search chooses from a range."""
+MATERIALS = {name: declared(Escapement)[name] for name in ("pin_material", "wheel_material")}
 BOUNDS = _by_name(
     _quantity("scatter", "half the relative change of the period over the friction range"),
     _quantity("contact_force_max", "greatest force on a pin", "force"),
+    _quantity("pressure_max", "greatest pressure between a pin and its slot", "pressure"),
     _quantity("size", "length of both discs together along the line of centres", "length"),
     _quantity("mass", "mass of driver and follower discs", "mass"),
     _quantity("rise_time_98", "time to 98 % of the terminal speed", "time"),
@@ -94,6 +97,9 @@ class Requirement(Shown):
         Radius of the pins over the crank radius [-].
     density : float
         Density of the discs [kg/m^3], which have the outlines of `parts_of`.
+    pin_material, wheel_material : str or Material
+        Of pins and wheel, for the pressure: a name, or modulus [Pa] and Poisson's ratio. A pin is
+        as long as the follower's disc is thick.
     bounds : Mapping
         (least, greatest) value of figures, by names in `BOUNDS`. A single number is the greatest
         value, but the least for the jam margin and the thinnest wall. Without bounds of their
@@ -114,6 +120,8 @@ class Requirement(Shown):
     inertia_ratio: Any = (0.01, 10.0)
     pin: float = 0.05
     density: float = 7850.0
+    pin_material: Any = "steel"
+    wheel_material: Any = "steel"
     bounds: Mapping[str, Any] = field(default_factory=dict)
     objectives: tuple[str, ...] = ("scatter", "contact_force_max", "size")
 
@@ -122,6 +130,8 @@ class Requirement(Shown):
         for name, entry in NUMBERS.items():
             if values[name] is not None:
                 values[name] = entry.check(name, values[name])
+        for name, setting in MATERIALS.items():
+            values[name] = setting.check(name, values[name])
         if self.torque is None:
             raise validate.fail("torque", "given", None, _NUMBER)
         for name, entry in RANGES.items():
@@ -195,7 +205,7 @@ def requirement_of(content: dict[str, Any]) -> tuple[Requirement, str]:
     """A requirement from the content of its file, and its unit system; errors as in
     `load_requirement`."""
     system = validate.choice("units", content.pop("units", units.SYSTEMS[0]), units.SYSTEMS)
-    keys = ("units", *NUMBERS, *RANGES, "internal", "objectives", "bounds")
+    keys = ("units", *NUMBERS, *RANGES, *MATERIALS, "internal", "objectives", "bounds")
     validate.known_keys(content, keys, "in a wish")
     bounds = content.pop("bounds", {})
     if not isinstance(bounds, dict):

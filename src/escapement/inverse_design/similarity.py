@@ -25,6 +25,7 @@ from escapement.inverse_design.requirement import Requirement
 from escapement.mechanisms import Geneva
 from escapement.mechanisms.protocol import FloatArray
 from escapement.model.escapement import Escapement, Inertia
+from escapement.model.materials import contact_modulus, hertz_pressure, material
 from escapement.outlines.parts import parts_of
 from escapement.study.running import sweep
 
@@ -121,16 +122,21 @@ class UnitWheel:
         follower = torque * (self.period / period) ** 2
         driver, scale = ratio * follower, radius**4 * density
         masses = (i * a / j for i, (a, j) in ((driver, discs.driver), (follower, discs.follower)))
+        thick = follower / (discs.follower[1] * scale)
+        given = self.requirement
+        modulus = contact_modulus(material(given.pin_material), material(given.wheel_material))
+        greatest, pin = force * torque / radius, given.pin * radius
         return {
             "scatter": scatter,
-            "contact_force_max": force * torque / radius,
+            "contact_force_max": greatest,
+            "pressure_max": hertz_pressure(greatest, modulus, thick, pin),
             "size": discs.size * radius,
             "mass": sum(masses) / radius**2,
             "rise_time_98": rise * np.sqrt(follower / torque),
             "driver_inertia": driver,
             "follower_inertia": follower,
             "driver_thickness": driver / (discs.driver[1] * scale),
-            "follower_thickness": follower / (discs.follower[1] * scale),
+            "follower_thickness": thick,
             "thinnest_wall": discs.wall * radius,
             "jam_margin": table.T[4] + 0.0 * radius,
         }

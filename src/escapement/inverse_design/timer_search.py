@@ -256,6 +256,8 @@ def _made(wheel: UnitWheel, point: FloatArray) -> Design | None:
             return None  # it stops on the way
         found["rise_time_98"] *= math.sqrt(share)
         found |= {name: found[name] * share for name in _OF_INERTIA}
+        # a thicker disc has longer pins
+        found["pressure_max"] /= math.sqrt(share)
         inertia = Inertia(found["driver_inertia"], found["follower_inertia"])
         timer = replace(timer, inertia=inertia)
     values = {name: float(x) for name, x in found.items()}

@@ -50,6 +50,19 @@ def check_load(owner: Any) -> None:
         steps_of(owner.load_curve, abs(float(owner.mechanism.follower_step)))
 
 
+def check_pin(values: Mapping[str, Any], mechanism: Any) -> None:
+    """Refuse the length of a pin of which the stresses cannot be told."""
+    if not (length := values["pin_length"]):
+        return
+    if not mechanism.crank_radius:
+        rule, remedy = "0 for a mechanism without a length", "give the crank radius"
+        raise validate.fail("pin_length", rule, length, remedy)
+    sizes = values["pressure_pin_radius"], mechanism.pin_radius, values.get("pressure_limit")
+    if not any(sizes):
+        rule = "given with the radius of the pin"
+        raise validate.fail("pin_length", rule, length, "give pin_radius or pressure_pin_radius")
+
+
 def check_trains(owner: Any, running_down: bool) -> None:
     """Refuse trains that lose power where no engine computes them.
 

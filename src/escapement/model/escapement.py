@@ -20,10 +20,12 @@ from escapement.model.checks import (
     check_contact,
     check_load,
     check_losses,
+    check_pin,
     check_trains,
     idle_settings,
 )
 from escapement.model.load_curve import Load, LoadSetting, steps_of
+from escapement.model.materials import MATERIALS, MaterialSetting
 from escapement.model.motor import Motor
 from escapement.model.natural import natural, resistances
 from escapement.model.scene import Joint, Scene
@@ -37,6 +39,8 @@ from escapement.model.train import (
     trains_of,
 )
 
+STRESSES = "Stresses of the pin"
+_MATERIAL = f"a name ({', '.join(MATERIALS)}), or modulus in Pa and Poisson's ratio"
 CONTACT_LAWS = ("linear", "hunt-crossley")
 FRICTION, AIR, CONTACT = "Friction", "Air", "Clearance and contact"
 """Headings of the groups of numbers."""
@@ -102,6 +106,21 @@ def _viscous(body: str) -> dict[str, Any]:
     )  # fmt: skip
 
 
+def _of_pin(what: str, **rule: Any) -> dict[str, Any]:
+    return quantity(
+        what, "length", remedy="give the length", slotted=True, instead="efficiency",
+        group=STRESSES, **rule,
+    )  # fmt: skip
+
+
+def _material(of: str) -> dict[str, Any]:
+    return setting(MaterialSetting(
+        long_name=f"material of the {of}, {_MATERIAL}", metavar="NAME", group=STRESSES,
+        remedy="name a material, or give two numbers, 206e9,0.3", needs="pin_length",
+        slotted=True, instead="efficiency",
+    ))  # fmt: skip
+
+
 @dataclass(frozen=True, repr=False)
 class Escapement(Declared):
     """A mechanism with inertia and losses under a driving torque.
@@ -163,6 +182,13 @@ class Escapement(Declared):
         "linear", or "hunt-crossley", whose force grows with the power 1.5 of the penetration.
     slip_speed : float
         Sliding speed below which the friction of a compliant contact fades [m/s].
+
+    pin_length, pin_gap : float
+        Length of the pin in its slot, and the gap between driver and slot, for its stresses [m].
+    pressure_pin_radius : float
+        Radius of the pin for its stresses alone [m]; by default that of the pin or roller.
+    pin_material, wheel_material : str or Material
+        A name in `MATERIALS`, or Young's modulus [Pa] and Poisson's ratio.
 
     Lengths can be given only if the mechanism has a size, `crank_radius` or `fixed_radius`.
 
@@ -241,6 +267,16 @@ class Escapement(Declared):
         instead="efficiency", metavar="V", remedy="give the speed, 0 if the engine shall choose it",
         needs="stiffness", group=CONTACT
     ))  # fmt: skip
+    pin_length: float = field(default=0.0, metadata=_of_pin("length of the pin in its slot"))
+    pin_gap: float = field(default=0.0, metadata=_of_pin(
+        "gap between the driver and the slot, for the bending of the pin", needs="pin_length"
+    ))  # fmt: skip
+    pressure_pin_radius: float = field(default=0.0, metadata=_of_pin(
+        "radius of the pin for its stresses alone", needs="pin_length",
+        note=", by default that of the pin or roller",
+    ))  # fmt: skip
+    pin_material: Any = field(default="steel", metadata=_material("pin"))
+    wheel_material: Any = field(default="steel", metadata=_material("wheel"))
     barrel: Train | None = None
     load_train: Train | None = None
 
@@ -265,6 +301,7 @@ class Escapement(Declared):
         check_trains(self, self.curve is not None)
         check_contact(self.contact, self.mechanism, vars(self))
         check_load(self)
+        check_pin(vars(self), self.mechanism)
 
     def _take_motor(self) -> None:
         """Replace a motor by its numbers."""
@@ -584,6 +621,10 @@ class Run(Declared):
     engagements: int = field(default=20, metadata=quantity(
         "engagements to run", minimum=1, whole=True, axis=False, metavar="N",
         remedy="give the number of engagements; the figures of merit need no long motion"
+    ))  # fmt: skip
+    turns: float | None = field(default=None, metadata=quantity(
+        "driver turns to run", exclusive=True, metavar="N",
+        remedy="give how often the driver turns"
     ))  # fmt: skip
     duration: float | None = field(default=None, metadata=quantity(
         "time to run", "time", exclusive=True, axis=False, note=", instead of engagements",

@@ -3,11 +3,18 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from escapement.base import validate
+from escapement.base.lazy import Lazy
 from escapement.base.quantity import Setting
+
+if TYPE_CHECKING:
+    import numpy as np
+else:
+    np = Lazy("numpy")
 
 
 class Material(NamedTuple):
@@ -102,3 +109,59 @@ def pin_bending(force: float, length: float, gap: float, radius: float) -> float
 def pin_shear(force: float, radius: float) -> float:
     """Mean shear stress of a round pin, 4 N/(pi d^2) [Pa]."""
     return force / (math.pi * radius**2)
+
+
+def given(value: Any) -> Any:
+    """A number, or NaN in its place if it is 0; or an array of these."""
+    if isinstance(value, float | int):
+        return value or math.nan
+    return np.where(value != 0.0, value, math.nan)
+
+
+def first_given(*values: Any) -> Any:
+    """The first that is not 0, NaN if there is none; of arrays element by element."""
+    found: Any = math.nan
+    for value in reversed(values):
+        plain = isinstance(value, float | int) and isinstance(found, float)
+        found = value or found if plain else np.where(value != 0.0, value, found)
+    return found
+
+
+def pin_stresses(force: Any, rubbing: Any, numbers: Mapping[str, Any]) -> dict[str, Any]:
+    """Stresses of a pin in its slot, by the names of figures of merit [SI].
+
+    Parameters
+    ----------
+    force : float or ndarray
+        Greatest force on it [N].
+    rubbing : float or ndarray
+        Greatest product of the force and the sliding speed [W].
+    numbers : Mapping
+        `pin_length` to `wheel_material` as of an `Escapement`, and the radii of its mechanism:
+        numbers, or arrays of those of many designs.
+
+    Returns
+    -------
+    dict
+        NaN without a length or a radius of the pin. The pressure that is multiplied by the speed
+        is that on the projected area of the pin, 2 r L, as usual for plain bearings; a roller
+        does not slide in its slot.
+    """
+    pin, roller = numbers["pin_radius"], numbers["roller_radius"]
+    own, length = numbers["pressure_pin_radius"], given(numbers["pin_length"])
+    outer, inner = first_given(own, roller, pin), first_given(pin, own)
+    slides = np.where(np.asarray(roller) > 0.0, math.nan, 1.0)[()]
+    modulus = contact_modulus(*(material(numbers[f"{x}_material"]) for x in ("pin", "wheel")))
+    return {
+        "pressure_max": hertz_pressure(force, modulus, length, outer),
+        "pin_bending_max": pin_bending(force, length, numbers["pin_gap"], inner),
+        "pin_shear_max": pin_shear(force, inner) + 0.0 * length,
+        "pressure_speed_max": slides * rubbing / (2.0 * outer * length),
+    }
+
+
+NEEDED = {
+    **dict.fromkeys(("pressure_max", "pin_bending_max", "pin_shear_max"), "contact_force_max"),
+    "pressure_speed_max": "rubbing_max",
+}
+"""The figure from which each of these follows."""

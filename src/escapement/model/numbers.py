@@ -11,6 +11,9 @@ from escapement.model.train import numbers_of_trains
 _OF_CONTACT = ("clearance", "restitution", "stiffness", "damping", "slip_speed")
 """Numbers that affect a terminal cycle only with clearance or compliant contact."""
 
+_OF_PIN = ("pin_length", "pin_gap", "pressure_pin_radius")
+"""Numbers that affect only stresses of the pin."""
+
 
 def numbers_of(escapement: Escapement) -> dict[str, float]:
     """The numbers of an escapement that may vary, by the names that studies use [SI]."""
@@ -19,6 +22,7 @@ def numbers_of(escapement: Escapement) -> dict[str, float]:
     settings = {**escapement.inertia.settings, **escapement.settings}
     # the terminal cycle belongs to the full torque of a spring
     left_out = ("spring_rate", *(() if escapement.contact else _OF_CONTACT))
+    left_out += () if escapement.pin_length else _OF_PIN
     found = {}
     for entry in (*quantities(Inertia).values(), *quantities(Escapement).values()):
         bare = entry.unit != "length" or length

@@ -10,6 +10,8 @@ from escapement.base.units import factor
 from escapement.dynamics.figure_table import FIGURES
 from escapement.plots import style
 from escapement.plots.style import finished, readable
+from escapement.tolerance.intervals import per_cent
+from escapement.tolerance.spread import grouped
 
 if TYPE_CHECKING:
     from escapement.tolerance.tolerance_budget import Budget
@@ -39,7 +41,12 @@ def plot_budget(found: "Budget", figure: str | None = None) -> Figure:
     scatter, kind = found.figures[name], FIGURES[name].kind
     drawn = style.new_figure(style.TWO_COLUMN, 3.0)
     left, right = style.new_panels(drawn, 1, 2)
-    shares = [*scatter.contributions.items()]
+    parts = scatter.contributions
+    shares = [
+        (f"{key}, {len(names)} equal" if len(names) > 1 else key, sum(parts[n] for n in names))
+        for key, names in grouped(parts).items()
+    ]
+    shares.sort(key=lambda one: -one[1])
     bars = shares[:MOST]
     if shares[MOST:]:
         bars.append((f"{len(shares) - MOST} others", sum(share for _, share in shares[MOST:])))
@@ -59,8 +66,7 @@ def plot_budget(found: "Budget", figure: str | None = None) -> Figure:
     right.axvline(scatter.nominal * scale, color=style.BLUE, label="nominal")
     if scatter.limits and scatter.inside:
         low, high = scatter.limits
-        share = [100.0 * value for value in (scatter.inside.low, scatter.inside.high)]
-        text = f"limits: {share[0]:.3g} to {share[1]:.3g} % within (95 %)"
+        text = f"limits: {per_cent(scatter.inside)} % within (95 %)"
         right.axvline(low * scale, label=text, **style.BROKEN)
         right.axvline(high * scale, **style.BROKEN)
     finished(right, (words(name), unit), ("cases", ""), 1)

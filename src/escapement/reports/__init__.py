@@ -67,12 +67,15 @@ def report(
     write_file(path, [text.encode()], force)
 
 
-def page(escapement: Escapement, budget: Budget | None, title: str, initial_speed: float) -> str:
-    """The text of a report; arguments as in `report`."""
+def page(
+    escapement: Escapement, budget: Budget | None, title: str, initial_speed: float, date: str = ""
+) -> str:
+    """The text of a report; arguments as in `report`, and the date of the design."""
     name = title or f"A {escapement.mechanism.kind} escapement"
     figures = simulation.terminal(escapement, initial_speed=initial_speed)
     motion = simulation.simulate(escapement, _ENGAGEMENTS, initial_speed=initial_speed)
-    parts = [sections.section("The design", sections.of_inputs(escapement, initial_speed))]
+    parts = [sections.paragraph(date)] if date else []
+    parts += [sections.section("The design", sections.of_inputs(escapement, initial_speed))]
     text = sections.paragraph(f"The figures of the terminal cycle: {figures.message}.")
     if figures.status is Status.OK:
         text += sections.of_record(record_of(figures, escapement))
@@ -89,7 +92,8 @@ def page(escapement: Escapement, budget: Budget | None, title: str, initial_spee
         parts.append(sections.section("How it runs down", text))
     if budget is not None:
         parts.append(sections.section("What the tolerances do", sections.of_budget(budget)))
-    parts.append(sections.section("What is assumed", sections.of_assumptions(escapement)))
+    assumed = sections.of_assumptions(escapement, budget.spreads if budget else ())
+    parts.append(sections.section("What is assumed", assumed))
     style = files(__name__).joinpath("page.css").read_text(encoding="utf-8")
     return (
         "<!doctype html>\n"

@@ -1,5 +1,8 @@
 """What the model of a design leaves out, and roughly what that would change."""
 
+from collections.abc import Iterable
+
+from escapement.mechanisms.wheel_checks import IMPERFECT
 from escapement.model.escapement import Escapement
 
 ALWAYS = (
@@ -11,14 +14,16 @@ ALWAYS = (
 """Effects that no design includes, and the assumption instead."""
 
 
-def left_out(escapement: Escapement) -> list[tuple[str, str]]:
+def left_out(escapement: Escapement, varied: Iterable[str] = ()) -> list[tuple[str, str]]:
     """Effects without numbers in this design, and the change that they usually cause.
+
+    Numbers that are `varied` about the design are among those that it has.
 
     The sizes are those of docs/effects.md and docs/tolerances.md, for Geneva wheels at
     frictions from 0.20 to 0.35.
     """
     real, wheel = escapement, escapement.mechanism
-    given = real.settings | wheel.lengths
+    given = real.settings | wheel.lengths | dict.fromkeys(varied, True)
 
     def lacks(*names: str) -> bool:
         return not any(given[name] for name in names)
@@ -38,13 +43,13 @@ def left_out(escapement: Escapement) -> list[tuple[str, str]]:
     if lacks("driver_viscous", "follower_viscous"):
         text = "oil in journals adds less than 0.1 %, a film between faces 1 to 9 %"
         found.append(("oil", text))
-    if wheel.perfect:
+    if wheel.perfect and not any(name.startswith(IMPERFECT) for name in given):
         text = (
             "a centre distance a thousandth too short makes the period 1 % longer, one too long "
             "makes it 0.3 % shorter"
         )
         found.append(("errors of the parts", text))
-    if real.curve is None:
+    if real.curve is None and lacks("spring_rate"):
         text = "a torque that falls by 1 % makes the period 0.5 % longer"
         found.append(("a spring that runs down", text))
     return found

@@ -19,7 +19,8 @@ from escapement.engines.run_down import RUNDOWN
 from escapement.model.escapement import Escapement
 from escapement.model.inputs import in_words, inputs_of
 from escapement.reports.assumptions import ALWAYS, left_out
-from escapement.tolerance.scatter_record import tables_of
+from escapement.tolerance.intervals import per_cent
+from escapement.tolerance.scatter_record import permitted_table, tables_of
 
 if TYPE_CHECKING:
     from escapement.engines.run_down import Rundown
@@ -91,13 +92,16 @@ def of_budget(budget: Budget) -> str:
         for one in tables_of(scatter, name, spoken()):
             parts.append(f"<h3>{html.escape(one.title)}</h3>" * (one.title != "") + of_table(one))
         if scatter.inside:
-            low, high = (100.0 * x for x in (scatter.inside.low, scatter.inside.high))
             parts.append(paragraph(
                 f"{100.0 * scatter.inside.value:.1f} % of {budget.size} cases lie within the "
-                f"limits; with 95 % confidence the share is {low:.1f} to {high:.1f} %."
+                f"limits; with 95 % confidence the share is "
+                f"{per_cent(scatter.inside)} %."
             ))  # fmt: skip
         caption = f"Contributors to the scatter of the {words(name)}, and the sample"
         parts.append(picture(partial(plots.plot_budget, budget, name), caption))
+    for share, ranges in budget.permitted.items():
+        one = permitted_table(share, ranges, spoken())
+        parts.append(f"<h3>{html.escape(one.title)}</h3>" + of_table(one))
     parts.append(
         paragraph(f"{budget.message[:1].upper()}{budget.message[1:]}.") * (budget.message != "done")
     )
@@ -122,9 +126,9 @@ def of_pictures(escapement: Escapement, motion: Motion) -> str:
     return drawn + picture(lambda: plots.plot_velocities(motion), caption)
 
 
-def of_assumptions(escapement: Escapement) -> str:
-    """What the model leaves out."""
-    missing = left_out(escapement)
+def of_assumptions(escapement: Escapement, varied: Iterable[str]) -> str:
+    """What the model leaves out; `varied` are numbers that a budget varies."""
+    missing = left_out(escapement, varied)
     parts = []
     if missing:
         parts += [paragraph("This design was computed without"), table(("", "usual size"), missing)]

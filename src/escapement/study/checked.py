@@ -68,18 +68,13 @@ def _due(kind: Any, count: int) -> int:
 
 def _judge_known(plan: StudyPlan, figures: FloatArray, status: NDArray[np.uint8]) -> None:
     """Judge all scenes by the residual of their energy balance, where it is a result."""
-    names = _names(plan)
+    names = plan.solved
     if "energy_residual" in names:
         row = names.index("energy_residual")
         limit = max(TOLERATED, plan.solver.tolerance)
         wrong = (status == Status.OK) & ~(np.abs(figures[row]) <= limit)
         others = np.arange(len(names)) != row
         figures[np.ix_(others, wrong)], status[wrong] = np.nan, Status.NOT_CONVERGED
-
-
-def _names(plan: StudyPlan) -> list[str]:
-    """The results of a study but the status, as `figures` has them."""
-    return [name for name in plan.results if name != "status"]
 
 
 def _sample(
@@ -104,6 +99,6 @@ def _is_right(plan: StudyPlan, case: Any, figures: FloatArray) -> bool:
     limit = max(ALIKE, plan.solver.tolerance)
     return all(
         abs(value / (getattr(found, name) * escapement.time_unit ** _COMPARED[name]) - 1.0) <= limit
-        for name, value in zip(_names(plan), figures.tolist(), strict=True)
+        for name, value in zip(plan.solved, figures.tolist(), strict=True)
         if name in _COMPARED
     )

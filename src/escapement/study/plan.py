@@ -15,12 +15,14 @@ from escapement.base.errors import InvalidValue
 from escapement.base.quantity import Quantity, Setting, declared
 from escapement.base.results import Result
 from escapement.base.text import Shown
+from escapement.dynamics.figure_table import RUN_TIME
 from escapement.engines.solver import Solver
 from escapement.mechanisms import KINDS, kind_of
 from escapement.mechanisms.protocol import Mechanism
 from escapement.mechanisms.wheel_checks import IMPERFECT, LENGTHS
 from escapement.model.checks import idle_settings
 from escapement.model.escapement import Escapement, escapement_of
+from escapement.model.materials import NEEDED
 from escapement.model.torque_curve import TorqueCurve
 from escapement.study.result import kept
 from escapement.study.subject import ESCAPEMENT, SUBJECTS, Subject, subject_of
@@ -187,6 +189,12 @@ class StudyPlan(Shown):
         """The results that the study keeps of every case, by name, the status last."""
         return kept(self.configuration)
 
+    @cached_property
+    def solved(self) -> list[str]:
+        """Figures that are computed of every scene: the results, or what these follow from."""
+        names = (NEEDED.get(name, name) for name in self.results if name != "status")
+        return [*dict.fromkeys(names)]
+
     def unit(self, name: str) -> str:
         """UDUNITS spelling of the unit of a parameter, a dimension or a result."""
         return units.unit_name(unit_kind(name), self.configuration["units"])
@@ -328,6 +336,8 @@ class StudyPlan(Shown):
         if self.subject is not ESCAPEMENT:
             return notes[0]
         named = "the torque behind the start" if self.curve else "spring_rate"
+        if RUN_TIME in self.results:
+            return notes[0]
         if self.curve or np.any(self.every("spring_rate")):
             notes.append(f"{named} has no effect on results, which are those of the first torque")
         return "; ".join(filter(None, notes))

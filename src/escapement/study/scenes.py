@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from escapement.base.errors import InvalidValue
 from escapement.base.quantity import quantities
 from escapement.base.status import Status
-from escapement.dynamics.figure_table import FIGURES, TRANSIENT
+from escapement.dynamics.figure_table import FIGURES, RUN_TIME, TRANSIENT
 from escapement.dynamics.figures_of_merit import Figures
 from escapement.engines import simulate as simulation
 from escapement.mechanisms.protocol import FloatArray
@@ -43,13 +43,17 @@ NO_LOAD = "no_load_speed"
 MOST_SHARED = 1 << 20
 """Scenes that are kept for all blocks of a study: 50 MiB."""
 
+_FORMULAS = ("velocity_mean", "velocity_average_published", "pin_load_frequency")
+"""Figures that follow from others."""
+_ALONE, _RUNDOWN = 1e-3, 1e-2
+"""Rough times of a case that is built as an escapement, and of one that runs down [s]."""
 _PIN = Scene._fields.index("pin") - Scene._fields.index("rho")
 _LIMITS = ("critical_friction", "uniqueness_friction", "jam_margin")
 """Figures that a case has even if it does not move."""
 
 SceneFigures = tuple[FloatArray, NDArray[np.uint8]]
-"""The figures of merit that a study keeps, in natural units and in its order, shape (k, n), and
-the status, shape (n,)."""
+"""The figures of merit `StudyPlan.solved` in natural units, shape (k, n), and the status, shape
+(n,)."""
 
 
 class SharedScenes(NamedTuple):
@@ -97,7 +101,7 @@ def shared_scenes(plan: StudyPlan) -> SharedScenes | None:
 def solve_scenes(plan: StudyPlan, cases: NDArray[np.int64]) -> SceneFigures:
     """Figures of the scenes of some cases, none of them solved twice."""
     first, which, machine, scene, sound = _distinct(plan, cases)
-    figures = np.full((len(plan.results) - 1, first.size), np.nan)
+    figures = np.full((len(plan.solved), first.size), np.nan)
     status = np.full(first.size, Status.INVALID, dtype=np.uint8)
     # the mechanism is the primary key of the order, so that its scenes follow each other
     other = np.flatnonzero((np.diff(machine) != 0).any(axis=0))
@@ -176,10 +180,18 @@ def _solve(
 ) -> SceneFigures:
     """Solve the scenes of one mechanism, shape (k, n), to which these cases belong."""
     from escapement.engines.energy import batch, cycle
+    from escapement.engines.energy.peaks import PEAKS
 
     errors = None if plan.perfect else _errors(plan, mechanism, cases)
     table, status = batch.solve(mechanism, scene, plan.solver.tolerance, _extent(plan), errors)
     found = dict(zip(cycle.COLUMNS, table.T, strict=True))
+    wanted = {*PEAKS} & {*plan.solved}
+    if wanted and plan.perfect:
+        given = mechanism, scene, found["handoff_velocity"], plan.solver.tolerance
+        # forces are in units of torque over a length that no case changes
+        crank = plan.lengths["crank_radius"] or np.nan
+        units = {"contact_force_max": 1.0 / crank, "rubbing_max": crank / crank}
+        found |= {n: x * units.get(n, 1.0) for n, x in batch.peaks(*given, wanted).items()}
     return _in_order(plan, mechanism, found, cases), status
 
 
@@ -204,7 +216,7 @@ def _extent(plan: StudyPlan) -> int:
     """How far the motions of a plan are followed from their start."""
     from escapement.engines.energy.case_figures import Extent
 
-    wanted = {*plan.results}
+    wanted = {*plan.solved}
     if not wanted.isdisjoint(("rise_time_63", "rise_time_98")):
         return Extent.FALLEN
     return Extent.CYCLE if wanted.isdisjoint(TRANSIENT) else Extent.SETTLED
@@ -216,12 +228,14 @@ def _in_order(
     """The figures that a study keeps, from the kernels and from each case separately."""
     found["velocity_mean"] = mechanism.cell_angle / found["period"]
     found["velocity_average_published"] = 0.5 * (found["velocity_max"] + found["velocity_min"])
-    others = [name for name in plan.results if name in FIGURES and name not in found]
+    if "pin_load_frequency" in plan.solved:
+        found["pin_load_frequency"] = 1.0 / (mechanism.pins * found["period"])
+    others = [name for name in plan.solved if name not in found]
     if others:  # each case is then built as an escapement, which takes longer than to solve it
         handoffs = zip(cases.tolist(), found["handoff_velocity"], strict=True)
         rows = [_rest(plan, case, others, handoff) for case, handoff in handoffs]
         found |= dict(zip(others, np.array(rows).T, strict=True))
-    return np.array([found[name] for name in plan.results if name in found])
+    return np.array([found[name] for name in plan.solved])
 
 
 def _rest(plan: StudyPlan, case: int, names: Sequence[str], handoff: float) -> list[float]:
@@ -253,12 +267,35 @@ def si_unit(name: str, clock: Any, torque: Any, motor_torque: Any) -> Any:
     if name.startswith("motor_torque"):
         return motor_torque
     scales = {"speed": 1.0 / clock, "time": clock, "acceleration": clock**-2.0}
+    scales |= {"power": torque / clock, "frequency": 1.0 / clock}
     return (scales | dict.fromkeys(("torque", "force", "energy"), torque)).get(kind, 1.0)
+
+
+def cost_note(plan: StudyPlan) -> str:
+    """Which results make a study long, since they are computed case by case; "" if none does."""
+    from escapement.engines.energy.cycle import COLUMNS
+    from escapement.engines.energy.peaks import PEAKS
+
+    fast = {*COLUMNS, *_FORMULAS, *(PEAKS if plan.perfect else ())}
+    slow = [name for name in plan.solved if name not in fast]
+    if RUN_TIME in slow:
+        slow, each = [RUN_TIME], _RUNDOWN
+    else:
+        each = _ALONE
+    minutes = plan.cases * each / 60.0
+    if not slow or plan.subject is not ESCAPEMENT or minutes < 1.0:
+        return ""
+    names, verb = ", ".join(slow), "is" if len(slow) == 1 else "are"
+    return (
+        f"{names} {verb} computed case by case, about {1e3 * each:g} ms for each: some "
+        f"{minutes:.0f} minutes on one processor"
+    )
 
 
 def together(plan: StudyPlan) -> bool:
     """Whether many cases are solved at once; otherwise one by one."""
-    if plan.subject is not ESCAPEMENT or plan.fixed_si.get("load_curve") is not None:
+    apart = RUN_TIME in plan.results or plan.fixed_si.get("load_curve") is not None
+    if plan.subject is not ESCAPEMENT or apart:
         return False
     if plan.solver.engine != "energy" or plan.perfect:
         return plan.solver.engine == "energy"

@@ -74,7 +74,7 @@ def solved_scenes(
         return None
     size = shared.cases.size
     step = min(max(size // 64, _FEWEST), _MOST)
-    figures, status = np.empty((len(plan.results) - 1, size)), np.empty(size, dtype=np.uint8)
+    figures, status = np.empty((len(plan.solved), size)), np.empty(size, dtype=np.uint8)
     starts = mixed(range(0, size, step))
     parts = ((start, shared.cases[start : start + step]) for start in starts)
     if progress is not None:

@@ -10,12 +10,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from escapement.base import files, validate
-from escapement.base.errors import CannotCreate
+from escapement.base.errors import CannotCreate, InputFileError, InvalidValue
 from escapement.base.files import AnyPath
-from escapement.base.text import csv_lines
+from escapement.base.text import csv_lines, words
+from escapement.base.units import unit_name
+from escapement.constant_speed.index_record import INDEX
+from escapement.dynamics.figure_table import FIGURES
 from escapement.study.block import Block, blocks_of, decode
+from escapement.study.plan import unit_kind
 from escapement.study.reader import check_same
-from escapement.study.result import Study, count_failed
+from escapement.study.result import Study, count_failed, kept
 
 CSV, PARQUET = ".csv", ".parquet"
 _ROWS = 1 << 17  # rows in a row group of Parquet
@@ -142,3 +146,79 @@ def read_rows(path: AnyPath, cases: Sequence[int] | None = None) -> Columns:
         wanted = None if cases is None else set(cases)
         lines = (line for n, line in enumerate(file) if wanted is None or n in wanted)
         return dict(zip(names, np.loadtxt(lines, delimiter=",", ndmin=2).T, strict=True))
+
+
+def read_table(path: AnyPath, system: str | None = None) -> Study:
+    """The study of a table that `sweep` wrote.
+
+    Parameters
+    ----------
+    path : path
+        CSV or Parquet.
+    system : str, optional
+        System of units of a CSV table, which does not hold it.
+
+    Raises
+    ------
+    InputFileError
+        When it is not such a table.
+    InvalidValue
+        When a CSV table has no `system`.
+    """
+    try:
+        columns, about = read_rows(path), _about(Path(path), system)
+        names = kept(about["configuration"])
+        given = [name for name in columns if name not in names]
+        cut = given.index("case") + 1 if "case" in given else len(given)
+        axes = {name: columns[name][np.sort(_firsts(columns[name]))] for name in given[:cut]}
+        shape = tuple(values.size for values in axes.values())
+        last = slice(axes[given[cut - 1]].size)
+        return Study(
+            axes=axes,
+            results={n: columns[n].astype(x.dtype).reshape(shape) for n, x in names.items()},
+            units=about["units"], long_names=about["long_names"],
+            configuration=about["configuration"], attributes=about["attributes"],
+            sampled={name: columns[name][last] for name in given[cut:]},
+        )  # fmt: skip
+    except (LookupError, ValueError, TypeError, StopIteration) as error:
+        if isinstance(error, InvalidValue):
+            raise
+        raise InputFileError(
+            f"file {path} must be a table that sweep wrote, got another one ({error}); "
+            "sweep into an HDF5 file"
+        ) from None
+
+
+def _firsts(values: NDArray[Any]) -> NDArray[Any]:
+    """Index of the first occurrence of each value."""
+    return np.unique(values, return_index=True)[1]
+
+
+def _about(path: Path, system: str | None) -> dict[str, Any]:
+    """Configuration, units and descriptions of a table; of CSV those of its names."""
+    if path.suffix.lower() == PARQUET:
+        from pyarrow import parquet
+
+        schema = parquet.read_schema(path)
+        about: dict[str, Any] = json.loads(schema.metadata[_ATTRIBUTES])
+        described = {one.name: one.metadata[b"long_name"].decode() for one in schema}
+        configuration = json.loads(about["configuration"])
+        about |= {"configuration": configuration, "attributes": {"title": about["title"]}}
+        return about | {"long_names": described}
+    if system is None:
+        rule, remedy = "given for CSV, which does not hold them", "give --units of the study"
+        raise validate.fail("units", rule, None, remedy)
+    with open(path, encoding="ascii") as file:
+        names = next(file).strip().split(",")
+    results = [name for name in names if name in FIGURES | INDEX]
+    drive = not {*results} <= {*FIGURES}
+    configuration = {"units": system, "results": results, "title": path.stem}
+    configuration |= {"study": "index"} if drive else {}
+    declared = FIGURES | INDEX
+    return {
+        "configuration": configuration, "attributes": {"title": path.stem},
+        "units": {name: unit_name(unit_kind(name), system) for name in names},
+        "long_names": {
+            name: declared[name].long_name if name in declared else words(name) for name in names
+        },
+    }  # fmt: skip

@@ -4,6 +4,7 @@ Read `tolerance_budget` and `sensitivities` first.
 
 - `tolerance_budget`, `scatter`, `spread`, `intervals`, `indices`, `worst_case`: a drawing's
   tolerances, and what they do to a figure of merit
+- `permitted`: the inverse, ranges that give a wanted yield
 - `scatter_record`: what is told of it, in JSON, tables and reports
 - `sensitivities`: derivatives of figures of merit
 - `derivatives`: derivatives of several figures by several numbers

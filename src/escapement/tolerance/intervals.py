@@ -19,6 +19,8 @@ from escapement.mechanisms.protocol import FloatArray
 
 LEVEL = 0.95
 """Confidence of every interval."""
+ROUNDING = 1e-12
+"""Ends of intervals that differ by less, as a share, are equal."""
 Influence = tuple[float, FloatArray]
 """A statistic of a sample, and the influence of each case."""
 
@@ -29,6 +31,21 @@ class Estimate(NamedTuple):
     value: float
     low: float
     high: float
+
+
+def outwards(low: float, high: float, step: float) -> tuple[float, float]:
+    """The ends of an interval at multiples of a step, none of them within the interval."""
+    # an end that is a multiple itself must stay one
+    return (
+        step * math.floor(low / step * (1.0 + ROUNDING * math.copysign(1.0, low))),
+        step * math.ceil(high / step * (1.0 - ROUNDING * math.copysign(1.0, high))),
+    )
+
+
+def per_cent(share: Estimate) -> str:
+    """The interval of a share in per cent, rounded outwards to a tenth: "67.6 to 69.0"."""
+    low, high = outwards(100.0 * share.low, 100.0 * share.high, 0.1)
+    return f"{low:.1f} to {high:.1f}"
 
 
 def mean(values: FloatArray) -> Influence:

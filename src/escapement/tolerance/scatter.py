@@ -16,8 +16,8 @@ from escapement.base.progress import set_stage
 from escapement.base.status import MESSAGES, Status
 from escapement.base.text import Shown, words
 from escapement.dynamics.figures_of_merit import Figures
-from escapement.engines import simulate as simulation
 from escapement.mechanisms.protocol import FloatArray
+from escapement.study.cases import solved
 from escapement.study.parse.sample import correlation_matrix
 from escapement.study.plan import StudyPlan, unit_kind
 from escapement.study.result import Study
@@ -85,9 +85,8 @@ class Problem(NamedTuple):
 
     def solved(self, point: FloatArray) -> Figures:
         """The figures at a point; InvalidValue where there are none."""
-        values = self.plan.fixed_si | dict(zip(self.names, point.tolist(), strict=True))
-        speed = values["initial_speed"] or 0.0
-        return simulation.terminal(self.plan.built(values), initial_speed=speed)
+        values = dict(zip(self.names, point.tolist(), strict=True))
+        return solved(self.plan, self.plan.fixed_si | values)
 
     def value(self, figure: str, point: FloatArray) -> float:
         """A figure at a point; NaN where it has none."""

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping
 from dataclasses import dataclass
+from math import isclose
 from typing import Any
 
 import numpy as np
@@ -53,15 +55,13 @@ def spreads_of(plan: StudyPlan, given: Mapping[str, float]) -> dict[str, Spread]
     """
     from scipy.special import ndtr
 
-    table: Mapping[str, Any] = plan.configuration["sample"]
     # the ends of a distribution without limits, its limits, and its whole width
     shares = np.concatenate([ndtr([-ENDS, ENDS]), [0.0, 1.0], ndtr(_Z)])
     density = np.exp(-0.5 * _Z**2)
     weights = density / density.sum()
     found = {}
     for name in plan.sampled:
-        key = name if name in table else name.rpartition("_")[0]
-        entry, form = plan.parameters[name], table[key]
+        entry, form = plan.parameters[name], form_of(plan, name)
         nominal = plan.fixed_si.get(name)
         nominal = given.get(name) if nominal is None else nominal
         nominal = 0.0 if nominal is None and name.startswith(IMPERFECT) else nominal
@@ -80,4 +80,29 @@ def spreads_of(plan: StudyPlan, given: Mapping[str, float]) -> dict[str, Spread]
         found[name] = Spread(
             nominal=middle, mean=mean, sigma=sigma, low=low, high=high, above=above, below=below
         )
+    return found
+
+
+def form_of(plan: StudyPlan, name: str) -> Mapping[str, Any]:
+    """The distribution of a sampled number."""
+    table: Mapping[str, Any] = plan.configuration["sample"]
+    found: Mapping[str, Any] = table[name if name in table else name.rpartition("_")[0]]
+    return found
+
+
+def grouped(values: Mapping[str, Any]) -> dict[str, list[str]]:
+    """Names of numbers, those of a list under its name if all of them have one value.
+
+    Shares that differ by rounding errors count as one.
+    """
+    lists: dict[str, list[str]] = {}
+    for name in values:
+        lists.setdefault(re.sub(r"_\d+$", "", name), []).append(name)
+    found: dict[str, list[str]] = {}
+    for key, names in lists.items():
+        first, *others = (values[name] for name in names)
+        alike = (
+            x == first or (type(x) is float and isclose(x, first, rel_tol=1e-6)) for x in others
+        )
+        found |= {key: names} if names != [key] and all(alike) else {name: [name] for name in names}
     return found

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import partial
 from numbers import Real
 from typing import Any
@@ -17,11 +17,12 @@ from escapement.base.files import AnyPath
 from escapement.base.progress import set_stage
 from escapement.base.status import Status
 from escapement.base.text import Shown
+from escapement.base.validate import known_keys
 from escapement.dynamics.figure_table import FIGURES
-from escapement.engines import simulate as simulation
 from escapement.mechanisms.protocol import FloatArray
 from escapement.model.escapement import Escapement
 from escapement.model.numbers import numbers_of
+from escapement.study.cases import solved
 from escapement.study.parse import parse_plan, plan_from
 from escapement.study.parse.columns import drawn_values
 from escapement.study.plan import StudyPlan
@@ -31,9 +32,12 @@ from escapement.tolerance import intervals
 from escapement.tolerance.derivatives import told
 from escapement.tolerance.indices import sobol_indices
 from escapement.tolerance.intervals import Estimate
+from escapement.tolerance.permitted import Inverse, Permitted
 from escapement.tolerance.scatter import FEWEST, Limits, Problem, Scatter, scatter_of
-from escapement.tolerance.spread import Spread, spreads_of
+from escapement.tolerance.spread import Spread, form_of, spreads_of
 
+WIDTHS = ("tolerance", "relative_tolerance")
+"""Limits of a figure by their distance from its nominal value."""
 HYPERCUBES = 20
 """Number of Latin hypercubes that a sample consists of; their scatter gives the intervals."""
 
@@ -47,6 +51,8 @@ class Budget(Shown):
     study : the sample.
     failed : share of its cases that could not be computed.
     seed, size : of the sample.
+    permitted : by wanted yield, the ranges that give it: of all numbers scaled by one factor, under
+        "all", and of each alone while the others keep their nominal values.
     message : limitations of the result, and their reasons.
     """
 
@@ -57,6 +63,7 @@ class Budget(Shown):
     seed: int
     size: int
     message: str
+    permitted: dict[float, dict[str, Permitted]] = field(default_factory=dict)
 
     def _shown(self) -> list[tuple[str, Any, str]]:
         rows: list[tuple[str, Any, str]] = [("cases", self.size, ""), ("seed", self.seed, "")]
@@ -71,15 +78,17 @@ def budget(
     escapement: Escapement,
     tolerances: Mapping[str, Any],
     *,
-    limits: Mapping[str, Limits] | None = None,
+    limits: Mapping[str, Limits | Mapping[str, float]] | None = None,
     figures: Sequence[str] = (),
     method: str = "random",
     size: int = 10_000,
     seed: int = 0,
     correlations: Sequence[tuple[str, str, float]] = (),
     indices: int = 0,
+    yields: Sequence[float] = (),
     path: AnyPath | None = None,
     workers: int = 1,
+    **run: Any,
 ) -> Budget:
     """Scatter of figures of merit from the tolerances of a drawing.
 
@@ -92,7 +101,8 @@ def budget(
         {"tolerance": 1e-5}, {"relative_standard_deviation": 0.02}, {"low": 0.15, "high": 0.25}.
         A list, such as slot_angle_errors, is drawn independently for each part.
     limits : Mapping, optional
-        Least and greatest allowed value of figures [SI], (low, high); infinite for none.
+        Least and greatest allowed value of figures [SI], (low, high); infinite for none. Or a
+        distance from the nominal value: {"relative_tolerance": 0.05} or {"tolerance": 0.002}.
     figures : sequence of str, optional
         Figures besides those with limits. Default: the period.
     method : str
@@ -105,10 +115,15 @@ def budget(
         scores.
     indices : int
         Cases n for Sobol' indices, for which (numbers + 2) n more are solved; 0 for none.
+    yields : sequence of float, optional
+        Shares of good cases, such as (0.95, 0.99), for which to find the permitted ranges; a case
+        is good if all figures are within their limits. Each takes some 10 000 cases a number.
     path : path, optional
         File for the sample, as of `sweep`.
     workers : int
         Threads that compute.
+    **run : float, optional
+        `turns` of the driver, of which `run_time` is the time, and `initial_speed` [rad/s].
 
     Raises
     ------
@@ -127,17 +142,19 @@ def budget(
     wanted = [*dict.fromkeys([*(limits or {}), *named])] or ["period"]
     for name in wanted:
         validate.choice("limits" if name in (limits or {}) else "figures", name, (*FIGURES,))
-    plan = plan_from(escapement, {}, sample=sample, results=wanted)
-    options: Any = {"indices": indices, "path": path, "workers": workers}
+    known_keys(run, ("turns", "initial_speed"), "of budget")
+    plan = plan_from(escapement, {}, sample=sample, results=wanted, **run)
+    options: Any = {"indices": indices, "yields": yields, "path": path, "workers": workers}
     return budget_of(plan, limits or {}, given=numbers_of(escapement.held), **options)
 
 
 def budget_of(
     plan: StudyPlan,
-    limits: Mapping[str, Limits],
+    limits: Mapping[str, Any],
     *,
     given: Mapping[str, float] | None = None,
     indices: int = 0,
+    yields: Sequence[float] = (),
     **options: Any,
 ) -> Budget:
     """The budget of a planned sample; arguments and errors as of `budget`, `limits` in SI.
@@ -151,7 +168,8 @@ def budget_of(
             "a budget must have a sample alone, with method 'random' or 'latin-hypercube', got "
             f"{drawn.get('method', 'a sweep')!r}; leave [sweep] out"
         )
-    ends = {name: _checked(plan, name, pair) for name, pair in limits.items()}
+    checked = {name: _checked(plan, name, pair) for name, pair in limits.items()}
+    wanted = _wanted(yields, limits)
     if indices:
         validate.integer("indices", indices, 2, "give 0 for none")
         if drawn.get("correlations"):
@@ -161,10 +179,10 @@ def budget_of(
     _try_cases(plan)
     spreads = spreads_of(plan, given or {})
     plan.fixed_si.update({name: spread.nominal for name, spread in spreads.items()})
-    nominal = plan.built(plan.fixed_si)
-    found = simulation.terminal(nominal)
+    found = solved(plan, plan.fixed_si)
     if found.status is not Status.OK:
         raise InvalidValue(f"the nominal design must have a terminal cycle: {found.message}")
+    ends = {name: _around(pair, getattr(found, name)) for name, pair in checked.items()}
     set_stage(f"solving {plan.cases} cases")
     study = run_plan(plan, **options)
     names = [name for name in plan.results if name != "status"]
@@ -176,6 +194,8 @@ def budget_of(
     }
     if indices:
         _add_indices(plan, scatters, indices, int(drawn["seed"]))
+    inverse = Inverse(plan, spreads, ends)
+    permitted = {share: inverse.permitted(share) for share in wanted}
     failed = intervals.share(study.results["status"] != Status.OK)
     lost = "cases that could not be computed count as outside the limits"
     notes = [plan.idle] if plan.idle else []
@@ -184,13 +204,20 @@ def budget_of(
     message = "; ".join(notes) or "done"
     return Budget(
         figures=scatters, spreads=spreads, study=study, failed=failed, seed=int(drawn["seed"]),
-        size=int(drawn["size"]), message=message,
+        size=int(drawn["size"]), message=message, permitted=permitted,
     )  # fmt: skip
 
 
-def _checked(plan: StudyPlan, name: str, ends: Any) -> Limits:
-    """The limits of a figure, of which one may be infinite."""
+def _checked(plan: StudyPlan, name: str, ends: Any) -> Limits | tuple[str, float]:
+    """The limits of a figure, of which one may be infinite; or the kind and size of a tolerance."""
     validate.choice("limits", name, tuple(key for key in plan.results if key != "status"))
+    if isinstance(ends, Mapping):
+        known_keys(ends, WIDTHS, f"in limits.{name}")
+        if len(ends) != 1:
+            remedy = "write for example { relative_tolerance = 0.05 }"
+            raise validate.fail(f"limits.{name}", "one tolerance", dict(ends), remedy)
+        ((key, size),) = ends.items()
+        return key, validate.positive(f"limits.{name}.{key}", size, "give a tolerance")
     pair = isinstance(ends, Sequence | np.ndarray) and not isinstance(ends, str) and len(ends) == 2
     if not pair or any(type(x) is bool or not isinstance(x, Real) or x != x for x in ends):
         remedy = "write -inf or inf for none"
@@ -199,6 +226,26 @@ def _checked(plan: StudyPlan, name: str, ends: Any) -> Limits:
     if not low < high:
         raise validate.fail(f"limits.{name}", "(low, high), low below high", ends, "swap them")
     return low, high
+
+
+def _around(ends: Limits | tuple[str, float], nominal: float) -> Limits:
+    """Limits that were checked, from a tolerance those around the nominal value."""
+    if not isinstance(ends[0], str):
+        return ends
+    width = ends[1] * abs(nominal) if ends[0] == WIDTHS[1] else ends[1]
+    return nominal - width, nominal + width
+
+
+def _wanted(yields: Sequence[float], limits: Mapping[str, Any]) -> list[float]:
+    """Wanted shares of good cases."""
+    if len(yields) and not limits:
+        raise InvalidValue("yields must come with limits of figures, got none; give limits")
+    rule, remedy = "between 0 and 1", "give for example 0.95"
+    found = [validate.number("yields", share, remedy) for share in yields]
+    for share in found:
+        if not 0.0 < share < 1.0:
+            raise validate.fail("yields", rule, share, remedy)
+    return found
 
 
 def _try_cases(plan: StudyPlan) -> None:
@@ -227,7 +274,6 @@ def _without(figure: str, scatter: Scatter) -> str:
 
 def _add_indices(plan: StudyPlan, scatters: dict[str, Scatter], size: int, seed: int) -> None:
     """Add the Sobol' indices of every figure."""
-    table = plan.configuration["sample"]
     names = list(plan.sampled)
     solved: dict[str, FloatArray] = {}
 
@@ -236,7 +282,7 @@ def _add_indices(plan: StudyPlan, scatters: dict[str, Scatter], size: int, seed:
             columns = {}
             for name, share in zip(names, shares, strict=True):
                 entry, nominal = plan.parameters[name], plan.fixed_si.get(name) or 0.0
-                form = table[name if name in table else name.rpartition("_")[0]]
+                form = form_of(plan, name)
                 columns[name] = drawn_values(form, entry, nominal / entry.to_si(1.0), share)
             again = {"sample": {"method": "list", **columns}}
             mechanism = None if isinstance(plan.build, type) else plan.build

@@ -40,6 +40,7 @@ Files, in the order in which they are best read:
     pairs      the pairs of a wheel in turn: an engagement with its handoff, a round of all pairs
     handoffs   times and speeds of handoffs, one engagement after the other
     peaks      the greatest accelerations, contact moment and force on a panel
+    peak_rows  these of many scenes
     rundown_series thousands of engagements of a spring, as series over the angle turned
     pieces     events of a motion, and its states at given times
     trajectory events and states of a motion, of the engagements that are asked for

@@ -1,5 +1,6 @@
 """Figures of merit of many scenes of one mechanism."""
 
+from collections.abc import Collection
 from dataclasses import replace
 from typing import Any
 
@@ -14,12 +15,14 @@ from escapement.dynamics.painleve import (
     friction_limit_after,
     has_limit_of_its_own,
 )
-from escapement.engines.energy.calls import kernel_addresses
+from escapement.engines.energy.calls import NO_PATTERN, kernel_addresses
 from escapement.engines.energy.case_figures import figures, transient_memory
 from escapement.engines.energy.cells import NO_CELLS, cells_of
 from escapement.engines.energy.cycle import FIGURES
 from escapement.engines.energy.march import OK, PAINLEVE
 from escapement.engines.energy.pairs import new_case, prepare, scene_of_pair
+from escapement.engines.energy.peak_rows import peak_rows
+from escapement.engines.energy.peaks import PEAKS
 from escapement.mechanisms.path import smooth_intervals, writeable
 from escapement.mechanisms.pattern import PAIR, POSSIBLE, lay_pattern
 from escapement.mechanisms.protocol import FloatArray, Mechanism, dwell_angle
@@ -148,36 +151,18 @@ def solve(
     status : ndarray, shape (n,)
         Values of `Status`.
     """
-    if mechanism.pin_radius:
-        # each scene has its own pin
-        mechanism = replace(mechanism, pin_radius=0.0, roller_radius=0.0)  # type: ignore[type-var]
     rows = np.ascontiguousarray(numbers.T, dtype=float)
     table, status = np.empty((len(rows), FIGURES)), np.zeros(len(rows), dtype=np.uint8)
-    path = writeable(mechanism.path)
-    edges = smooth_intervals(path, mechanism.breaks)
-    pin, own_pins = 0.0, False
-    if errors is None and len(rows):
-        pin, own_pins = rows[0, _PIN], bool((rows[:, _PIN] != rows[0, _PIN]).any())
-    if pin > 0.0 and not own_pins:
-        edges = slide_edges(path, pin, edges)
-    kind, size, at_once = kind_of(path, CONSTANT, numbers[:_COUNT]), 0, max(len(rows), 1)
+    scene, own_pins = _shared(mechanism, rows if errors is None else rows[:0])
+    kind, size, at_once = kind_of(scene.path, CONSTANT, numbers[:_COUNT]), 0, max(len(rows), 1)
     wheel: Any = mechanism
     if errors is not None:
         size = int(np.lcm(errors[1].shape[1], errors[2].shape[1]))
         at_once = max(_AT_ONCE // size, 1)
         if errors[2][:, :, 1].any():  # an ideal slot has no offset
             kind = max(kind, Kind.STEADY)
-    scene = Scene(
-        path,
-        edges,
-        dwell_angle(mechanism),
-        np.array(CONSTANT),
-        0.0,
-        np.array(NO_CURVE),
-        **dict.fromkeys(NUMBERS, 0.0),
-    )
     fixed = kernel_addresses(kind), packed(scene)
-    cells = NO_CELLS if size or own_pins else cells_of(path, edges)
+    cells = NO_CELLS if size or own_pins else cells_of(scene.path, scene.edges)
     for first in range(0, len(rows), at_once):
         some = slice(first, first + at_once)
         patterns = np.empty((len(rows[some]), size), PAIR)
@@ -191,3 +176,49 @@ def solve(
     # for a stall the table holds its angle and engagement, which are not figures of merit
     table[status != OK] = np.nan
     return table, status
+
+
+def peaks(
+    mechanism: Mechanism, numbers: FloatArray, speeds: FloatArray, rtol: float,
+    wanted: Collection[str],
+) -> dict[str, FloatArray]:  # fmt: skip
+    """Greatest magnitudes over the terminal engagement of scenes with perfect parts.
+
+    Parameters
+    ----------
+    mechanism, numbers, rtol : as of `solve`.
+    speeds : ndarray, shape (n,)
+        Driver speeds at the terminal handoff, NaN where there is none; natural units.
+    wanted : collection of str
+        Some of `peaks.PEAKS`.
+
+    Returns
+    -------
+    dict of ndarray, shape (n,)
+        Each of them in natural units.
+    """
+    rows = np.ascontiguousarray(numbers.T, dtype=float)
+    scene, own_pins = _shared(mechanism, rows)
+    table = np.tile([0.0 if name in wanted else np.inf for name in PEAKS], (len(rows), 1))
+    kind = kind_of(scene.path, CONSTANT, numbers[:_COUNT])
+    cells = NO_CELLS if own_pins else cells_of(scene.path, scene.edges)
+    peak_rows(kernel_addresses(kind), packed(scene), cells, NO_PATTERN, rows, speeds, rtol, table)
+    return {name: column for name, column in zip(PEAKS, table.T, strict=True) if name in wanted}
+
+
+def _shared(mechanism: Mechanism, rows: FloatArray) -> tuple[Scene, bool]:
+    """The scene that cases share, whose numbers are those of no case, and whether pins differ.
+
+    It has the edges of the pin that all cases have; of a thin pin where they differ.
+    """
+    if mechanism.pin_radius:
+        # each scene has its own pin
+        mechanism = replace(mechanism, pin_radius=0.0, roller_radius=0.0)  # type: ignore[type-var]
+    path = writeable(mechanism.path)
+    edges, dwell = smooth_intervals(path, mechanism.breaks), dwell_angle(mechanism)
+    own_pins = bool((rows[:, _PIN] != rows[:1, _PIN]).any())
+    if len(rows) and not own_pins and rows[0, _PIN] > 0.0:
+        edges = slide_edges(path, rows[0, _PIN], edges)
+    none = dict.fromkeys(NUMBERS, 0.0)
+    scene = Scene(path, edges, dwell, np.array(CONSTANT), 0.0, np.array(NO_CURVE), **none)
+    return scene, own_pins

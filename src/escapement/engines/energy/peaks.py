@@ -1,11 +1,13 @@
-"""The greatest accelerations, contact moment and contact force of a piece of a motion.
+"""The greatest accelerations, contact moment, force and force times sliding speed of a piece.
 
 They are searched for on the panels on which `pieces.states_in` solves the piece: first at the
 ends and Gauss points, and then between the neighbours of each point that may be next to the
 greatest value.
 """
 
-from escapement.dynamics.law import wall_state
+import numpy as np
+
+from escapement.dynamics.law import grip, wall_state
 from escapement.dynamics.load import load_at
 from escapement.dynamics.power_flow import weight
 from escapement.dynamics.state_table import losses_at, signs_near
@@ -16,7 +18,10 @@ from escapement.numerics.gauss import POINTS, N, dot
 from escapement.numerics.jit import inner_jit
 from escapement.numerics.roots import golden_point, golden_step, golden_trial
 
-PEAKS = ("acceleration_max", "follower_acceleration_max", "contact_moment_max", "contact_force_max")
+PEAKS = (
+    *("acceleration_max", "follower_acceleration_max", "contact_moment_max", "contact_force_max"),
+    "rubbing_max",
+)
 """Names of the peaks, in their order."""
 # Golden section ends at this width of x: the error of a peak is in proportion to its square.
 CLOSE = 1e-6
@@ -26,7 +31,7 @@ NEAR = 0.8
 
 @inner_jit
 def _magnitudes(scene, theta, w, side, slide_sign, ratio_sign):
-    """|theta_ddot|, |phi_ddot|, |N h| and |N| at a driver angle; the side is 0 in a dwell.
+    """|theta_ddot|, |phi_ddot|, |N h|, |N| and |N v| at a driver angle; the side is 0 in a dwell.
 
     `slide_sign` and `ratio_sign` are the signs of the sliding speed and of g; see
     `dynamics.law.grip`.
@@ -37,7 +42,11 @@ def _magnitudes(scene, theta, w, side, slide_sign, ratio_sign):
     path = now.g, now.u, now.radius, now.k, now.pull
     lost = losses_at(*path, w, side, scene, *signs, load_at(theta, side, scene))
     follower_rate = now.g * now.rate + now.dg * w
-    return abs(now.rate), abs(follower_rate), abs(moment), abs(lost.force)
+    force, slide = abs(lost.force), 0.0
+    if now.radius > 0.0:
+        slide = abs(grip(now.g, now.u, now.radius, side, scene, *signs)[0])
+    rubbing = force * slide * np.sqrt(max(w, 0.0))
+    return abs(now.rate), abs(follower_rate), abs(moment), force, rubbing
 
 
 @inner_jit
@@ -55,7 +64,8 @@ def raise_peaks(scene, work, panel, side, ends, values, peaks):
     """Raise `peaks` to the greatest magnitudes on a panel that was sampled.
 
     ends : w at the left and the right end.
-    values : memory for the magnitudes at both ends and the points, shape (N + 2, 4).
+    peaks : one that is infinite is not wanted.
+    values : memory for the magnitudes at both ends and the points, a column for each.
     """
     # a panel holds no zero of the sliding speed or of g but at its ends
     slide_sign, ratio_sign = signs_near(panel.left + panel.half, 1.0, side, scene)

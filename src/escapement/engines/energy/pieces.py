@@ -52,9 +52,9 @@ MOTION_EVENT = record_dtype(
 the cell, and w; at an entry also s, and 0 elsewhere."""
 
 # One engagement gets memory for this many events, and for four more at every edge.
-_ROOM = 64
+ROOM = 64
 # Greatest number of times that a piece is halved, one half inside the other.
-_HALVINGS = 80
+HALVINGS = 80
 # The acceleration is constant over an angle of at most this much [rad].
 _SHORTEST = 1e-12
 # Greatest number of panels of a piece; a few hundred suffice even next to a stop.
@@ -100,7 +100,7 @@ def events_of(addresses, packed, cells, pattern, numbers, driver_angle, squares,
         w with which each leaves for the next, NaN where the march does not come to its end.
     """
     scene, request = scene_of(packed), request_of(Detail.EVERYTHING, rtol)
-    room = _ROOM + 4 * scene.edges.size + MOST_KNOTS
+    room = ROOM + 4 * scene.edges.size + MOST_KNOTS
     case = new_case(addresses, scene, cells, pattern, room)
     prepare(case)
     table = np.empty(8 * numbers.size + 64, MOTION_EVENT)
@@ -120,7 +120,7 @@ def events_of(addresses, packed, cells, pattern, numbers, driver_angle, squares,
             table = larger
         # the march returns s at the exit, and every reversal has changed its sign
         side, entry = (
-            _side_at_entry(found.side, case.events, used),
+            side_at_entry(found.side, case.events, used),
             scene_at(case, index, 0.0).edges[0],
         )
         filled = _append(table, filled, k, Event.ENTRY, entry, 0.0, w, side)
@@ -137,7 +137,7 @@ def events_of(addresses, packed, cells, pattern, numbers, driver_angle, squares,
 
 
 @inner_jit
-def _side_at_entry(side, events, used):
+def side_at_entry(side, events, used):
     """s at the entry, from `side`, which is s at the exit, and the reversals between."""
     for i in range(used):
         if events[i].kind == Event.REVERSAL:
@@ -180,22 +180,22 @@ def states_of(scene, pattern, pieces, counts, times, rtol, theta, squares, losse
     theta, squares : results, angles and w, as long as `times`; NaN where a piece cannot be
         solved on a bounded number of panels.
     losses : result, a row for each piece: the work lost in each of `dynamics.law.LOSSES`.
-    peaks : result, rows as well: the greatest magnitude of each of `peaks.PEAKS`, of length 0
-        where they are not wanted.
+    peaks : rows as well, which are raised to the greatest magnitude of each of `peaks.PEAKS`; of
+        length 0 where they are not wanted.
     """
-    first, store, ends = 0, panels.new_store(1), np.empty(_HALVINGS)
+    first, store, ends = 0, panels.new_store(1), np.empty(HALVINGS)
     for i in range(len(pieces)):
         index, side, left, end, w, driver_angle = pieces[i]
         here, last = scene_of_pair(scene, pattern, int(index), driver_angle), first + counts[i]
         asked = Asked(
             times=times[first:last], theta=theta[first:last], squares=squares[first:last], end=end
         )
-        _states_in(here, store, ends, left, w, side, rtol, asked, losses[i], peaks[i])
+        states_in(here, store, ends, left, w, side, rtol, asked, losses[i], peaks[i])
         first = last
 
 
 @inner_jit(allocates=True)
-def _states_in(scene, store, ends, left, w, side, rtol, asked, losses, peaks):
+def states_in(scene, store, ends, left, w, side, rtol, asked, losses, peaks):
     """As `states_of`, of one piece that begins at the angle `left` with w on a side.
 
     The piece is divided into sections, each halved until the panel over it is fine enough. `store`
@@ -206,7 +206,6 @@ def _states_in(scene, store, ends, left, w, side, rtol, asked, losses, peaks):
     waiting = panels_solved = 0
     part = Section(left, _next(scene, left, asked.end), 0.0, w)
     _set_all(losses, 0.0)
-    _set_all(peaks, 0.0)
     values = np.empty((N + 2, peaks.size))
     for j in range(asked.times.size):
         asked.theta[j], asked.squares[j] = left, w
@@ -223,7 +222,7 @@ def _states_in(scene, store, ends, left, w, side, rtol, asked, losses, peaks):
             _forget(part.time, asked, losses)
             break
         short, middle = part.right - part.left <= _SHORTEST, 0.5 * (part.left + part.right)
-        if not good and not short and waiting < _HALVINGS and part.left < middle < part.right:
+        if not good and not short and waiting < HALVINGS and part.left < middle < part.right:
             ends[waiting] = part.right
             waiting += 1
             part = Section(part.left, middle, part.time, part.w)

@@ -173,12 +173,12 @@ class EnergyTrajectory(Trajectory):
 
     @cached_property
     def peaks(self) -> FloatArray:
-        """Greatest magnitudes over each piece, as `peaks.PEAKS` names them, in SI; shape (4, n).
+        """Greatest magnitudes over each piece, as `peaks.PEAKS` names them, in SI; shape (5, n).
 
         The force is that of a crank of 1 m.
         """
-        torque, rate = self.escapement.torque_unit, self.escapement.time_unit**-2.0
-        scale = np.array([rate, rate, torque, torque])
+        torque, clock = self.escapement.torque_unit, self.escapement.time_unit
+        scale = np.array([clock**-2.0, clock**-2.0, torque, torque, torque / clock])
         return np.asarray((self._read_through(len(PEAKS))[1] * scale).T)
 
     def _read_through(self, wanted: int) -> tuple[FloatArray, FloatArray]:

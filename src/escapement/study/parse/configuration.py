@@ -29,6 +29,7 @@ from escapement.study.parse.tables import (
     Content,
     check_keys,
     chosen_results,
+    date_of,
     fixed_values,
     table,
     title_of,
@@ -109,6 +110,7 @@ def parse_plan(configuration: Mapping[str, Any], mechanism: Mechanism | None = N
     replaced = [name for along in varied.values() for name in along if _replaces(name, forms)]
     fixed = {name: value for name, value in fixed.items() if name not in replaced}
     plain: dict[str, Any] = {"title": title_of(content, machine["kind"], varied), "units": system}
+    plain |= date_of(content)
     plain |= {"study": subject.name} if subject is not ESCAPEMENT else {}
     plain |= {"mechanism": machine} | chosen_results(content)
     for name, value in fixed.items():

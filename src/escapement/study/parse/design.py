@@ -28,6 +28,7 @@ def plan_from(
     *,
     sample: Mapping[str, Any] | None = None,
     initial_speed: ArrayLike = 0.0,
+    turns: float | None = None,
     results: Sequence[str] | None = None,
     title: str | None = None,
     **solver: Any,
@@ -46,6 +47,8 @@ def plan_from(
         of a study, in SI, spread around the values of `escapement`.
     initial_speed : float or array
         Driver speed at the first pin entry [rad/s], >= 0; an array is the last axis.
+    turns : float, optional
+        Driver turns to run, of which `run_time` is the time.
     results : sequence of str, optional
         Figures of merit to keep. Default: those that its subject has by default.
     title : str, optional
@@ -70,6 +73,7 @@ def plan_from(
     elif np.any(initial_speed):
         rule, remedy = "0 for an indexing drive, whose speed is constant", "leave it out"
         raise validate.fail("initial_speed", rule, initial_speed, remedy)
+    numbers |= {} if turns is None else {"turns": turns}
     entries = declared(type(escapement))
     given = escapement.settings.items()
     numbers |= {name: value for name, value in given if value != entries[name].default}

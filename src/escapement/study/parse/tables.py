@@ -1,6 +1,7 @@
 """Tables of a study file: which key belongs in which, and what a study must give."""
 
 from collections.abc import Mapping, Sequence
+from datetime import date
 from typing import Any
 
 from escapement.base import validate
@@ -8,6 +9,7 @@ from escapement.base.errors import InvalidValue
 from escapement.base.quantity import Numbers, Setting, declared
 from escapement.base.units import factor
 from escapement.base.validate import known_keys
+from escapement.dynamics.figure_table import RUN_TIME
 from escapement.engines.solver import Solver
 from escapement.mechanisms import KINDS, kind_of
 from escapement.mechanisms.wheel_checks import IMPERFECT
@@ -17,7 +19,7 @@ from escapement.study.subject import ESCAPEMENT, SUBJECTS, Subject, model_number
 
 SOLVER = declared(Solver)
 _TOP = (
-    *("title", "units", "study", "results", "mechanism", "inertia", *ROLES),
+    *("title", "date", "units", "study", "results", "mechanism", "inertia", *ROLES),
     *("sweep", "sample", "solver"),
 )
 Content = Mapping[str, Any]
@@ -117,6 +119,9 @@ def chosen_results(content: Content) -> dict[str, list[str]]:
     # the status is always kept, and a name that is given twice is kept once
     every = (validate.choice("results", name, (*subject.figures, "status")) for name in given)
     names = [name for name in dict.fromkeys(every) if name != "status"]
+    if RUN_TIME in names and not any("turns" in table(content, x) for x in ("", "sweep", "sample")):
+        rule, remedy = "given with the result run_time", "give how often the driver turns"
+        raise validate.fail("turns", rule, None, remedy)
     return {"results": names} if names != [*subject.usual] else {}
 
 
@@ -129,3 +134,13 @@ def title_of(content: Content, kind: str, varied: Mapping[str, Any]) -> str:
     if not isinstance(title, str) or not title.isprintable():
         raise validate.fail("title", "one line of text", title, "put it in quotation marks")
     return title
+
+
+def date_of(content: Content) -> dict[str, str]:
+    """The date of the design, if the study gives one."""
+    given = content.get("date")
+    if given is None:
+        return {}
+    if not isinstance(given, date | str) or not str(given).isprintable():
+        raise validate.fail("date", "a date, or one line of text", given, "write 2026-11-26")
+    return {"date": str(given)}
