@@ -79,7 +79,7 @@ INERTIAS = {"driver_inertia": [1e-6, 2e-6, 4e-6], "follower_inertia": [1e-6, 2e-
 )
 def test_what_decides_a_scene(axes, count):
     found = scenes.shared_scenes(plan_from(TIMER, axes))
-    assert count == (None if found is None else found.cases.size)
+    assert count == (None if found is None else found[0].cases.size)
 
 
 def test_inertias_of_one_ratio_share_a_scene(solves, monkeypatch):

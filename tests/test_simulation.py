@@ -64,7 +64,6 @@ def test_the_cycle_of_terminal_is_what_simulate_gives(changes):
         np.testing.assert_allclose(getattr(cycle.motion, name), expected, rtol=2e-12, atol=0.0)
 
 
-
 def test_the_default_grid_is_even_between_handoffs_with_all_events(engine):
     motion = esc.simulate(drive(5, 1), 3, engine=engine)
     assert motion.t[0] == 0.0

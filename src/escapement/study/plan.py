@@ -4,7 +4,7 @@ import math
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import cache, cached_property
+from functools import cache, cached_property, lru_cache
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -300,9 +300,9 @@ class StudyPlan(Shown):
             mechanism: Mechanism = self.build
             return mechanism
         every = {n: _joined(n, values) for n in declared(self.build) if n not in left_out}
-        given = {name: value for name, value in every.items() if value is not None}
-        built: Mechanism = self.build(**given)
-        return built
+        return _built(
+            self.build, tuple((n, value) for n, value in every.items() if value is not None)
+        )
 
     @cached_property
     def perfect(self) -> bool:
@@ -348,6 +348,13 @@ class StudyPlan(Shown):
         # if its numbers vary, a case that cannot be built gets a status instead
         if all(entry.section != "mechanism" for entry in varied):
             _ = self.mechanism(0).path
+
+
+@lru_cache(64)
+def _built(build: Any, given: tuple[tuple[str, Any], ...]) -> Mechanism:
+    """A mechanism, kept because its path takes longer to compute than many cases to solve."""
+    mechanism: Mechanism = build(**dict(given))
+    return mechanism
 
 
 def _joined(name: str, values: Mapping[str, Any]) -> Any:

@@ -56,6 +56,21 @@ SceneFigures = tuple[FloatArray, NDArray[np.uint8]]
 (n,)."""
 
 
+class Scenes(NamedTuple):
+    """Different scenes, in the order of their mechanisms.
+
+    cases : the first case of each, shape (n,).
+    machine : what varies of the mechanisms but errors of their parts, shape (m, n).
+    numbers : of each scene, shape (k, n).
+    sound : whether these are in range, shape (n,).
+    """
+
+    cases: NDArray[np.int64]
+    machine: FloatArray
+    numbers: FloatArray
+    sound: NDArray[np.bool_]
+
+
 class SharedScenes(NamedTuple):
     """The different scenes of the cases of a plan, from which each block uses some.
 
@@ -87,36 +102,44 @@ def scene_shape(plan: StudyPlan) -> tuple[int, ...]:
     return tuple(1 if deciding.isdisjoint(names) else size for size, names in sizes)
 
 
-def shared_scenes(plan: StudyPlan) -> SharedScenes | None:
+def shared_scenes(plan: StudyPlan) -> tuple[SharedScenes, Scenes] | None:
     """The scenes to solve before the blocks of a plan; None if that is useless or impossible."""
     shape = scene_shape(plan)
     if not together(plan) or math.prod(shape) >= min(plan.cases, MOST_SHARED + 1):
         return None
     indices = np.indices(shape).reshape(len(shape), -1)
     cases = np.asarray(np.ravel_multi_index(tuple(indices), plan.shape))
-    first, which, *_ = _distinct(plan, cases)
-    return SharedScenes(shape, which, cases[first])
+    found, which = _distinct(plan, cases)
+    return SharedScenes(shape, which, found.cases), found
 
 
 def solve_scenes(plan: StudyPlan, cases: NDArray[np.int64]) -> SceneFigures:
     """Figures of the scenes of some cases, none of them solved twice."""
-    first, which, machine, scene, sound = _distinct(plan, cases)
-    figures = np.full((len(plan.solved), first.size), np.nan)
-    status = np.full(first.size, Status.INVALID, dtype=np.uint8)
+    found, which = _distinct(plan, cases)
+    figures, status = solve_distinct(plan, found)
+    return figures[:, which], status[which]
+
+
+def solve_distinct(plan: StudyPlan, found: Scenes) -> SceneFigures:
+    """Figures of different scenes, in their order."""
+    cases, machine, scene, sound = found
+    figures = np.full((len(plan.solved), cases.size), np.nan)
+    status = np.full(cases.size, Status.INVALID, dtype=np.uint8)
     # the mechanism is the primary key of the order, so that its scenes follow each other
     other = np.flatnonzero((np.diff(machine) != 0).any(axis=0))
-    for rows in np.split(np.arange(first.size), other + 1):
+    for rows in np.split(np.arange(cases.size), other + 1):
         rows = rows[sound[rows]]
         # a mechanism that cannot be built, or cannot move, must not end the study
         with contextlib.suppress(InvalidValue):
             if rows.size:
-                mechanism: Any = plan.mechanism(int(cases[first[rows[0]]]), ideal=True)
+                mechanism: Any = plan.mechanism(int(cases[rows[0]]), ideal=True)
                 if scene[_PIN, rows].any():
                     rows = rows[scene[_PIN, rows] < mechanism.widest_pin]
-                found = _solve(plan, mechanism, scene[:, rows], cases[first[rows]])
-                figures[:, rows], status[rows] = found
-    check_scenes(plan, _kind(plan, scene), cases[first], figures, status)
-    return figures[:, which], status[which]
+                figures[:, rows], status[rows] = _solve(
+                    plan, mechanism, scene[:, rows], cases[rows]
+                )
+    check_scenes(plan, _kind(plan, scene), cases, figures, status)
+    return figures, status
 
 
 def _kind(plan: StudyPlan, numbers: FloatArray) -> Any:
@@ -125,30 +148,33 @@ def _kind(plan: StudyPlan, numbers: FloatArray) -> Any:
     return build, plan.perfect, numbers.any(axis=1).tobytes()
 
 
-def _distinct(plan: StudyPlan, cases: NDArray[np.int64]) -> tuple[NDArray[Any], ...]:
-    """The scenes of some cases, each once, in the order of their mechanisms.
-
-    Returned are the first case of each, the scene of each case, what varies of the mechanisms but
-    errors of their parts (m, n), the numbers of the scenes (k, n), and whether these are in range.
-    """
+def _distinct(plan: StudyPlan, cases: NDArray[np.int64]) -> tuple[Scenes, NDArray[np.int64]]:
+    """The scenes of some cases, each once, and which of them each case has."""
     columns, ratios, w, sound = _in_natural_units(plan, cases)
     scene = [*(ratios[name] for name in Scene._fields if name in ratios), w]
     machine = [name for name in columns if plan.parameters[name].section == "mechanism"]
     # the path of a pin does not depend on its width
     machine = [name for name in machine if name not in LENGTHS]
     errors = [name for name in machine if name.startswith(IMPERFECT)]
-    names = errors + [name for name in machine if name not in errors]
-    key = np.empty((len(scene) + len(names), cases.size))
-    for row, values in zip(key, (*scene, *(columns[name] for name in names)), strict=True):
-        row[:] = values
+    others = [columns[name] for name in machine if name not in errors]
+    rows = [*scene, *(columns[name] for name in errors), *others]
+    # numbers that are the same in all cases need not be compared
+    key = np.array([row for row in rows if np.ndim(row)] or [np.zeros(cases.size)])
     order = np.lexsort(key)
     ordered = key[:, order]
     new = np.append(True, (ordered[:, 1:] != ordered[:, :-1]).any(axis=0))
     which = np.empty(order.size, dtype=np.int64)
     which[order] = np.cumsum(new) - 1
-    first, ordered = order[new], ordered[:, new]
-    others = len(scene) + len(errors)
-    return first, which, ordered[others:], ordered[: len(scene)], sound[first]
+    first = order[new]
+    return Scenes(cases[first], _at(first, others), _at(first, scene), sound[first]), which
+
+
+def _at(first: NDArray[np.int64], rows: Sequence[Any]) -> FloatArray:
+    """The numbers or arrays of rows at some cases, shape (k, n)."""
+    table = np.empty((len(rows), first.size))
+    for line, values in zip(table, rows, strict=True):
+        line[:] = values[first] if np.ndim(values) else values
+    return table
 
 
 def _in_natural_units(plan: StudyPlan, cases: NDArray[np.int64]) -> tuple[Any, ...]:

@@ -69,11 +69,15 @@ def solved_scenes(
     plan: StudyPlan, pool: Pool, progress: Progress | None = None
 ) -> scenes.SharedScenes | None:
     """The scenes that blocks have in common, solved; None where each block solves its own."""
-    shared = scenes.shared_scenes(plan)
-    if shared is None:
+    given = scenes.shared_scenes(plan)
+    if given is None:
         return None
-    size = shared.cases.size
+    shared, size = given[0], given[0].cases.size
     step = min(max(size // 64, _FEWEST), _MOST)
+    if size <= step:
+        figures, status = scenes.solve_distinct(plan, given[1])
+        return shared._replace(figures=figures, status=status)
+    del given  # they take more memory than their figures
     figures, status = np.empty((len(plan.solved), size)), np.empty(size, dtype=np.uint8)
     starts = mixed(range(0, size, step))
     parts = ((start, shared.cases[start : start + step]) for start in starts)

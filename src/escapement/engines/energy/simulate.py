@@ -58,14 +58,24 @@ def simulate(
     if duration is not None and (code == OK or end >= duration):
         done = done if end <= duration else last
         end, status, message = duration, Status.OK, _DONE
-    trajectory = EnergyTrajectory(escapement, rtol, initial_speed, times, speeds, last, end)
+    trajectory = EnergyTrajectory(
+        escapement, rtol, initial_speed, times=times, speeds=speeds, turns=last, end_time=end
+    )
     if done < size:
         times, speeds = times[:done], speeds[:done]
-    return Motion(escapement, "energy", rtol, trajectory, end, times, speeds, status, message)
+    return Motion(
+        escapement, "energy", rtol, trajectory, end_time=end, handoff_times=times,
+        handoff_velocities=speeds, status=status, message=message,
+    )  # fmt: skip
 
 
 def steady_engagement(escapement: Escapement, rtol: float, speed: float, period: float) -> Motion:
     """Motion over an engagement that ends, after a period [s], with its first speed [rad/s]."""
     times, speeds = np.array([[period], [speed]])
-    trajectory = EnergyTrajectory(escapement, rtol, speed, times, speeds, 0, period)
-    return Motion(escapement, "energy", rtol, trajectory, period, times, speeds, Status.OK, _DONE)
+    trajectory = EnergyTrajectory(
+        escapement, rtol, speed, times=times, speeds=speeds, turns=0, end_time=period
+    )
+    return Motion(
+        escapement, "energy", rtol, trajectory, end_time=period, handoff_times=times,
+        handoff_velocities=speeds, status=_OK, message=_DONE,
+    )  # fmt: skip
