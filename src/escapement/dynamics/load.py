@@ -41,6 +41,12 @@ def load_at(theta, side, scene):
     """The part of the load that changes, at a driver angle; the side is 0 in a dwell."""
     if side == 0.0 or len(scene.load_curve) < 2:
         return 0.0
+    return _engaged_load(theta, scene)
+
+
+@inner_jit
+def _engaged_load(theta, scene):
+    """The load of `load_at` where there is one; on its own, so that `load_at` is inlined."""
     if scene.load_curve[PIECES] == 0.0:
         phi = angle_in_slot(scene.path, theta)
         return load_over(phi, 0.0, scene.driver_angle, scene)[0] / weight(scene)

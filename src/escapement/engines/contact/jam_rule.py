@@ -104,10 +104,9 @@ def jam_rule(escapement: Escapement) -> JamCycle:
         if value != 0.0:
             raise validate.fail(name, "0 for the rule for jams", value, "leave it out")
     if len(escapement.scenes) > 1 or escapement.curve is not None:
-        remedy = "leave out the errors of parts, the spring rate or the torque curve"
-        raise validate.fail(
-            "escapement", "without part errors and with a constant torque", wheel, remedy
-        )
+        remedy = "leave out the errors of parts, the spring rate, or the curve of torque or load"
+        rule = "without part errors, and with engagements that are all alike"
+        raise validate.fail("escapement", rule, wheel, remedy)
     speed, clock = 0.0, escapement.time_unit
     for _ in range(_MOST):
         passed = _engage(escapement.scene, speed)

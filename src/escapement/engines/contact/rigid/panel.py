@@ -109,9 +109,10 @@ def _sample(work, scene, side, left, half):
         work.c[i] = c = friction_ratio(g[i], u[i], radius[i], side, scene)
         work.inverse_inertia[i] = 1.0 / (scene.rho + g[i] * g[i])
         work.pull[i] = middle + slope * work.nodes[i]
-        if has_load_curve(scene):
-            work.load[i] = load_at(left + half * (1.0 + work.nodes[i]), side, scene)
         unsound += not reduced_inertia(g[i], c, scene) > 0.0
+    if has_load_curve(scene):
+        for i in range(count & N):
+            work.load[i] = load_at(left + half * (1.0 + work.nodes[i]), side, scene)
     return unsound == 0
 
 

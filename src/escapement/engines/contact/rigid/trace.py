@@ -37,7 +37,9 @@ LOST = len(LOSSES) + 1
 def _touching_state(walls, scene, way, theta, w):
     """The state in contact with a wall at a driver angle and a squared speed."""
     now, speed = wall_state(theta, w, way.side, scene), way.sense * np.sqrt(w)
-    path, load = (now.g, now.u, now.radius, now.k, now.pull), load_at(theta, way.side, scene)
+    path, load = (now.g, now.u, now.radius, now.k, now.pull), 0.0
+    if has_load_curve(scene):
+        load = load_at(theta, way.side, scene)
     lost = losses_at(*path, w, way.side, scene, 0.0, 0.0, load)
     return ContactState(
         theta=theta, theta_dot=speed, theta_ddot=now.rate,
@@ -55,7 +57,9 @@ def _touching_state(walls, scene, way, theta, w):
 def _free_state(scene, locked, theta, speed, phi, turning):
     """The state in a flight, or in a dwell, where the follower is `locked`."""
     driver = free_driver(scene, theta, speed, driver_sense(scene, theta, speed))
-    sense = 0.0 if locked else follower_sense(scene, phi, turning)
+    sense = np.sign(turning)
+    if has_load_curve(scene):
+        sense = 0.0 if locked else follower_sense(scene, phi, turning)
     follower = free_follower(scene, phi, turning, sense)
     return ContactState(
         theta=theta, theta_dot=speed, theta_ddot=driver.rate, phi=phi, phi_dot=turning,
@@ -85,14 +89,17 @@ class Wanted(NamedTuple):
 
 
 @inner_jit
-def _add_losses(wanted, scene, duration, state):
-    """Add the work that is lost in a time with the power of a state, and that done against a load
-    over the follower angle."""
+def _add_losses(wanted, duration, state):
+    """Add the work that is lost in a time with the power of a state."""
     for j in range(LOST - 1):
         wanted.lost[j] += duration * state[FIRST_LOSS + j]
-    if has_load_curve(scene):
-        load = load_over(state.phi, 0.0, scene.driver_angle, scene)[0]
-        wanted.lost[LOST - 1] += duration * load * state.phi_dot
+
+
+@inner_jit
+def _add_load(wanted, scene, duration, state):
+    """Add the work done in a time against a load over the follower angle."""
+    load = load_over(state.phi, 0.0, scene.driver_angle, scene)[0]
+    wanted.lost[LOST - 1] += duration * load * state.phi_dot
 
 
 @inner_jit
@@ -125,7 +132,9 @@ def _along_wall(work, walls, wanted):
             angle = theta + 0.5 * found.width * (1.0 + POINTS[i])
             state = _touching_state(walls, scene, way, angle, work.w[i])
             duration = 0.5 * abs(found.width) * WEIGHTS[i] / np.sqrt(work.w[i])
-            _add_losses(wanted, walls.plus, duration, state)
+            _add_losses(wanted, duration, state)
+            if has_load_curve(scene):
+                _add_load(wanted, walls.plus, duration, state)
         moved = follower_on(walls, side, following.theta)[0] - follower_on(walls, side, theta)[0]
         wanted.lost[LOST - 1] += walls.plus.load * abs(moved)
         way = following
@@ -163,7 +172,9 @@ def _through_flight(work, walls, wanted):
         for i in range(N):
             since = 0.5 * part * (1.0 + POINTS[i])
             state = _free_state(scene, locked, *state_at(work, flight, since))
-            _add_losses(wanted, scene, 0.5 * part * WEIGHTS[i], state)
+            _add_losses(wanted, 0.5 * part * WEIGHTS[i], state)
+            if has_load_curve(scene):
+                _add_load(wanted, scene, 0.5 * part * WEIGHTS[i], state)
         before, time = phi, time + part
         theta, speed, phi, turning = state_after(work, flight, part)
         wanted.lost[LOST - 1] += scene.load * abs(phi - before)
