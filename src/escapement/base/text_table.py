@@ -41,7 +41,7 @@ class Layout(NamedTuple):
     scales: tuple[float, ...]
 
 
-class Table(NamedTuple):
+class TextTable(NamedTuple):
     """Columns of a file.
 
     columns : those of the layout, NaN where a field is empty or marked as missing, each of
@@ -77,7 +77,9 @@ FindLayout = Callable[[list[str], list[str], bool], Layout]
 whether the first line is a heading. It raises BrokenLine if it finds none."""
 
 
-def read_table(path: AnyPath, content: Content, find_layout: FindLayout, skip: int = 0) -> Table:
+def read_table(
+    path: AnyPath, content: Content, find_layout: FindLayout, skip: int = 0
+) -> TextTable:
     """Read columns of numbers from a text file.
 
     Parameters
@@ -128,7 +130,7 @@ def read_table(path: AnyPath, content: Content, find_layout: FindLayout, skip: i
         ) from None
 
 
-def _read(lines: Lines, content: Content, find_layout: FindLayout, plain: bool) -> Table:
+def _read(lines: Lines, content: Content, find_layout: FindLayout, plain: bool) -> TextTable:
     """The columns; `plain` allows only numbers. An error concerns the line that was read last."""
     rows = iter(lines)
     separator, fields = _first_fields(next(rows), content.single)
@@ -174,7 +176,7 @@ def _read(lines: Lines, content: Content, find_layout: FindLayout, plain: bool) 
     if clock.used:
         columns[-1] = past_midnight(table[str(layout.indices[-1])])
         layout = layout._replace(units=(*layout.units[:-1], "clock"))
-    return Table(tuple(columns), line, layout, lines.comments)
+    return TextTable(tuple(columns), line, layout, lines.comments)
 
 
 def _bad_row(text: str, separator: str, width: int, indices: tuple[int | None, ...]) -> BrokenLine:

@@ -18,6 +18,7 @@ Readings of encoders: read `comparison` first.
 Motions and beats: least squares with the intervals of its `Tangent` (`estimate`).
 
 - `motion_fit`, `motion_task`: the fit of a simulated motion to a measured run-up
+- `fitted_numbers`: which numbers such fits determine, and how these are tested and told
 - `ticks`, `rounds`: beats without missed or doubled ticks, sorted by pin and slot
 - `interval_fit`: least squares for intervals, whose noise is partly the jitter of instants
 - `beats`, `beat_unknowns`, `part_estimates`: the fit of parts to beats, and what it says

@@ -67,10 +67,10 @@ def _find_layout(
 ) -> Layout:
     """The column of intervals and that of instants, which are one if no heading tells which."""
     named = [name_and_unit(name) for name in names] if header else [("", None)]
-    known = [i for i, (name, _) in enumerate(named) if name in (*_INSTANTS, *_INTERVALS, "")]
-    if not known and len(fields) > 1:
+    usual = [i for i, (name, _) in enumerate(named) if name in (*_INSTANTS, *_INTERVALS, "")]
+    if not usual and len(fields) > 1:
         raise BrokenLine("have one column called time or interval", "rename the column of times")
-    index = known[0] if known else 0
+    index = usual[0] if usual else 0
     name, stated = named[index]
     unit = time_unit or stated or "s"
     if unit not in TIMES:

@@ -21,7 +21,7 @@ from escapement.mechanisms.protocol import FloatArray
 linalg = Lazy("scipy.linalg")
 
 
-class Solution(NamedTuple):
+class IntervalSolution(NamedTuple):
     """Unknowns by least squares, for one share of jitter or averaged over several.
 
     values, covariance : shapes (m,) and (m, m), the latter for noise of a beat of size 1.
@@ -65,7 +65,7 @@ class Intervals(NamedTuple):
         """Residuals, made independent."""
         return np.asarray(linalg.solve_banded((1, 0), self._factor(share), rest))
 
-    def solution(self, share: float) -> Solution:
+    def solution(self, share: float) -> IntervalSolution:
         """Least squares with one share of jitter."""
         factor = self._factor(share)
         columns = np.column_stack([self.design, self.values])
@@ -76,9 +76,9 @@ class Intervals(NamedTuple):
         scatter, inverse = float(rest @ rest), np.linalg.inv(upper)
         size = np.log(factor[0]).sum() + np.log(np.abs(np.diag(upper))).sum()
         likelihood = -float(size) - 0.5 * self.freedom * math.log(scatter or 1e-300)
-        return Solution(inverse @ along, inverse @ inverse.T, scatter, likelihood)
+        return IntervalSolution(inverse @ along, inverse @ inverse.T, scatter, likelihood)
 
-    def average(self, each: Sequence[Solution], weights: FloatArray) -> Solution:
+    def average(self, each: Sequence[IntervalSolution], weights: FloatArray) -> IntervalSolution:
         """The mean of solutions with some weights, whose sum is 1."""
         values = np.asarray(weights @ [one.values for one in each])
         scatter = float(weights @ [one.scatter for one in each])
@@ -89,10 +89,10 @@ class Intervals(NamedTuple):
             if scatter > 0.0:
                 apart = one.values - values
                 covariance += weight * self.freedom / scatter * np.outer(apart, apart)
-        return Solution(values, covariance, scatter, math.nan)
+        return IntervalSolution(values, covariance, scatter, math.nan)
 
 
-def weights_of(each: Sequence[Solution], before: FloatArray | float = 1.0) -> FloatArray:
+def weights_of(each: Sequence[IntervalSolution], before: FloatArray | float = 1.0) -> FloatArray:
     """Probabilities of the shares of some solutions, from those before the measurement."""
     likelihoods = np.array([one.likelihood for one in each])
     weights = before * np.exp(likelihoods - likelihoods.max())

@@ -12,7 +12,7 @@ from escapement.base import validate
 from escapement.base.errors import InvalidValue
 from escapement.base.lazy import Lazy
 from escapement.base.text import Shown
-from escapement.measurement.interval_fit import Intervals, Solution, weights_of
+from escapement.measurement.interval_fit import Intervals, IntervalSolution, weights_of
 from escapement.measurement.ticks import ticks_of
 from escapement.mechanisms import Geneva
 from escapement.mechanisms.protocol import FloatArray
@@ -73,7 +73,7 @@ class Rounds(Shown):
         return Intervals(self.table.ravel()[self.known], design, np.ones(self.samples), joined)
 
     @cached_property
-    def _average(self) -> Solution:
+    def _average(self) -> IntervalSolution:
         some = np.flatnonzero(self.weights > _NEGLIGIBLE)
         each = [self.intervals.solution(share) for share in SHARES[some].tolist()]
         return self.intervals.average(each, self.weights[some] / self.weights[some].sum())
