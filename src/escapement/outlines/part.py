@@ -1,5 +1,6 @@
 """A flat part: its edge, its holes, its mass and inertia."""
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -7,7 +8,7 @@ import numpy as np
 from escapement.base.errors import InvalidValue
 from escapement.base.spoken import as_spoken
 from escapement.outlines.bores import hole
-from escapement.outlines.curves import Curve, Moments, stadium
+from escapement.outlines.curves import ComplexArray, Curve, Moments, stadium
 from escapement.outlines.fits import Fits
 from escapement.outlines.gaps import outside, segments_of
 from escapement.outlines.thin_walls import Wall, thinnest_wall
@@ -75,13 +76,18 @@ class Part(NamedTuple):
     def check(self) -> None:
         """Raise InvalidValue if a hole leaves no wall to the edge or to another hole."""
         for k, cut in enumerate(self.holes):
-            others = segments_of([self.edge, *self.holes[:k], *self.holes[k + 1 :]])
+            rest = [self.edge, *self.holes[:k], *self.holes[k + 1 :]]
+            others, round_one = segments_of(rest), len(cut.corners) == 2
             # of a round hole the centre tells enough
-            points, radius = cut.at([0.0, 0.5]).ravel(), 0.0
-            if len(cut.corners) == 2:
+            points, radius = _points([cut]), 0.0
+            if round_one:
                 points = cut.corners.mean(keepdims=True)
                 radius = abs(complex(cut.corners[0] - points[0]))
             deep, nearest = outside(others, points)
+            if not round_one:
+                within = _points(rest)
+                deep = np.append(deep, outside(segments_of([cut]), within)[0])
+                nearest = np.append(nearest, within)
             room, point = -float(deep.max()), complex(nearest[np.argmax(deep)])
             if not radius < room:
                 x, y, most, got = (
@@ -92,6 +98,11 @@ class Part(NamedTuple):
                     f"a hole of the {self.name} must {rule}: it reaches what is cut at "
                     f"({x}, {y}); choose a thinner shaft or pin, or a larger wheel"
                 )
+
+
+def _points(curves: Sequence[Curve]) -> ComplexArray:
+    """Corners of curves, and the middles of their lines and arcs."""
+    return np.concatenate([curve.at([0.0, 0.5]).ravel() for curve in curves])
 
 
 def link(name: str, apart: float, first: float, second: float, fits: Fits) -> Part:
