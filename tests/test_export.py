@@ -216,7 +216,8 @@ def test_the_command_writes_and_tells_in_the_users_units(tmp_path, capsys):
     out, err = capsys.readouterr()
     assert "driver inertia" in out
     # slots as wide as the pins leave no gap, and no rounding error is told for one
-    assert out.partition("\n\n")[2].splitlines()[1].split()[:3] == ["least", "gap", "0"]
+    assert out.partition("\n\n")[2].splitlines()[2].split()[:3] == ["least", "gap", "0"]
+    assert told["thinnest_wall"] == min(part["wall"] for part in told["parts"])
     assert "give a --clearance" in err
     for words, said in (
         (["--r12"], "must come with --output"),

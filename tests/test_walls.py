@@ -276,14 +276,21 @@ def test_every_kind_is_exported_or_refused_in_one_line(kind, tmp_path, capsys):
     ids=repr,
 )
 def test_a_fit_acts_or_is_refused(mechanism, refused):
-    def corners(**fits):
+    def shown(**fits):
         parts = esc.parts_of(mechanism, esc.Fits(**fits))
         return [c.corners.tolist() for p in parts for c in (p.edge, *p.holes, *p.marks)]
 
+    chosen = {
+        "locking_radius": 7.5e-3, "clearance": 1e-4, "teeth": 31, "bore": "square",
+        "washer_radius": 3e-3, "coupon_step": 1e-4,
+    }  # fmt: skip
+    geneva = {"dowel_radius", "washer_radius", "screw_radius", "coupon_step"}
+    refused = {*refused} | (set() if mechanism.kind == "geneva" else geneva)
     for name in declared(esc.Fits).keys() - {"kerf"}:  # the kerf acts on the cutter's path
-        value = {"locking_radius": 7.5e-3, "clearance": 1e-4, "teeth": 31}.get(name, 8e-4)
+        given = {name: chosen.get(name, 8e-4)}
+        plain = {"bore": "D"} if name == "bore_flat" else {}
         if name in refused:
             with pytest.raises(InvalidValue, match=f"{name} must be 0 for .*; leave it out"):
-                corners(**{name: value})
+                shown(**given)
         else:
-            assert corners(**{name: value}) != corners()
+            assert shown(**plain, **given) != shown(**plain)

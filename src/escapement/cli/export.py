@@ -1,21 +1,19 @@
 """Parts of a mechanism as a DXF or SVG file for cutting, after a check of the motion."""
 
 from functools import partial
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import escapement as esc
 from escapement.base.files import CUTS, file_format, write_file
-from escapement.base.quantity import Quantity, Truth, declared
+from escapement.base.quantity import Numbers, Quantity, Setting, Truth, declared
 from escapement.base.spoken import as_spoken
 from escapement.base.units import factor, printed
 from escapement.cli import _arguments, _output
 from escapement.cli._arguments import Arguments, Parser
 from escapement.mechanisms import DEFAULT_KIND, kind_of
+from escapement.mechanisms.other_sizes import diameters, numbers_of_sizes
 from escapement.model.inputs import inputs_of_mechanism, inputs_of_settings
 from escapement.outlines.fits import Fits
-
-if TYPE_CHECKING:
-    pass
 
 _NO_TEETH = ("teeth", 0, "ratio")
 _FITS = {name: entry for name, entry in declared(Fits).items() if name != "clearance"}
@@ -36,10 +34,27 @@ _WALLS = {
         note=" (default: 0.3 mm, or the kerf if that is more)",
     ),
 }  # fmt: skip
+_SIZES_OF_FITS = diameters(_FITS)
+_DIAMETERS = {name: size.entry for name, size in _SIZES_OF_FITS.items()}
 _HOW = {
     "segments": "chords instead of arcs, for machines that can only cut lines",
     "r12": "DXF of release 12, for old programs; it has no units",
+    "no_crosses": "no crosses at axes and centres of holes",
 }
+_DRAWN = {
+    "sheet": Numbers(
+        name="sheet", key="sheet", long_name="size of the material, on which parts lie in rows",
+        unit="length", metavar="WIDTH,HEIGHT", remedy="give width and height", needs="output",
+    ),
+    "title": Setting(
+        name="title", key="title", metavar="TEXT", needs="output",
+        long_name="title of a block with all dimensions beside the parts",
+    ),
+    "tolerance": Quantity(
+        name="tolerance", key="tolerance", long_name="general tolerance of dimensions, for the "
+        "title block", unit="length", metavar="T", remedy="give the tolerance", needs="output",
+    ),
+}  # fmt: skip
 _LEAST_WALL = 3e-4  # [m]
 _SIZES = 1e-3, 2.0  # parts beyond these were probably typed in another unit [m]
 
@@ -47,7 +62,7 @@ _SIZES = 1e-3, 2.0  # parts beyond these were probably typed in another unit [m]
 def configure(parser: Parser) -> None:
     """Add the command's arguments."""
     _arguments.add_mechanism(parser)
-    _arguments.add_group(parser, "fits", _FITS)
+    _arguments.add_group(parser, "fits", _FITS | _DIAMETERS)
     _arguments.add_group(parser, "warnings", _WALLS)
     _arguments.add_group(parser, "discs, for mass and inertia", _DISCS)
     output = parser.add_argument_group("output")
@@ -56,11 +71,14 @@ def configure(parser: Parser) -> None:
     for name, text in _HOW.items():
         entry = Truth(name=name, long_name=text, needs="output")
         _arguments.add_setting(output, entry, default=False)
+    for drawn in _DRAWN.values():
+        _arguments.add_setting(output, drawn)
 
 
 def execute(args: Arguments) -> int:
     """Check the motion, write the parts, print them and the least gaps."""
-    given = _arguments.typed(args, _FITS)
+    given = numbers_of_sizes(_SIZES_OF_FITS, _arguments.typed(args, _FITS | _DIAMETERS))
+    vars(args).update(dict.fromkeys(_DIAMETERS))  # the radii are told
     if "clearance" not in kind_of(args.kind or DEFAULT_KIND).options() and args.clearance:
         # a Geneva wheel has its own clearance, which this option sets
         given["clearance"] = factor("length", args.units) * args.clearance
@@ -69,7 +87,8 @@ def execute(args: Arguments) -> int:
     if args.output is None:
         gaps = esc.motion_check(mechanism, fits)
     else:
-        how = {name: getattr(args, name) for name in _HOW}
+        how = {name: getattr(args, name) for name in ("segments", "r12")}
+        how |= {"crosses": not args.no_crosses} | _arguments.typed(args, _DRAWN)
         suffix, inches = file_format(args.output, CUTS), args.units == "in-lbf-s"
         from escapement.outlines.part_files import drawn
 
@@ -95,8 +114,8 @@ def _warning(args: Arguments, mechanism: Any, fits: Fits, rows: list[dict[str, A
     if not (mechanism.meshed or mechanism.clearance or fits.clearance):
         texts.append("the slots are as wide as the pins; give a --clearance to make them")
     least = _arguments.typed(args, _WALLS).get("least_wall", max(_LEAST_WALL, fits.kerf))
-    thin = [f"{row['part']} {length(row['wall'])}" for row in rows if row["wall"] <= least]
-    if thin:
+    said = [f"{row['part']} {length(row['wall'])}" for row in rows if row["wall"] <= least]
+    if thin := dict.fromkeys(said):
         texts.append(
             f"walls of {length(least)} or less may not survive the cut: {', '.join(thin)}; "
             "choose a larger crank or thinner shafts and pins, or state what you can make with "

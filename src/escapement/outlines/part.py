@@ -1,13 +1,14 @@
 """A flat part: its edge, its holes, its mass and inertia."""
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
 
-from escapement.base import validate
 from escapement.base.errors import InvalidValue
 from escapement.base.spoken import as_spoken
-from escapement.outlines.curves import Curve, Moments, stadium
+from escapement.outlines.bores import hole
+from escapement.outlines.curves import ComplexArray, Curve, Moments, stadium
 from escapement.outlines.fits import Fits
 from escapement.outlines.gaps import outside, segments_of
 from escapement.outlines.thin_walls import Wall, thinnest_wall
@@ -30,6 +31,8 @@ class Part(NamedTuple):
         Centres of its holes and its axis of rotation.
     toothed : bool
         Whether it is a gear, whose teeth are not drawn but cut separately along its pitch curve.
+    notes : tuple of tuple
+        Points and lengths [m] that are engraved there as numbers.
     """
 
     name: str
@@ -38,6 +41,7 @@ class Part(NamedTuple):
     marks: tuple[Curve, ...] = ()
     axes: tuple[complex, ...] = (0.0,)
     toothed: bool = False
+    notes: tuple[tuple[complex, float], ...] = ()
 
     @property
     def moments(self) -> Moments:
@@ -53,8 +57,13 @@ class Part(NamedTuple):
 
     @property
     def wall(self) -> Wall:
-        """Its thinnest wall [m], of a gear up to its pitch curve; see `thinnest_wall`."""
-        return thinnest_wall((self.edge, *self.holes))
+        """Its thinnest wall [m], of a gear up to its pitch curve; see `thinnest_wall`.
+
+        Where no two edges face each other, as in a disc without a hole, it is the least side.
+        """
+        found, size = thinnest_wall((self.edge, *self.holes)), self.size
+        whole = Wall(min(size.real, size.imag), 0.5 * sum(self.edge.box))
+        return found if found.width < whole.width else whole
 
     def mass(self, thickness: float, density: float) -> float:
         """Mass [kg] at a thickness [m] and a density [kg/m^3]."""
@@ -66,32 +75,34 @@ class Part(NamedTuple):
 
     def check(self) -> None:
         """Raise InvalidValue if a hole leaves no wall to the edge or to another hole."""
-        for k, hole in enumerate(self.holes):
-            others = segments_of([self.edge, *self.holes[:k], *self.holes[k + 1 :]])
-            centre = complex(hole.corners.mean())
-            deep, point = outside(others, np.array([centre]))
-            room, radius = -float(deep[0]), abs(complex(hole.corners[0]) - centre)
-            if len(hole.corners) == 2 and not radius < room:
-                x, y = (as_spoken(size, "length") for size in (point[0].real, point[0].imag))
+        for k, cut in enumerate(self.holes):
+            rest = [self.edge, *self.holes[:k], *self.holes[k + 1 :]]
+            others, round_one = segments_of(rest), len(cut.corners) == 2
+            # of a round hole the centre tells enough
+            points, radius = _points([cut]), 0.0
+            if round_one:
+                points = cut.corners.mean(keepdims=True)
+                radius = abs(complex(cut.corners[0] - points[0]))
+            deep, nearest = outside(others, points)
+            if not round_one:
+                within = _points(rest)
+                deep = np.append(deep, outside(segments_of([cut]), within)[0])
+                nearest = np.append(nearest, within)
+            room, point = -float(deep.max()), complex(nearest[np.argmax(deep)])
+            if not radius < room:
+                x, y, most, got = (
+                    as_spoken(size, "length") for size in (point.real, point.imag, room, radius)
+                )
+                rule = f"have a radius of less than {most}, got {got}" if radius else "leave a wall"
                 raise InvalidValue(
-                    f"a hole of the {self.name} must have a radius of less than "
-                    f"{as_spoken(room, 'length')}, got {as_spoken(radius, 'length')}: it "
-                    "reaches what is cut "
-                    f"at ({x}, {y}); choose a thinner shaft or pin, or a larger wheel"
+                    f"a hole of the {self.name} must {rule}: it reaches what is cut at "
+                    f"({x}, {y}); choose a thinner shaft or pin, or a larger wheel"
                 )
 
 
-def hole(radius: float, at: complex, fit: float, what: str) -> Curve:
-    """A hole for a pin or shaft of this radius, clockwise."""
-    wide = radius + 0.5 * fit
-    if not wide > 0.0:
-        raise validate.fail(
-            f"{what}_fit",
-            f"greater than {as_spoken(-2.0 * radius, 'length')}",
-            as_spoken(fit, "length"),
-            "add to it",
-        )
-    return Curve.circle(wide, at).reversed()
+def _points(curves: Sequence[Curve]) -> ComplexArray:
+    """Corners of curves, and the middles of their lines and arcs."""
+    return np.concatenate([curve.at([0.0, 0.5]).ravel() for curve in curves])
 
 
 def link(name: str, apart: float, first: float, second: float, fits: Fits) -> Part:

@@ -1,7 +1,8 @@
 """Files of parts for cutting: DXF and SVG at 1:1, after a check of the motion."""
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from html import escape
 from io import StringIO
 from typing import Any
 
@@ -16,6 +17,7 @@ from escapement.outlines.fits import Fits
 from escapement.outlines.interference import Nearest, least_gaps
 from escapement.outlines.parts import outline_of, parts_of
 from escapement.outlines.sheet import LAYERS, Sheet, lay_out
+from escapement.outlines.title_block import title_block
 
 _ROUNDING = 1e-12  # gaps of so many units of the outline are 0 except for rounding
 _TOUCH = 1e-6  # bodies that overlap by less count as touching [m]
@@ -59,6 +61,10 @@ def export(
     segments: bool = False,
     r12: bool = False,
     force: bool = False,
+    sheet: Sequence[float] | None = None,
+    crosses: bool = True,
+    title: str = "",
+    tolerance: float = 0.0,
 ) -> list[Nearest]:
     """Write the parts of a mechanism to a DXF or SVG file at 1:1.
 
@@ -79,6 +85,14 @@ def export(
         Whether to write DXF release 12, which old programs read. It has no units.
     force : bool
         Whether an existing file may be replaced.
+    sheet : sequence of float, optional
+        Width and height of the material [m], on which the parts lie in rows.
+    crosses : bool
+        Whether axes and centres of holes have crosses.
+    title : str
+        Title of a block with all dimensions, in the layer TITLE beside the sheet.
+    tolerance : float
+        General tolerance of the dimensions [m], for this block, which it makes, too.
 
     Returns
     -------
@@ -88,23 +102,35 @@ def export(
     Raises
     ------
     InvalidValue
-        If the mechanism has no size, a hole leaves no wall, or two bodies overlap by more than 1
-        um anywhere in a turn.
+        If the mechanism has no size, a hole leaves no wall, the parts do not fit on the sheet, or
+        two bodies overlap by more than 1 um anywhere in a turn.
     MissingPackage
         Where ezdxf is not installed.
     CannotCreate, StorageError
         As `escapement.base.files.write_file`.
     """
-    how = {"inches": inches, "segments": segments, "r12": r12}
-    data, gaps = drawn(mechanism, file_format(path, CUTS), fits or Fits(), **how)
+    data, gaps = drawn(
+        mechanism, file_format(path, CUTS), fits or Fits(), inches, r12, sheet, title, tolerance,
+        segments=segments, crosses=crosses,
+    )  # fmt: skip
     write_file(path, [data], force)
     return gaps
 
 
 def drawn(
-    mechanism: Any, suffix: str, fits: Fits, *, inches: bool, segments: bool, r12: bool
+    mechanism: Any,
+    suffix: str,
+    fits: Fits,
+    inches: bool = False,
+    r12: bool = False,
+    sheet: Sequence[float] | None = None,
+    title: str = "",
+    tolerance: float = 0.0,
+    **how: bool,
 ) -> tuple[bytes, list[Nearest]]:
     """The content of a file of this suffix, and the least gaps; arguments as of `export`."""
+    stock = None if sheet is None else _stock(sheet)
+    tolerance = validate.non_negative("tolerance", tolerance, "give it in m")
     gaps = motion_check(mechanism, fits)
     for pair in gaps[:1]:
         if pair.gap < -_TOUCH:
@@ -114,9 +140,20 @@ def drawn(
                 f"degrees, at ({on_drawing(pair.point.real)}, {on_drawing(pair.point.imag)}) from "
                 "the follower's axis; choose another clearance, thinner pins or thinner shafts"
             )
-    unit = _INCH if inches else _MILLIMETRE
-    sheet = lay_out(parts_of(mechanism, fits), fits.kerf, 1.0 / unit, segments)
-    return _WRITERS[suffix](sheet, inches, r12), gaps
+    unit = (_INCH, "in") if inches else (_MILLIMETRE, "mm")
+    parts, block = parts_of(mechanism, fits), list[tuple[str, str]]()
+    if title or tolerance:
+        block = title_block(title, tolerance, mechanism, fits, parts, gaps, unit)
+    laid = lay_out(parts, fits.kerf, 1.0 / unit[0], stock=stock, block=block, **how)
+    return _WRITERS[suffix](laid, inches, r12), gaps
+
+
+def _stock(sheet: Sequence[float]) -> complex:
+    """Width and height of a sheet as one number; raises InvalidValue if it is none."""
+    sizes = validate.numbers("sheet", sheet, "give width and height in m")
+    if sizes.shape != (2,) or not np.all(sizes > 0.0):
+        raise validate.fail("sheet", "a width and a height", [*sheet], "give both in m")
+    return complex(*sizes.tolist())
 
 
 def _dxf(sheet: Sheet, inches: bool, r12: bool) -> bytes:
@@ -138,14 +175,14 @@ def _dxf(sheet: Sheet, inches: bool, r12: bool) -> bytes:
         z = curve.corners
         points = np.column_stack([z.real, z.imag, curve.bulges]).tolist()
         add(points, format="xyb", close=True, dxfattribs={"layer": layer})
-    look = {"layer": "CENTRE"}
-    for a, b in sheet.lines:
-        space.add_line((a.real, a.imag), (b.real, b.imag), dxfattribs=look)
-    for at, name in sheet.names:
-        space.add_text(name, height=sheet.height, dxfattribs=look | {"insert": (at.real, at.imag)})
-    text = StringIO()
-    drawing.write(text)
-    return text.getvalue().encode(drawing.output_encoding, errors="dxfreplace")
+    for layer, a, b in sheet.lines:
+        space.add_line((a.real, a.imag), (b.real, b.imag), dxfattribs={"layer": layer})
+    for layer, at, text in sheet.texts:
+        look = {"layer": layer, "insert": (at.real, at.imag)}
+        space.add_text(text, height=sheet.height, dxfattribs=look)
+    stream = StringIO()
+    drawing.write(stream)
+    return stream.getvalue().encode(drawing.output_encoding, errors="dxfreplace")
 
 
 def _circle(curve: Curve) -> tuple[complex, float] | None:
@@ -176,12 +213,11 @@ def _svg(sheet: Sheet, inches: bool, _r12: bool) -> bytes:
     for layer, (_, colour) in LAYERS.items():
         rows.append(f'<g id="{layer}" stroke="{colour}" {style}>')
         rows += [path(curve) for name, curve in sheet.curves if name == layer]
-        if layer == "CENTRE":
-            rows += [f'<path d="M {at(a)} L {at(b)}"/>' for a, b in sheet.lines]
-            for point, name in sheet.names:
-                x, y = at(point).split()
-                size = f'font-size="{sheet.height:.4f}" stroke="none" fill="{colour}"'
-                rows.append(f'<text x="{x}" y="{y}" {size}>{name}</text>')
+        rows += [f'<path d="M {at(a)} L {at(b)}"/>' for name, a, b in sheet.lines if name == layer]
+        size = f'font-size="{sheet.height:.4f}" stroke="none" fill="{colour}"'
+        for point, text in (row[1:] for row in sheet.texts if row[0] == layer):
+            x, y = at(point).split()
+            rows.append(f'<text x="{x}" y="{y}" {size}>{escape(text)}</text>')
         rows.append("</g>")
     return "\n".join([*rows, "</svg>\n"]).encode()
 

@@ -14,7 +14,7 @@ from escapement.outlines.part import Part
 from escapement.outlines.parts import disc_inertia
 
 RESULTS = dict.fromkeys(
-    ("width", "height", "wall", "least_gap", "gap", "x", "y"), Result("length")
+    ("width", "height", "wall", "thinnest_wall", "least_gap", "gap", "x", "y"), Result("length")
 ) | {
     **dict.fromkeys(("driver_inertia", "follower_inertia"), Result("inertia")),
     "mass": Result("mass"),
@@ -32,7 +32,9 @@ def record_of(
 
     discs : thickness [m] and density [kg/m^3], with which masses and inertias are told; or none.
     """
-    found: dict[str, Any] = {"kind": mechanism.kind, "least_gap": gaps[0].gap}
+    thinnest = min(part.wall.width for part in parts)
+    found: dict[str, Any] = {"kind": mechanism.kind, "thinnest_wall": thinnest}
+    found["least_gap"] = gaps[0].gap
     if discs and isinstance(mechanism, Geneva):
         inertia = disc_inertia(mechanism, **discs, fits=fits)
         found |= {"driver_inertia": inertia.driver, "follower_inertia": inertia.follower}

@@ -4,6 +4,7 @@ A part has its final size: the kerf of a cutter is added by the export.
 """
 
 import math
+from dataclasses import replace
 from functools import singledispatch
 from typing import Any
 
@@ -15,13 +16,22 @@ from escapement.base.spoken import as_spoken
 from escapement.mechanisms import EllipticalPlanetary, GearDriven, Geneva
 from escapement.mechanisms.protocol import checked
 from escapement.model.escapement import Inertia
+from escapement.outlines.bores import bore, hole
 from escapement.outlines.curves import Curve
 from escapement.outlines.fits import Fits
+from escapement.outlines.fixtures import (
+    base_plate,
+    coupon,
+    dowel_centres,
+    foot,
+    pin_and_washer,
+)
 from escapement.outlines.gears import EllipticalOutline, GearDrivenOutline, pitch_curve
 from escapement.outlines.geneva import GenevaOutline
 from escapement.outlines.meshed import elliptical_teeth, toothed_gears
-from escapement.outlines.part import Part, hole, link
+from escapement.outlines.part import Part, link
 
+_FIXTURES = "dowel_radius", "washer_radius", "screw_radius", "coupon_step"
 _UNUSED = {
     Geneva: (
         ("clearance", "a Geneva wheel, which has a clearance of its own"),
@@ -30,9 +40,11 @@ _UNUSED = {
     GearDriven: (
         ("locking_radius", "a gear-driven wheel, which has no locking arcs"),
         ("teeth", "a gear-driven wheel, whose gears are drawn as pitch circles"),
+        *((name, "a gear-driven wheel") for name in _FIXTURES),
     ),
     EllipticalPlanetary: tuple(
-        (name, "elliptical gears, which have no slots") for name in ("pin_fit", "locking_radius")
+        (name, "elliptical gears, which have no slots")
+        for name in ("pin_fit", "locking_radius", *_FIXTURES)
     ),
 }
 """Fits that a kind of mechanism has no use for, and why."""
@@ -61,9 +73,10 @@ def parts_of(mechanism: Any, fits: Fits | None = None) -> tuple[Part, ...]:
     Returns
     -------
     tuple of Part
-        A Geneva wheel has "driver", "locking-disc", "follower" and "plate", a gear-driven one
-        "follower", "pin-disc", "carrier", "planet" and "fixed-gear", elliptical gears have
-        "driven", "driving", "sun", "planet" and "carrier". Pins are round and need no drawing.
+        A Geneva wheel has "driver", "locking-disc", "follower" and "plate", and, where
+        `fits` asks for them, "pin" and "washer", "base" and four times "foot", and "coupon". A
+        gear-driven one has "follower", "pin-disc", "carrier", "planet" and "fixed-gear",
+        elliptical gears have "driven", "driving", "sun", "planet" and "carrier".
 
     Raises
     ------
@@ -124,7 +137,7 @@ def _(mechanism: Geneva, fits: Fits) -> list[Part]:
     size, pin = _sized(mechanism)
     outline: Any = outline_of(mechanism, fits)
     axis = size * outline.driver_shaft
-    shaft = hole(axis, 0.0, fits.shaft_fit, "shaft")
+    shaft = bore(axis, fits)
     centres = (size * (outline.pin_centres(0.0) - mechanism.centre_distance)).tolist()
     pins = [hole(pin, centre, fits.pin_fit, "pin") for centre in centres]
     lock = outline.locking_edge
@@ -134,13 +147,46 @@ def _(mechanism: Geneva, fits: Fits) -> list[Part]:
     if lock:
         # the crescent of an internal wheel does not reach the axis: it is fastened to the driver
         found.append(Part("locking-disc", marks[0], () if mechanism.internal else (shaft,)))
+    if fits.dowel_radius:
+        found = _with_dowels(found, outline, fits)
     wheel = [curve.moved(size) for curve in outline.follower_edges]
     follower_shaft = size * outline.follower_shaft
-    bore = () if mechanism.internal else (hole(follower_shaft, 0.0, fits.shaft_fit, "shaft"),)
+    centre = () if mechanism.internal else (bore(follower_shaft, fits),)
     # an internal wheel is a ring; its edge that faces the driver is a hole
-    found.append(Part("follower", wheel[-1], (*wheel[:-1], *bore)))
-    apart = size * mechanism.centre_distance
-    return [*found, link("plate", apart, follower_shaft or axis, axis, fits)]
+    found.append(Part("follower", wheel[-1], (*wheel[:-1], *centre)))
+    plate = link("plate", size * mechanism.centre_distance, follower_shaft or axis, axis, fits)
+    return [*found, plate, *_fixtures(outline, plate, fits)]
+
+
+def _with_dowels(discs: list[Part], outline: GenevaOutline, fits: Fits) -> list[Part]:
+    """Driver and locking disc with the holes of the dowels that hold them together."""
+    if len(discs) < 2:
+        rule, size = "0 for a wheel without a locking disc", as_spoken(fits.dowel_radius, "length")
+        raise validate.fail("dowel_radius", rule, size, "leave it out")
+    pins = int(outline.mechanism.pins or 1)
+    centres = dowel_centres(discs, pins, outline.side, fits).tolist()
+    holes = [hole(fits.dowel_radius, at, fits.pin_fit, "pin") for at in centres]
+    return [
+        disc._replace(holes=(*disc.holes, *holes), axes=(*disc.axes, *centres)) for disc in discs
+    ]
+
+
+def _fixtures(outline: GenevaOutline, plate: Part, fits: Fits) -> list[Part]:
+    """Washers, base plate with feet, and coupon, as far as they are asked for."""
+    size, pin = _sized(outline.mechanism)
+    found, pins = list[Part](), int(outline.mechanism.pins or 1)
+    if fits.washer_radius:
+        room = outline.slot_end - outline.follower_shaft
+        found += pin_and_washer(pin, size * room, fits) * pins
+    if fits.screw_radius:
+        radii = size * outline.follower_radius, size * outline.crank_disc_radius
+        apart = size * outline.mechanism.centre_distance
+        found.append(base_plate(apart, radii, [*plate.holes], fits.screw_radius))
+        found += [foot(fits.screw_radius)] * 4
+    if fits.coupon_step:
+        contact = size * outline.mechanism.contact_radius
+        found.append(coupon(pin, size * outline.half_slot, contact, fits))
+    return found
 
 
 @_parts.register
@@ -164,8 +210,7 @@ def _(mechanism: GearDriven, fits: Fits) -> list[Part]:
     turns = np.exp(2j * np.pi * np.arange(mechanism.pins) / mechanism.pins)
     centres = (size * arm * turns).tolist()
     pins = [hole(pin, centre, fits.pin_fit, "pin") for centre in centres]
-    shaft = hole(axis, 0.0, fits.shaft_fit, "shaft")
-    centre = hole(follower_shaft, 0.0, fits.shaft_fit, "shaft")
+    shaft, centre = bore(axis, fits), bore(follower_shaft, fits)
     wheel = [curve.moved(size) for curve in outline.wheel_edges()]
     disc = Curve.circle(size * (arm + outline.pin_radius + _WALL))
     return [
@@ -181,7 +226,7 @@ def _(mechanism: GearDriven, fits: Fits) -> list[Part]:
 def _(mechanism: EllipticalPlanetary, fits: Fits) -> list[Part]:
     least = _SHAFT * mechanism.planet_radius
     radii = fits.follower_shaft_radius or least, fits.driver_shaft_radius or least
-    axis, shaft = (hole(radius, 0.0, fits.shaft_fit, "shaft") for radius in radii)
+    axis, shaft = (bore(radius, fits) for radius in radii)
     driving, driven = (
         pitch_curve(1e3 * oval.semi_major_axis, oval.eccentricity).moved(1e-3)
         for oval in mechanism.pitch_ellipses
@@ -238,7 +283,9 @@ def disc_inertia(
         raise validate.fail("mechanism", "a Geneva", mechanism, "sum up `parts_of` of others")
     thick = validate.positive("thickness", thickness, "give it in m")
     dense = validate.positive("density", density, "give it in kg/m^3, 7850 for steel")
-    found = {part.name: part for part in parts_of(mechanism, fits)}
+    # dowels fill their holes
+    solid = replace(fits or Fits(), dowel_radius=0.0)
+    found = {part.name: part for part in parts_of(mechanism, solid)}
     driver = sum(found[name].inertia(thick, dense) for name in found if name in _DRIVER)
     inner, crank = mechanism.pin_radius, float(mechanism.crank_radius or 0.0)
     for radius in (inner, mechanism.roller_radius or inner):
