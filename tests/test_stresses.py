@@ -157,10 +157,11 @@ def test_the_cost_of_a_study_is_told():
 
 def test_several_wheels_make_one_table(command):
     drive = ["--torque", "0.0113", "--driver-inertia", "3e-7", "--follower-inertia", "5e-6"]
+    drive += ["--friction", "0.2"]
     code, out, err = command("run", "--slots", "4,6", *drive)
     assert code == 0, err
     row = next(line for line in out.splitlines() if line.startswith("period"))
-    four = esc.terminal(esc.Escapement(esc.Geneva(4), TIMER.inertia, 0.0113))
+    four = esc.terminal(esc.Escapement(esc.Geneva(4), TIMER.inertia, 0.0113, 0.2))
     assert f"{four.period:.6g}" in row.split()
     assert len(row.split()) == 4
     for words in (["mechanism"], ["index", "--speed", "3", "--load-torque", "1",
