@@ -109,6 +109,12 @@ def test_stresses_are_figures_of_budgets_and_of_commands(command):
     assert "pressure max" not in command(*words, *drive)[1]
 
 
+def test_a_run_counts_the_loads_of_a_pin():
+    run = esc.rundown(TIMER, turns=10.0)
+    assert run.as_dict()["pin_loads"] == 10
+    assert "pin_loads" not in esc.rundown(replace(TIMER, pin_length=0.0), turns=10.0).as_dict()
+
+
 def test_a_roller_does_not_slide():
     rolling = replace(TIMER, mechanism=replace(WHEEL, roller_radius=1e-3))
     found = esc.terminal(rolling)
