@@ -15,7 +15,8 @@ REFERENCE = Path(__file__).parent / "reference" / "derivatives.json"
 SI = {
     "torque": (1, 2, -2), "inertia": (1, 2, 0), "drag": (1, 2, 0), "viscous": (1, 2, -1),
     "length": (0, 1, 0), "time": (0, 0, 1), "speed": (0, 0, -1), "acceleration": (0, 0, -2),
-    "force": (1, 1, -2), "energy": (1, 2, -2),
+    "force": (1, 1, -2), "energy": (1, 2, -2), "power": (1, 2, -3), "frequency": (0, 0, -1),
+    "pressure": (1, -1, -2), "pressure_speed": (1, 0, -3),
 }  # fmt: skip
 """Powers of mass, length and time of a unit; an angle and a ratio have none."""
 

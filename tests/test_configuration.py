@@ -134,7 +134,7 @@ REFUSED = [
     ({"frictoin": 0.3}, "unknown key 'frictoin' at the top level; did you mean 'friction'?"),
     ({"slots": 4}, "unknown key 'slots' at the top level; it belongs in [mechanism]"),
     ({"driver_inertia": 1.0}, "it belongs in [inertia] as 'driver'"),
-    ({"zzz": 4}, "unknown key 'zzz' at the top level; known are title, units,"),
+    ({"zzz": 4}, "unknown key 'zzz' at the top level; known are title, date,"),
     ({"inertia": {"driver": 1.0, "folower": 1.0}}, "'folower' in [inertia]; did you mean 'follow"),
     ({"mechanism": {"slots": 4, "pin": 4}}, "'pin' in [mechanism]; did you mean 'pins'?"),
     ({"solver": {"rtoll": 1}}, "unknown key 'rtoll' in [solver]; did you mean 'rtol'?"),

@@ -88,7 +88,8 @@ def test_every_number_of_a_kind_has_a_key_and_an_axis(kind):
     known = settings_of(build, build.meshed)
     assert {*declared(build)} <= {*known}
     for name, entry in known.items():
-        assert entry.axis or entry.section == "mechanism" or name in ("contact_law", "load_curve")
+        no_number = "contact_law", "load_curve", "pin_material", "wheel_material"
+        assert entry.axis or entry.section == "mechanism" or name in no_number
         assert entry.name == name
     lost = {"friction", "efficiency"} - {*known}
     assert lost == {"friction" if build.meshed else "efficiency"}
@@ -103,4 +104,4 @@ def test_every_number_of_the_model_decides_of_a_scene():
     model = {name for owner in (esc.Escapement, esc.Inertia) for name in quantities(owner)}
     model |= {*train_numbers()}
     wheel = {"slots", "pins", "pin_radius", "roller_radius", "clearance", "centre_distance_error"}
-    assert {*plan.parameters} == model - {"efficiency"} | wheel | {"initial_speed"}
+    assert {*plan.parameters} == model - {"efficiency"} | wheel | {"initial_speed", "turns"}

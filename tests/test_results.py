@@ -45,9 +45,11 @@ DRIVES = {
 
 @pytest.mark.parametrize("drive", DRIVES)
 def test_every_figure_is_what_terminal_says(drive):
-    plan = plan_from(*DRIVES[drive], results=[*FIGURES])
+    # the time of a run needs its turns, and is no figure of a cycle
+    names = [name for name in FIGURES if name != "run_time"]
+    plan = plan_from(*DRIVES[drive], results=names)
     study = esc.run_plan(plan)
-    assert [*study.results] == [*FIGURES, "status"]
+    assert [*study.results] == [*names, "status"]
     assert_as_alone(plan, study.results)
 
 

@@ -109,6 +109,12 @@ def test_stresses_are_figures_of_budgets_and_of_commands(command):
     assert "pressure max" not in command(*words, *drive)[1]
 
 
+def test_a_run_counts_the_loads_of_a_pin():
+    run = esc.rundown(TIMER, turns=10.0)
+    assert run.as_dict()["pin_loads"] == 10
+    assert "pin_loads" not in esc.rundown(replace(TIMER, pin_length=0.0), turns=10.0).as_dict()
+
+
 def test_a_roller_does_not_slide():
     rolling = replace(TIMER, mechanism=replace(WHEEL, roller_radius=1e-3))
     found = esc.terminal(rolling)
@@ -157,10 +163,11 @@ def test_the_cost_of_a_study_is_told():
 
 def test_several_wheels_make_one_table(command):
     drive = ["--torque", "0.0113", "--driver-inertia", "3e-7", "--follower-inertia", "5e-6"]
+    drive += ["--friction", "0.2"]
     code, out, err = command("run", "--slots", "4,6", *drive)
     assert code == 0, err
     row = next(line for line in out.splitlines() if line.startswith("period"))
-    four = esc.terminal(esc.Escapement(esc.Geneva(4), TIMER.inertia, 0.0113))
+    four = esc.terminal(esc.Escapement(esc.Geneva(4), TIMER.inertia, 0.0113, 0.2))
     assert f"{four.period:.6g}" in row.split()
     assert len(row.split()) == 4
     for words in (["mechanism"], ["index", "--speed", "3", "--load-torque", "1",

@@ -198,8 +198,8 @@ class Figures(JudgedResult, Shown):
 
     @property
     def pin_load_frequency(self) -> float:
-        """How often each pin is loaded [1/s]."""
-        if self.motion is None or not self.motion.escapement.pin_length:
+        """How often each pin is loaded [1/s]; NaN without slots."""
+        if self.motion is None or self.motion.escapement.mechanism.meshed:
             return _NAN
         wheel: Any = self.motion.escapement.mechanism
         return float(1.0 / (wheel.pins * self.period))

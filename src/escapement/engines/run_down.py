@@ -38,6 +38,7 @@ RUNDOWN = {
     "turns": Result("ratio", "driver turns to the end"),
     "end_time": Result("time", "time to the end"),
     "engagements": Result("ratio", "number of them"),
+    "pin_loads": Result("ratio", "load cycles of each pin"),
     "nominal_period": Result("time", "period at the torque of the start"),
     "first_period": Result("time", "duration of the first engagement"),
     "last_period": Result("time", "duration of the last engagement"),
@@ -134,6 +135,9 @@ class Rundown(Shown):
             "engagements": self.times.size,
             "nominal_period": self.nominal_period,
         }
+        if self.escapement.pin_length:
+            wheel: Any = self.escapement.mechanism
+            found["pin_loads"] = math.ceil(self.times.size / wheel.pins)
         if self.times.size:
             chosen = np.unique(np.linspace(0, self.times.size - 1, ROWS).astype(int))
             rows = np.column_stack([*self.columns.values()])[chosen].tolist()

@@ -10,6 +10,7 @@ Read `protocol` first, then `geneva`.
 - `other_sizes`: diameters and distances in place of a mechanism's own numbers
 - `kind`: the base of the kinds, with what files and the command line need
 - `geneva`, `gear_driven`, `elliptical_planetary`, `tabulated`, `cam_indexer`: the kinds
+- `from_functions`: a mechanism from the function of its follower angle
 - `slotted`, `table`: kernels that evaluate a pin path, and a tabulated transmission
 - `imperfect`, `pattern`: wheels with errors of their parts, and the path of every pair of pin and
   slot

@@ -255,7 +255,8 @@ def _in_order(
     found["velocity_mean"] = mechanism.cell_angle / found["period"]
     found["velocity_average_published"] = 0.5 * (found["velocity_max"] + found["velocity_min"])
     if "pin_load_frequency" in plan.solved:
-        found["pin_load_frequency"] = 1.0 / (mechanism.pins * found["period"])
+        pins = math.nan if plan.meshed else mechanism.pins
+        found["pin_load_frequency"] = 1.0 / (pins * found["period"])
     others = [name for name in plan.solved if name not in found]
     if others:  # each case is then built as an escapement, which takes longer than to solve it
         handoffs = zip(cases.tolist(), found["handoff_velocity"], strict=True)
