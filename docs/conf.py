@@ -58,6 +58,7 @@ MOVED: dict[str, str] = {
     "drive-torque": "indexing-drive#the-equation",
     "explorer": "first-timer#the-explorer",
     "files": "studies#the-file-of-a-study",
+    "friction": "effects#which-friction-to-assume",
     "imperfect-parts": "tolerances#errors-of-the-parts",
     "inverse-design": "timer-design",
     "large-studies": "studies#large-studies",

@@ -74,7 +74,7 @@ def test_only_coefficients_of_friction_take_a_pair():
 
 
 def test_the_page_of_friction_shows_the_table():
-    page = Path(__file__).parents[1].joinpath("docs", "friction.md").read_text(encoding="utf-8")
+    page = Path(__file__).parents[1].joinpath("docs", "effects.md").read_text(encoding="utf-8")
     rows = [line.strip("| ").split("|") for line in page.splitlines() if line.startswith("| ")]
     shown = {tuple(cell.strip() for cell in row) for row in rows if " on " in row[0]}
 
