@@ -55,11 +55,15 @@ EXPLORER = "explorer-page.html"
 MOVED: dict[str, str] = {
     "compliant": "clearance#walls-that-yield",
     "configuration": "studies",
+    "drive-torque": "indexing-drive#the-equation",
     "explorer": "first-timer#the-explorer",
     "files": "studies#the-file-of-a-study",
+    "friction": "effects#which-friction-to-assume",
     "imperfect-parts": "tolerances#errors-of-the-parts",
     "inverse-design": "timer-design",
     "large-studies": "studies#large-studies",
+    "measurement": "measuring#what-is-compared",
+    "measuring-protocol": "measuring",
     "other-tools": "literature#other-programs",
     "rundown": "timer-design#a-spring-that-runs-down",
 }

@@ -324,6 +324,6 @@ def test_committed_counts_of_verdicts_are_those_of_the_page():
     none, planted = rows["none", ""], rows["all", "5 to 50"]
     assert int(none["good"]) >= 0.95 * int(none["sets"])
     assert int(planted["good"]) <= 0.01 * int(planted["sets"])
-    page = " ".join((root / "docs/measurement.md").read_text(encoding="utf-8").split())
+    page = " ".join((root / "docs/measuring.md").read_text(encoding="utf-8").split())
     assert f"{none['good']} were called good" in page
     assert f"{planted['good']} were" in page

@@ -8,8 +8,10 @@ import pytest
 
 import escapement as esc
 from escapement.base.errors import CannotCreate, InvalidValue
+from escapement.base.units import INCH_POUND
 from escapement.cli import main
 from escapement.reports.assumptions import left_out
+from escapement.sources import meyer
 
 WHEEL = esc.Geneva(4, crank_radius=0.010, pin_radius=0.0005)
 TIMER = esc.Escapement(WHEEL, esc.Inertia(3.39e-7, 5.65e-6), torque=0.0113, friction=0.20)
@@ -88,6 +90,23 @@ def test_what_is_given_is_not_told_to_be_missing():
     )  # fmt: skip
     left = {name for name, _ in left_out(more)}
     assert left == {"clearance between pin and slot", "errors of the parts"}
+
+
+def test_the_effect_of_clearance_is_as_large_as_told():
+    told = dict(left_out(TIMER))["clearance between pin and slot"]
+    low, high = map(float, re.search(r"([\d.]+) to ([\d.]+) %", told).groups())
+    found = []
+    for slots, torque in ((3, 0.06), (4, 0.10), (6, 0.10)):
+        inertia = esc.Inertia(*(it * INCH_POUND for it in meyer.INERTIAS[slots]))
+        for friction in (0.20, 0.35):
+            fitting, loose = (
+                esc.terminal(esc.Escapement(wheel, inertia, torque * INCH_POUND, friction)).period
+                for wheel in (esc.Geneva(slots, crank_radius=1.0, clearance=c) for c in (0.0, 1e-3))
+            )
+            found.append(100.0 * (loose / fitting - 1.0))
+    assert (round(min(found), 1), round(max(found), 1)) == (low, high)
+    page = Path(__file__).parents[1].joinpath("docs", "clearance.md").read_text("utf-8")
+    assert f"by {low} to {high} % for" in " ".join(page.split())
 
 
 def test_a_report_that_cannot_be_is_refused(tmp_path):

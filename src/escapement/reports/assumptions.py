@@ -33,7 +33,7 @@ def left_out(escapement: Escapement, varied: Iterable[str] = ()) -> list[tuple[s
         text = "a pin of a twentieth of the crank radius makes the period 3 to 4 % shorter"
         found.append(("width of the pins", text))
     if lacks("clearance") and not real.contact:
-        text = "each thousandth of the crank radius makes the period 0.4 to 0.8 % longer"
+        text = "each thousandth of the crank radius makes the period 0.3 to 0.7 % longer"
         found.append(("clearance between pin and slot", text))
     if lacks("driver_bearing_radius", "follower_bearing_radius", "driver_bearing_torque"):
         text = "a journal of a twentieth of the crank radius adds 0.3 to 2 % to the period"
