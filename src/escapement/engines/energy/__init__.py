@@ -66,6 +66,8 @@ inverts its time.
 A call of terminal: `terminal.terminal` gives one scene to `batch.solve_rows`; that calls
 `case_figures.figures`, which passes the rounds of the transient and keeps their extrema.
 `cycle.terminal_cycle` finds the w that a round gives back. `case_figures` then compares the
-extrema with the cycle for rise and settling time. In the end `simulate.simulate` makes the
-motion over one round of the cycle. A study calls `batch.solve` with many scenes instead.
+extrema with the cycle for rise and settling time. In the end
+`simulate.steady_engagement` makes the motion over the cycle, or `simulate.simulate` that over the
+round of a pattern. A study calls `batch.solve` with many scenes instead, which first marks those
+at or above the Painleve limit; for one scene the limit is known from `dynamics.painleve`.
 """
