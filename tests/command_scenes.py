@@ -170,6 +170,9 @@ def _export(kind):
         dwell = {"slots": 6, "pins": 1, "crank_radius": 0.02, "pin_radius": 0.001}
         given = {"locking_radius": 0.0165, "least_wall": 0.02}
         scenes.append({**dwell, "clearance": 1e-4, **given, "tried": [*given]})
+        built = {"dowel_radius": 1e-3, "washer_radius": 2e-3, "screw_radius": 1e-3}
+        built |= {"coupon_step": 1e-4, "bore": "D", "bore_flat": 5e-4}
+        scenes.append({**dwell, "clearance": 1e-4, **built, "tried": [*built]})
     if kind == "elliptical-planetary":
         return scenes  # its sizes are tried elsewhere: rolling the teeth takes seconds
     return [*scenes, *sized(kind, clearance=1e-4)]

@@ -178,6 +178,25 @@ def test_shafts_pass_their_bores_after_the_cut(shape, kerf):
     assert shaft.grown(0.5 * kerf).moments.area > shaft.moments.area - 1e-15
 
 
+@pytest.mark.parametrize(
+    ("mechanism", "turning"),
+    [
+        (MAKERS, {"driver", "locking-disc", "follower"}),
+        (esc.GearDriven(12, 3, fixed_radius=0.03, pin_radius=5e-4), {"pin-disc", "planet"}),
+        (esc.EllipticalPlanetary(0.016, 0.009), {"driven", "driving", "planet"}),
+    ],
+    ids=lambda x: getattr(x, "kind", None),
+)
+def test_only_parts_that_turn_with_their_shaft_have_a_flat(mechanism, turning):
+    parts = by_name(mechanism, bore="D")
+    # a D without recesses is an arc and a line
+    shapes = {
+        name: [hole.bulges for hole in part.holes if len(hole.corners) == 2]
+        for name, part in parts.items()
+    }
+    assert {name for name, holes in shapes.items() if any(map(np.ptp, holes))} == turning
+
+
 def test_sizes_on_a_coupon_are_those_of_its_holes_and_slots():
     part = by_name(MAKERS, coupon_step=5e-5, pin_fit=2e-5)["coupon"]
     noted = [size for _, size in part.notes]

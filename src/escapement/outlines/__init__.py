@@ -7,6 +7,7 @@ Points are complex numbers x + iy, in the unit of length that each outline names
   their teeth
 - `gaps`, `interference`: the gap between two bodies, and the check of a whole turn
 - `part`, `parts`, `thin_walls`, `fits`: flat parts with inertia and thinnest wall, and allowances
-- `part_record`: what is told of parts
+- `bores`, `fixtures`: holes for shafts; dowels, washers, base plate and coupon
+- `part_record`, `title_block`: what is told of parts, and what their drawing says
 - `sheet`, `part_files`: the sheet that a file shows, and the files
 """

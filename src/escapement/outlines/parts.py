@@ -211,6 +211,7 @@ def _(mechanism: GearDriven, fits: Fits) -> list[Part]:
     centres = (size * arm * turns).tolist()
     pins = [hole(pin, centre, fits.pin_fit, "pin") for centre in centres]
     shaft, centre = bore(axis, fits), bore(follower_shaft, fits)
+    bearing = hole(follower_shaft, 0.0, fits.shaft_fit, "shaft")
     wheel = [curve.moved(size) for curve in outline.wheel_edges()]
     disc = Curve.circle(size * (arm + outline.pin_radius + _WALL))
     return [
@@ -218,7 +219,7 @@ def _(mechanism: GearDriven, fits: Fits) -> list[Part]:
         Part("pin-disc", disc, (shaft, *pins), axes=(0.0, *centres)),
         link("carrier", size * mechanism.carrier_over_fixed, follower_shaft, axis, fits),
         Part("planet", Curve.circle(size * outline.planet_radius), (shaft,), toothed=True),
-        Part("fixed-gear", Curve.circle(size), (centre,), toothed=True),
+        Part("fixed-gear", Curve.circle(size), (bearing,), toothed=True),
     ]
 
 
@@ -227,6 +228,7 @@ def _(mechanism: EllipticalPlanetary, fits: Fits) -> list[Part]:
     least = _SHAFT * mechanism.planet_radius
     radii = fits.follower_shaft_radius or least, fits.driver_shaft_radius or least
     axis, shaft = (bore(radius, fits) for radius in radii)
+    bearing = hole(radii[0], 0.0, fits.shaft_fit, "shaft")
     driving, driven = (
         pitch_curve(1e3 * oval.semi_major_axis, oval.eccentricity).moved(1e-3)
         for oval in mechanism.pitch_ellipses
@@ -234,7 +236,7 @@ def _(mechanism: EllipticalPlanetary, fits: Fits) -> list[Part]:
     gears = [
         ("driven", driven, axis),
         ("driving", driving, shaft),
-        ("sun", Curve.circle(mechanism.sun_radius), axis),
+        ("sun", Curve.circle(mechanism.sun_radius), bearing),
         ("planet", Curve.circle(mechanism.planet_radius), shaft),
     ]
     cut = toothed_gears(mechanism, fits.teeth, fits.clearance)
