@@ -40,7 +40,7 @@ class IndexState(NamedTuple):
     torque : of the drive; below zero the follower drives [N m].
     contact_moment : moment of the contact on the follower; its sign is the wall [N m].
     contact_force : magnitude of the force on the pin [N]; NaN without a crank radius.
-    deflection : angle of the load less that of the wheel [rad]; 0 on a rigid shaft.
+    deflection : angle of the load minus that of the wheel [rad]; 0 on a rigid shaft.
     """
 
     theta: FloatArray

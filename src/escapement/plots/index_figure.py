@@ -188,7 +188,7 @@ def _draw_ringing(ax: Axes, shown: Sequence[Shown], units: str) -> None:
         entry = drive.mechanism.breaks[0]
         theta = np.linspace(entry, entry + drive.mechanism.cell_angle, 5 * _SAMPLES)
         time, deflection = (theta - entry) / drive.speed, size * drive.at(theta).deflection
-        name = "angle of the load less that of the wheel" if len(shown) == 1 else _name(drive)
+        name = "angle of the load minus that of the wheel" if len(shown) == 1 else _name(drive)
         ax.plot(time, deflection, color=look.color, ls=look.linestyle, lw=1.2, label=name)
     bound = size * first.load_tolerance
     for side in (-bound, bound):
