@@ -428,7 +428,8 @@ def find_peaks(motion: Motion) -> list[float]:
     found = motion.trajectory.peaks
     if found is None:
         return _sampled_peaks(motion)
-    *others, force, rubbing = found.max(axis=1).tolist()
+    # that with yielding walls does not tell how the pin slides
+    *others, force, rubbing = [*found.max(axis=1).tolist(), _NAN][:5]
     crank = motion.escapement.mechanism.crank_radius
     return [*others, _NAN, _NAN] if crank is None else [*others, force / crank, rubbing]
 
