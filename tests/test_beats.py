@@ -357,7 +357,7 @@ def test_figures():
     assert ax.get_ylabel() == "Beat less mean (µs)"
     assert len(ax.get_xticks()) == 15
     ax = plot_beat_spectrum(esc.beat_spectrum(beats, design().mechanism))
-    assert ax.get_xlabel() == "Cycles a turn of the driver"
+    assert ax.get_xlabel() == "Cycles per turn of the driver"
 
 
 GOOD = np.full(15, 0.03)

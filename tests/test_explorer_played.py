@@ -132,5 +132,5 @@ def test_a_notebook_shows_the_page_and_its_design(monkeypatch):
         esc.plots.explore(3)
     widget._widget.cache_clear()
     monkeypatch.setitem(sys.modules, "anywidget", None)
-    with pytest.raises(MissingPackage, match=r"anywidget.*geneva-escapement\[notebook\]"):
+    with pytest.raises(MissingPackage, match=r"anywidget.*'\.\[notebook\]'"):
         esc.plots.explore(timer)

@@ -195,7 +195,7 @@ def test_what_collides_is_refused_with_the_place(monkeypatch, tmp_path):
 
 def test_a_dxf_without_ezdxf_is_refused_in_one_line(monkeypatch, tmp_path):
     monkeypatch.setitem(sys.modules, "ezdxf", None)
-    with pytest.raises(MissingPackage, match=r"needs ezdxf.*geneva-escapement\[cad\]"):
+    with pytest.raises(MissingPackage, match=r"needs ezdxf.*'\.\[cad\]'"):
         esc.export(WHEEL, tmp_path / "a.dxf")
 
 

@@ -13,7 +13,7 @@ from escapement import plots
 from escapement.base.errors import InvalidValue
 from escapement.base.status import Status
 from escapement.cli import main
-from escapement.dynamics.motor_figures import NAMES
+from escapement.dynamics.figure_table import OF_MOTOR
 from escapement.engines.contact.rigid.impact import CHATTER
 
 TABLE = esc.Geneva(6, pins=1, crank_radius=0.05)
@@ -148,18 +148,18 @@ def test_the_effective_torque_balances_the_power(drive):
     assert cycle.motor_stall_share == pytest.approx(cycle.motor_torque_max / stall, rel=1e-12)
     assert cycle.speed_dip == pytest.approx(1.0 - cycle.velocity_min / cycle.velocity_max)
     other = esc.terminal(drive, engine="ivp")
-    for name in NAMES:
+    for name in OF_MOTOR:
         assert getattr(other, name) == pytest.approx(getattr(cycle, name), rel=1e-8)
 
 
 def test_without_a_motor_there_are_no_figures_of_one():
     found = esc.terminal(machine(5.0, driver_viscous=0.5))
-    assert all(math.isnan(getattr(found, name)) for name in NAMES)
+    assert all(math.isnan(getattr(found, name)) for name in OF_MOTOR)
 
 
 def test_a_study_varies_both_numbers_and_keeps_figures_of_the_motor():
     stalls, speeds, ratios = [0.4, 0.5], [80.0, 90.0], [0.1, 0.2]
-    names = ["period", *NAMES]
+    names = ["period", *OF_MOTOR]
     study = esc.sweep(
         geared(), torque=stalls, no_load_speed=speeds, barrel_ratio=ratios, results=names
     )
@@ -252,7 +252,7 @@ def test_an_index_with_a_motor_is_an_escapement(capsys):
     assert table.driven_by(MOTOR, driver_inertia=0.02) == machine()
     assert main(["index", *MODEL.split(), "--speed", "6", "--motor", "0.5,90 rad/s"]) == 0
     found, cycle = json.loads(capsys.readouterr().out), esc.terminal(geared())
-    for name in ("velocity_mean", *NAMES):
+    for name in ("velocity_mean", *OF_MOTOR):
         assert found[name] == pytest.approx(getattr(cycle, name), rel=1e-12)
     assert found["torque_max"] == pytest.approx(table.torque_max, rel=1e-12)
     assert found["inputs"]["motor_no_load_speed"] == 90.0

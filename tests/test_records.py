@@ -14,9 +14,9 @@ from escapement.base.units import SYSTEMS, printed
 from escapement.constant_speed.index_record import INDEX
 from escapement.constant_speed.indexing import IndexingDrive
 from escapement.dynamics.figure_record import record_of
-from escapement.dynamics.figure_table import FIGURES
+from escapement.dynamics.figure_table import FIGURES, OF_MOTOR, RUN_TIME
 from escapement.dynamics.figures_of_merit import Figures
-from escapement.dynamics.motor_figures import NAMES as MOTOR
+from escapement.model.materials import NEEDED
 
 MODEL = ["--torque", "0.1", "--driver-inertia", "3e-6", "--follower-inertia", "5e-5"]
 RUN = ["run", *MODEL, "--friction", "0.3", "--engagements", "2"]
@@ -91,10 +91,19 @@ WHEEL = esc.Geneva(4, crank_radius=0.02)
 UNEVEN = esc.Geneva(4, pins=1, crank_radius=0.02, slot_offsets=(1e-5, 0.0, 0.0, 0.0))
 
 
+UNASKED = {RUN_TIME, "pin_load_frequency", *NEEDED}
+"""Figures that need a number of turns, or the length of the pin."""
+
+
 @pytest.mark.parametrize(
     ("wheel", "friction", "lacking", "reasons"),
     [
-        (esc.Geneva(4), 0.3, {"contact_force_max", "beat_error", "blow_max", "beats"}, []),
+        (
+            esc.Geneva(4),
+            0.3,
+            {"contact_force_max", "rubbing_max", "beat_error", "blow_max", "beats"},
+            [],
+        ),
         (WHEEL, 0.3, {"beat_error", "blow_max", "beats"}, []),
         (UNEVEN, 0.3, set(), []),
         (WHEEL, 0.9, {"beat_error", "blow_max", "beats"}, []),
@@ -104,7 +113,7 @@ def test_a_design_has_the_figures_that_suit_it(wheel, friction, lacking, reasons
     """Whether it has a terminal cycle or not."""
     timer = esc.Escapement(wheel, INERTIA, 0.0113, friction=friction)
     record = record_of(esc.terminal(timer), timer)
-    assert {*FIGURES, "beats"} - record.values.keys() == lacking | {*MOTOR}
+    assert {*FIGURES, "beats"} - record.values.keys() == lacking | {*OF_MOTOR, *UNASKED}
     assert record.reasons() == reasons
 
 

@@ -14,8 +14,7 @@ from escapement.cli import _arguments, _output
 from escapement.cli._arguments import Arguments, Parser, UsageError
 from escapement.constant_speed.index_case import IndexCase
 from escapement.constant_speed.index_record import INDEX, doubt_of, record_of
-from escapement.dynamics.figure_table import FIGURES
-from escapement.dynamics.motor_figures import NAMES as MOTOR_FIGURES
+from escapement.dynamics.figure_table import FIGURES, OF_MOTOR
 from escapement.mechanisms import DEFAULT_KIND
 from escapement.mechanisms.cam_indexer import LAWS
 from escapement.model.escapement import Inertia
@@ -35,7 +34,7 @@ _GEARBOX = {
 _MOTOR: dict[str, Setting] = {"motor": MOTOR, "driver_inertia": _INERTIA, **_GEARBOX}
 _OF_MOTOR = {
     "velocity_mean": FIGURES["velocity_mean"]._replace(label="mean speed with the motor"),
-    **{name: FIGURES[name] for name in MOTOR_FIGURES},
+    **{name: FIGURES[name] for name in OF_MOTOR},
 }
 _AGAINST = Choice(
     name="against", long_name=f"law of a cam to compare with: {', '.join(LAWS)}",

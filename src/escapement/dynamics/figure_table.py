@@ -96,5 +96,7 @@ FIGURES = {
     "energy_residual": Result("ratio", "energy unaccounted for, as a share of the work"),
 }  # fmt: skip
 """Scalar figures of merit in the order in which they are reported."""
+OF_MOTOR = ("speed_dip", "motor_torque_max", "motor_torque_rms", "motor_stall_share")
+"""Figures of a motor."""
 TRANSIENT = ("rise_time", "rise_time_63", "rise_time_98", "settling_time")
 """Figures that depend on the start of the motion."""

@@ -18,9 +18,8 @@ from escapement.base.status import MESSAGES, Status
 from escapement.base.text import Shown
 from escapement.base.units import printed
 from escapement.dynamics.energy_balance import Judged, JudgedResult
-from escapement.dynamics.figure_table import FIGURES, TRANSIENT
+from escapement.dynamics.figure_table import FIGURES, OF_MOTOR, TRANSIENT
 from escapement.dynamics.motion import Motion
-from escapement.dynamics.motor_figures import NAMES as MOTOR
 from escapement.dynamics.motor_figures import motor_figures
 from escapement.dynamics.trajectory import Extrema
 from escapement.mechanisms.protocol import FloatArray
@@ -206,7 +205,7 @@ class Figures(JudgedResult, Shown):
 
     @cached_property
     def _motor(self) -> dict[str, float]:
-        none = dict.fromkeys(MOTOR, _NAN)
+        none = dict.fromkeys(OF_MOTOR, _NAN)
         return none if self.motion is None else motor_figures(self.motion)
 
     speed_dip = _of_motor("speed_dip", "Greatest less least driver speed, over the greatest [-].")

@@ -4,10 +4,9 @@ from typing import Any
 
 import numpy as np
 
+from escapement.dynamics.figure_table import OF_MOTOR
 from escapement.mechanisms.protocol import FloatArray
 
-NAMES = ("speed_dip", "motor_torque_max", "motor_torque_rms", "motor_stall_share")
-"""Figures of a motor, by name."""
 _POINTS = 16
 _MOST_PANELS = 256
 _ERROR = 1e-11
@@ -25,7 +24,7 @@ def motor_figures(motion: Any) -> dict[str, float]:
     """
     escapement = motion.escapement
     if escapement.no_load_speed is None:
-        return dict.fromkeys(NAMES, np.nan)
+        return dict.fromkeys(OF_MOTOR, np.nan)
     ends = motion.at([0.0, motion.end_time])
     speeds = np.append(motion.extrema.theta_dot, ends.theta_dot)
     stall, no_load = escapement.torque, escapement.referred["no_load_speed"]
@@ -33,7 +32,7 @@ def motor_figures(motion: Any) -> dict[str, float]:
     square = 1.0 - 2.0 * mean / no_load + mean_square_speed(motion) / no_load**2
     share = 1.0 - speeds.min() / no_load
     found = 1.0 - speeds.min() / speeds.max(), stall * share, stall * np.sqrt(square), share
-    return dict(zip(NAMES, map(float, found), strict=True))
+    return dict(zip(OF_MOTOR, map(float, found), strict=True))
 
 
 def mean_square_speed(motion: Any) -> float:

@@ -7,7 +7,7 @@ import math
 from typing import NamedTuple
 
 ORDERS = (1, 2)
-"""Cycles a turn: of an eccentric disc, and of a tilted or an oval one."""
+"""Cycles per turn: of an eccentric disc, and of a tilted or an oval one."""
 DOUBT = 1.5e-2
 """Below this probability for its whole search, a change for good or a reading far out keeps a drive
 from being called good: nothing else shows them."""
