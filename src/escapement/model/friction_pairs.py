@@ -71,8 +71,8 @@ PAIRS: dict[tuple[str, str, str], tuple[Ends | None, Ends | None, str]] = {
 """Static and sliding coefficients, and the keys of their sources, by both materials and condition.
 
 A single figure is written as a range of no width. `jewel` is synthetic sapphire or ruby; `plastic`
-stands for the plastics of machine parts in general. For PLA, ABS and acrylic no range that names
-its counter-body was found.
+stands for the plastics of machine parts in general. For PLA, ABS and acrylic no range that says
+against which material was found.
 """
 
 
