@@ -129,9 +129,9 @@ class StudyPlan(Shown):
             ("engine", self.engine, ""),
         ]
 
-    @cached_property
+    @property
     def subject(self) -> Subject:
-        """What the study is about."""
+        """What the study is about; not kept, since a copy in another process is another object."""
         return subject_of(self.configuration)
 
     @cached_property
