@@ -259,11 +259,12 @@ CHANGED = {
     **{"select": "friction=0.2", "result": "rise_time", "angle_unit": "rad", "bins": 9},
     **{"fit": "driver_inertia", "input_column": "again_deg", "output_column": "again_deg"},
     **{"indices": 8, "lobes": "1/2", "time_column": "later_s", "law": "modified-sine"},
-    **{"pin_material": "steel", "wheel_material": "acetal"},
+    **{"pin_material": "steel", "wheel_material": "acetal", "bore": "square"},
 }
 """What an option is given instead, where a number a little greater will not do."""
 ADDED = {
     **{"table": "cell.csv", "curve": "epicycloid", "contact_law": "hunt-crossley", "speed": 10},
+    "bore": "square",
     **{
         "lobes": 1,
         "solution": 2,
