@@ -354,7 +354,7 @@ def test_bars_of_stamps_count_with_their_covariance():
 def test_figures():
     beats = beats_of(design(), PINS, SLOTS, rounds=2, noise=1e-5)
     ax = plot_beats(esc.fit_beats(beats, design()))
-    assert ax.get_ylabel() == "Beat less mean (µs)"
+    assert ax.get_ylabel() == "Beat minus mean (µs)"
     assert len(ax.get_xticks()) == 15
     ax = plot_beat_spectrum(esc.beat_spectrum(beats, design().mechanism))
     assert ax.get_xlabel() == "Cycles per turn of the driver"

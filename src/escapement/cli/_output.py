@@ -80,6 +80,15 @@ Found = tuple[Record, Iterable[Input], int]
 """What a command found, the numbers that went in, and its exit code."""
 
 
+def tell_found(args: Arguments, find: Callable[[Arguments], Found]) -> int:
+    """Print what a command finds, as one table if several numbers of slots are given."""
+    if isinstance(args.slots, tuple):
+        return tell_several(args, find)
+    record, inputs, code = find(args)
+    tell(args, record, inputs)
+    return code
+
+
 def tell_several(args: Arguments, find: Callable[[Arguments], Found]) -> int:
     """Print what a command finds for each of several numbers of slots, as one table."""
     files = (name for name in ("output", "plot", "report") if getattr(args, name, None) is not None)

@@ -42,11 +42,7 @@ def configure(parser: Parser) -> None:
 
 def execute(args: Arguments) -> int:
     """Print the geometry; draw it where asked for."""
-    if isinstance(args.slots, tuple):
-        return _output.tell_several(args, _found)
-    record, known, code = _found(args)
-    _output.tell(args, record, known)
-    return code
+    return _output.tell_found(args, _found)
 
 
 def _found(args: Arguments) -> _output.Found:

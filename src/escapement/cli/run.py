@@ -70,11 +70,7 @@ def model() -> dict[str, Setting]:
 
 def execute(args: Arguments) -> int:
     """Simulate and print the figures; write the files that were asked for."""
-    if isinstance(args.slots, tuple):
-        return _output.tell_several(args, _computed)
-    record, inputs, code = _computed(args)
-    _output.tell(args, record, inputs)
-    return code
+    return _output.tell_found(args, _computed)
 
 
 def _computed(args: Arguments) -> _output.Found:

@@ -11,10 +11,9 @@ and the body receives e q, where e is eta if power flows to the body, and 1/eta 
 
 P is the push of the contact, H the dry friction of bearing and journal, and c and nu are the
 coefficients of drag. A motor's torque T falls by nu_m v with the speed. The driver's shaft is that
-of the barrel, with the torque of the drive; the
-follower's is that of the load, whose torque is -sign(v) M; a load that changes with the follower's
-angle is part of P. Friction never drives: a driver at rest
-that the drive cannot move is held.
+of the barrel, with the torque of the drive; the follower's is that of the load, whose torque is
+-sign(v) M. A load that changes with the follower's angle is part of P. Friction never drives: a
+driver at rest that the drive cannot move is held.
 
 The sign of q (I + e I_s) = I T - I_s (P - ..) does not depend on e, so that the direction of the
 power is explicit. Along a wall both bodies have one degree of freedom: see `law`.

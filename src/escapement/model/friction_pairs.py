@@ -76,7 +76,7 @@ against which material was found.
 """
 
 
-def friction_of(one: str, other: str, condition: str = "dry") -> FrictionRange:
+def friction_of(first: str, second: str, condition: str = "dry") -> FrictionRange:
     """Published coefficients of friction of two materials.
 
     They depend on finish, pressure, speed and wear, and published figures of one pair differ by a
@@ -84,7 +84,7 @@ def friction_of(one: str, other: str, condition: str = "dry") -> FrictionRange:
 
     Parameters
     ----------
-    one, other : str
+    first, second : str
         "acetal", "brass", "bronze", "jewel", "nylon", "plastic" or "steel", in either order.
     condition : str
         "dry", "oiled" or "greased".
@@ -105,15 +105,15 @@ def friction_of(one: str, other: str, condition: str = "dry") -> FrictionRange:
     0.51
     """
     known = sorted({name for pair in PAIRS for name in pair[:2]})
-    first, second = sorted(
+    one, other = sorted(
         validate.choice(name, word.lower() if isinstance(word, str) else word, known)
-        for name, word in (("one", one), ("other", other))
+        for name, word in (("first", first), ("second", second))
     )
     validate.choice("condition", condition, CONDITIONS)
-    found = PAIRS.get((first, second, condition))
-    name = f"{first} on {second}, {condition}"
+    found = PAIRS.get((one, other, condition))
+    name = f"{one} on {other}, {condition}"
     if found is None:
-        there = [f"{a} on {b}, {wet}" for a, b, wet in PAIRS if {first, second} & {a, b}]
+        there = [f"{a} on {b}, {wet}" for a, b, wet in PAIRS if {one, other} & {a, b}]
         raise InvalidValue(
             f"no published friction of {name} was found; "
             f"give numbers of your own, or one of: {'; '.join(there)}"

@@ -45,7 +45,7 @@ def plot_beats(fit: BeatFit, ax: Axes | None = None, *, legend: bool = True) -> 
     ax.errorbar(k, factor * (rounds.means - mean), doubt, label="measured", capsize=2, **look)
     pins, slots = wheel.pins, wheel.slots
     ax.set_xticks(k, [f"{j % pins}\n{j % slots}" for j in k])
-    return style.finished(ax, ("pin, and slot below it", ""), ("beat less mean", unit), 2,
+    return style.finished(ax, ("pin, and slot below it", ""), ("beat minus mean", unit), 2,
                           legend=legend)  # fmt: skip
 
 
