@@ -1,7 +1,10 @@
 """What several scripts share: where results go, how a table is written, and random losses."""
 
+import argparse
 import csv
 from pathlib import Path
+
+from escapement.base.text import print_columns, show
 
 RESULTS = Path(__file__).resolve().parent / "results"
 
@@ -13,6 +16,23 @@ def write_rows(name, rows, head=None):
     RESULTS.mkdir(exist_ok=True)
     with (RESULTS / f"{name}.csv").open("w", newline="", encoding="utf-8") as file:
         csv.writer(file, lineterminator="\n").writerows([head, *lines])
+
+
+def asked(description, **usual):
+    """Whole numbers of the command line, with those of a whole run; and whether it is one."""
+    parser = argparse.ArgumentParser(description=description.splitlines()[0])
+    for name, count in usual.items():
+        parser.add_argument(f"--{name}", type=int, default=count, help=f"default: {count}")
+    found = parser.parse_args()
+    return *vars(found).values(), vars(found) == usual
+
+
+def tell(name, rows, whole=True):
+    """Print rows, which are dictionaries; the table of the results holds only whole runs."""
+    lines = [[show(value) for value in row.values()] for row in rows]
+    print_columns([list(rows[0])], lines)
+    if whole:
+        write_rows(name, lines, list(rows[0]))
 
 
 def random_losses(random, share, torque, follower, *, bearing=0.1, viscous=0.02):

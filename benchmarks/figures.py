@@ -10,6 +10,8 @@ from pathlib import Path
 
 import numpy as np
 
+import escapement as esc
+from escapement.base.units import INCH_POUND
 from escapement.benchmark.work_precision import Point, work_precision_figure
 from escapement.plots.style import (
     BLACK,
@@ -186,23 +188,33 @@ def long_run():
     return figure
 
 
+FIGURES = (
+    *("velocity_max", "velocity_min", "velocity_mean", "period", "rise_time_63", "rise_time_98"),
+    *("acceleration_max", "follower_acceleration_max", "contact_moment_max", "critical_friction"),
+)
+PARAMETERS = ("torque", "friction", "driver_inertia", "follower_inertia", "load_torque")
+DESIGNS = {"three pins": (6, 0.08, 0.20, 3, 40), "four pins": (4, 0.10, 0.35, 3, 50)}
+DESIGNS["six pins"] = (3, 0.03, 0.20, 6, 10)
+"""Slots, torque [in-lbf], friction, and inertias of driver and follower [1e-6 in-lbf-s^2]."""
+
+
 def conditioning():
     """Change of each figure of merit in per cent, for one per cent of each parameter."""
     figure = new_figure(TWO_COLUMN, 3.4)
-    designs = {name: list(rows) for (name,), rows in grouped(table("conditioning"), "design")}
-    names = ("three pins", "four pins", "six pins")
-    for axes, name in zip(figure.subplots(1, 3, sharey=True), names, strict=True):
-        rows = [row for row in designs[name] if row["figure"] != "contraction"]
-        parameters = [key for key in rows[0] if key not in ("design", "figure")]
-        values = np.array([[row[key] for key in parameters] for row in rows])
+    panels = zip(figure.subplots(1, 3, sharey=True), DESIGNS.items(), strict=True)
+    for axes, (name, (slots, torque, friction, *inertias)) in panels:
+        inertia = esc.Inertia(*(1e-6 * INCH_POUND * each for each in inertias))
+        torques = {"torque": torque * INCH_POUND, "load_torque": 0.1 * torque * INCH_POUND}
+        timer = esc.Escapement(esc.Geneva(slots), inertia, friction=friction, **torques)
+        found = esc.sensitivities(timer).relative
+        values = np.array([[found[row].get(one, 0.0) for one in PARAMETERS] for row in FIGURES])
         axes.imshow(values, cmap="RdBu_r", vmin=-2.2, vmax=2.2, aspect="auto")
         for (i, j), value in np.ndenumerate(values):
             ink = "white" if abs(value) > 1.3 else "black"
-            # errors of 1e-10, which differences leave, must not change the rounded digits
-            text = f"{round(value, 6):.2f}" if abs(value) > 5e-3 else "0"
+            text = f"{value:.2f}" if abs(value) > 5e-3 else "0"
             axes.text(j, i, text, ha="center", va="center", fontsize=7, color=ink)
-        axes.set_xticks(range(len(parameters)), [p.replace("_", "\n") for p in parameters])
-        axes.set_yticks(range(len(rows)), [row["figure"].replace("_", " ") for row in rows])
+        axes.set_xticks(range(len(PARAMETERS)), [p.replace("_", "\n") for p in PARAMETERS])
+        axes.set_yticks(range(len(FIGURES)), [row.replace("_", " ") for row in FIGURES])
         axes.tick_params(labelsize=7, length=0)
         axes.tick_params(axis="y", labelsize=SMALL_SIZE)
         axes.set_title(name, fontsize=9)

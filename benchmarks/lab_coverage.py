@@ -7,19 +7,13 @@ package. In one set a shaft is turned unevenly there and back, with free play, a
 rounding to counts of an encoder; the other set is a noisy run-up.
 """
 
-import argparse
-from pathlib import Path
-from typing import NamedTuple
-
 import numpy as np
+from common import asked, tell
 
 import escapement as esc
-from escapement.base.text import print_columns
-from escapement.benchmark import write_csv
 from escapement.measurement import position
 from escapement.measurement.estimate import SURE
 
-ROOT = Path(__file__).resolve().parents[1]
 DEG = np.pi / 180.0
 COUNT = 2.0 * np.pi / 16384
 PLAY, ECCENTRICITY = 0.4 * DEG, 0.3 * DEG
@@ -28,22 +22,20 @@ FRICTION, TORQUE = 0.30, 0.0113
 INERTIA = esc.Inertia(3.39e-7, 5.65e-6)
 
 
-class Row(NamedTuple):
-    """For how many seeds an interval contained the true value.
+def rows_of(case, names, seeds, inside, right, widths):
+    """For each number, for how many seeds its interval contained the true value.
 
     right : for how many the error was found on the right shaft alone, or the fit converged.
     half_width_percent : the greatest half-width of an interval over the true value.
     """
-
-    case: str
-    number: str
-    seeds: int
-    inside: int
-    right: int
-    half_width_percent: float
+    for name, count, most in zip(names, inside, np.max(widths, axis=0), strict=True):
+        yield {
+            "case": case, "number": name, "seeds": seeds, "inside": count, "right": right,
+            "half_width_percent": most,
+        }  # fmt: skip
 
 
-def behind(angles: np.ndarray, play: float) -> np.ndarray:
+def behind(angles, play):
     """Angle of a shaft with free play: it stands still until it is pushed from one side."""
     at, found = angles[0], []
     for angle in angles:
@@ -55,7 +47,7 @@ def behind(angles: np.ndarray, play: float) -> np.ndarray:
     return np.array(found)
 
 
-def readings_of(drive: esc.Geneva, shaft: str, seed: int) -> esc.Readings:
+def readings_of(drive, shaft, seed):
     """Both encoders while the input is turned there and back."""
     random = np.random.default_rng(seed)
     there = np.cumsum(random.uniform(0.5, 1.5, 600))
@@ -72,7 +64,7 @@ def readings_of(drive: esc.Geneva, shaft: str, seed: int) -> esc.Readings:
     return esc.Readings(*(COUNT * np.round(one / COUNT) for one in (read_in, read_out)))
 
 
-def of_shafts(case: str, drive: esc.Geneva, shaft: str, seeds: int) -> list[Row]:
+def of_shafts(case, drive, shaft, seeds):
     """Backlash and eccentricity of one shaft."""
     inside, right, widths = np.zeros(2, int), 0, []
     for seed in range(seeds):
@@ -86,15 +78,11 @@ def of_shafts(case: str, drive: esc.Geneva, shaft: str, seeds: int) -> list[Row]
         told += [(b.shaft, 0) for b in found.backlash if b.p_value < SURE]
         right += told == [(shaft, 1), (shaft, 0)]
         widths.append(100.0 * halves / truth)
-    most = np.max(widths, axis=0)
     names = ("eccentricity", "backlash")
-    return [
-        Row(f"{case}, {shaft}", *row)
-        for row in zip(names, [seeds] * 2, inside.tolist(), [right] * 2, most.tolist(), strict=True)
-    ]
+    return rows_of(f"{case}, {shaft}", names, seeds, inside, right, widths)
 
 
-def of_run_up(seeds: int) -> list[Row]:
+def of_run_up(seeds):
     """Friction and torque from 400 noisy angles of a run-up; the fit starts from wrong numbers."""
     truth = esc.Escapement(DRIVES["four slots"], INERTIA, TORQUE, FRICTION)
     guess = esc.Escapement(DRIVES["four slots"], INERTIA, 0.02, 0.15)
@@ -111,28 +99,17 @@ def of_run_up(seeds: int) -> list[Row]:
         inside += np.abs(fit.values - values) <= fit.half_widths
         right += fit.explained
         widths.append(100.0 * fit.half_widths / values)
-    most = np.max(widths, axis=0)
-    return [
-        Row("run-up", *row)
-        for row in zip(
-            ("friction", "torque"), [seeds] * 2, inside.tolist(), [right] * 2, most.tolist(),
-            strict=True,
-        )
-    ]  # fmt: skip
+    return rows_of("run-up", ("friction", "torque"), seeds, inside, right, widths)
 
 
-def main() -> None:
+def main():
     """Run all cases, print and write them."""
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--seeds", type=int, default=100)
-    seeds = parser.parse_args().seeds
-    rows = of_run_up(seeds)
+    seeds, whole = asked(__doc__, seeds=100)
+    rows = [*of_run_up(seeds)]
     for case, drive in DRIVES.items():
         for shaft in ("output", "input"):
             rows += of_shafts(case, drive, shaft, seeds)
-    print_columns([list(Row._fields)], [list(row) for row in rows])
-    if seeds == 100:
-        write_csv(ROOT / "benchmarks" / "results" / "lab_coverage.csv", rows)
+    tell("lab_coverage", rows, whole)
 
 
 if __name__ == "__main__":

@@ -1,12 +1,11 @@
 """Time and memory of `escapement measure` against the number of samples.
 
-``python benchmarks/many_readings.py [--rows 10000 100000 1000000 10000000]``
+``python benchmarks/many_readings.py [--decades 7]``
 
-Each number of rows is written as synthetic readings and measured in a process of its
-own, statistics, shaft errors and periodogram included.
+Each number of rows, from 10^4 to 10^7, is written as synthetic readings and measured in a process
+of its own, statistics, shaft errors and periodogram included.
 """
 
-import argparse
 import json
 import resource
 import subprocess
@@ -14,47 +13,28 @@ import sys
 import tempfile
 import time
 from pathlib import Path
-from typing import NamedTuple
+
+from common import asked, tell
 
 import escapement as esc
-from escapement.base.text import print_columns
-from escapement.benchmark import write_csv
 from escapement.measurement import measure, read_readings
 
-ROOT = Path(__file__).resolve().parents[1]
 DRIVE = esc.EllipticalPlanetary(0.016, 0.009)
 PER_TURN = 200
 
 
-class Cost(NamedTuple):
-    """A file of readings, and time and memory to measure it.
-
-    peak_memory : of the process [MB].
-    """
-
-    rows: int
-    megabytes: float
-    read_seconds: float
-    total_seconds: float
-    peak_memory: float
-
-
-def measure_once(path: Path) -> None:
-    """Read and measure a file; print what it took."""
+def measure_once(path):
+    """Read and measure a file; print its size and what it took, with the peak of memory."""
     begin = time.perf_counter()
     readings = read_readings(path)
     read = time.perf_counter() - begin
-    result = measure(readings, DRIVE, encoder=esc.Encoder(4096))
-    figures = (result.chi_squared_test, result.published_test, result.anderson_darling_test)
-    assert len(figures) == 3
-    assert result.message
-    assert result.periodogram.peak >= 0
+    assert measure(readings, DRIVE, encoder=esc.Encoder(4096)).periodogram.peak >= 0
     total = time.perf_counter() - begin
     peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024.0
     print(json.dumps([path.stat().st_size / 1e6, read, total, peak]))
 
 
-def cost(rows: int, folder: Path) -> Cost:
+def cost(rows, folder):
     """Write readings, measure them in a new process."""
     path = folder / "readings.csv"
     readings = esc.synthetic_readings(
@@ -62,28 +42,18 @@ def cost(rows: int, folder: Path) -> Cost:
     )
     esc.write_readings(readings, path, force=True)
     del readings
-    done = subprocess.run(
-        [sys.executable, __file__, "--measure", path], stdout=subprocess.PIPE, check=True
-    )
-    return Cost(rows, *json.loads(done.stdout))
+    done = subprocess.run([sys.executable, __file__, path], stdout=subprocess.PIPE, check=True)
+    names = ("rows", "megabytes", "read_seconds", "total_seconds", "peak_memory")
+    return dict(zip(names, [rows, *json.loads(done.stdout)], strict=True))
 
 
-def main() -> None:
+def main():
     """Measure, print, write."""
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--rows", type=int, nargs="+", default=[10**k for k in range(4, 8)])
-    parser.add_argument("--measure", type=Path, help=argparse.SUPPRESS)
-    parser.add_argument("-o", "--output", type=Path, default=ROOT / "benchmarks" / "results")
-    args = parser.parse_args()
-    if args.measure is not None:
-        measure_once(args.measure)
-        return
+    decades, whole = asked(__doc__, decades=7)
     with tempfile.TemporaryDirectory() as folder:
-        costs = [cost(rows, Path(folder)) for rows in args.rows]
-    args.output.mkdir(parents=True, exist_ok=True)
-    write_csv(args.output / "many_readings.csv", costs)
-    print_columns([Cost._fields], costs)
+        costs = [cost(10**k, Path(folder)) for k in range(4, decades + 1)]
+    tell("many_readings", costs, whole)
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    measure_once(Path(sys.argv[1])) if sys.argv[1:2] and sys.argv[1].endswith(".csv") else main()

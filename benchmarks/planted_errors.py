@@ -10,33 +10,18 @@ fit finds it (the logarithm is uniform); both shafts move through two cells or m
 least a third of the output's count, so that rounding is noise too; rows "coarse" have less of it.
 """
 
-import argparse
 from itertools import pairwise
-from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
+from common import asked, tell
 
 import escapement as esc
-from escapement.base.text import print_columns
-from escapement.benchmark import write_csv
 
-ROOT = Path(__file__).resolve().parents[1]
 DEG, TURN = np.pi / 180.0, 2.0 * np.pi
 KINDS = ("eccentric", "slot", "lost step", "far out", "other mechanism")
 LEAST, MOST = 5.0, 50.0
 LARGEST = 0.2  # share of a step; greater errors need no statistics
-
-
-class Row(NamedTuple):
-    """Verdicts on readings of one kind; `times` is the size of errors in standard errors."""
-
-    error: str
-    times: str
-    sets: int
-    good: int
-    cannot_say: int
-    not_good: int
 
 
 class Drive(NamedTuple):
@@ -46,7 +31,7 @@ class Drive(NamedTuple):
     pins: int
     internal: bool
 
-    def position(self, theta: np.ndarray) -> np.ndarray:
+    def position(self, theta):
         """Follower angle over any number of cells; it is locked in the dwell."""
         cell, reach = (
             TURN / self.pins,
@@ -59,12 +44,12 @@ class Drive(NamedTuple):
         along = distance + np.cos(local) if self.internal else distance - np.cos(local)
         return np.arctan2(np.sin(local), along) + number * TURN / self.slots
 
-    def engaged(self, theta: np.ndarray) -> np.ndarray:
+    def engaged(self, theta):
         """Number of the slot that a pin is in, or was in last."""
         reach = np.pi / 2.0 + (1 if self.internal else -1) * np.pi / self.slots
         return np.floor((theta + reach) / (TURN / self.pins)) % self.slots
 
-    def slope(self, theta: np.ndarray) -> np.ndarray:
+    def slope(self, theta):
         """Transmission by central differences."""
         return (self.position(theta + 1e-6) - self.position(theta - 1e-6)) / 2e-6
 
@@ -78,13 +63,13 @@ class Case(NamedTuple):
     input_noise: float
     steps: tuple[float, float]
 
-    def deviation(self, slope: np.ndarray) -> np.ndarray:
+    def deviation(self, slope):
         """Standard deviation of the error of each sample, rounding included."""
         of_output = self.noise**2 + self.steps[1] ** 2 / 12.0
         return np.sqrt(of_output + slope**2 * (self.input_noise**2 + self.steps[0] ** 2 / 12.0))
 
 
-def case_of(random: np.random.Generator, coarse: bool) -> Case:
+def case_of(random, coarse):
     """A drive and how it is read, at random."""
     slots = int(random.integers(3, 9))
     internal = bool(random.random() < 0.15)
@@ -106,7 +91,7 @@ def case_of(random: np.random.Generator, coarse: bool) -> Case:
     return Case(Drive(slots, pins, internal), theta, noise, input_noise, (steps[0], steps[1]))
 
 
-def column_of(kind: str, case: Case, random: np.random.Generator) -> tuple[str, np.ndarray]:
+def column_of(kind, case, random):
     """Where an error of one radian of this kind acts, and how it shows in the output."""
     theta, drive = case.theta, case.drive
     slope, phi = drive.slope(theta), drive.position(theta)
@@ -127,7 +112,7 @@ def column_of(kind: str, case: Case, random: np.random.Generator) -> tuple[str, 
     return "output", far
 
 
-def standard_error(column: np.ndarray, case: Case) -> float:
+def standard_error(column, case):
     """Of the size of an error, beside phase and offset."""
     slope = case.drive.slope(case.theta)
     weight = 1.0 / case.deviation(slope)
@@ -137,9 +122,7 @@ def standard_error(column: np.ndarray, case: Case) -> float:
     return float(1.0 / np.sqrt(max(left @ left, 1e-300)))
 
 
-def read(
-    case: Case, random: np.random.Generator, at: np.ndarray, drive: Drive, added: np.ndarray | float
-) -> esc.Readings:
+def read(case, random, at, drive, added):
     """Both encoders: the input is read at `theta` while the driver stands at `at`."""
     size = case.theta.size
     angle = case.theta - case.theta[0] + case.input_noise * random.standard_normal(size)
@@ -157,9 +140,7 @@ def read(
     return esc.Readings(*columns, time=time)
 
 
-def planted(
-    kind: str, random: np.random.Generator, coarse: bool = False
-) -> tuple[Drive, esc.Readings, Case, float]:
+def planted(kind, random, coarse=False):
     """A drive and readings with an error of this kind, and its size in standard errors."""
     while True:
         case = case_of(random, coarse)
@@ -188,61 +169,39 @@ def planted(
         return drive, read(case, random, at, drive, added), case, times
 
 
-Judged = tuple[bool | None, float, str]
-"""A verdict, the size of the error in standard errors, and the words."""
-
-
-def verdict_of(kind: str, seed: int, coarse: bool = False) -> Judged:
-    """The verdict on one set of readings."""
+def verdict_of(kind, seed, coarse=False):
+    """The verdict on one set of readings, and the size of its error in standard errors."""
     random = np.random.default_rng([seed, ("none", *KINDS).index(kind), coarse])
     drive, readings, case, times = planted(kind, random, coarse)
     wheel = esc.Geneva(drive.slots, pins=drive.pins, internal=drive.internal)
     encoder = None
     if all(case.steps) and random.random() < 0.5:
         encoder = tuple(esc.Encoder(round(TURN / step)) for step in case.steps)
-    verdict = esc.measure(readings, wheel, encoder=encoder).verdict
-    return verdict.good, times, verdict.text
+    return esc.measure(readings, wheel, encoder=encoder).verdict.good, times
 
 
-def row_of(error: str, times: str, found: list[Judged]) -> Row:
-    """Verdicts counted."""
-    verdicts = [good for good, *_ in found]
-    counts = (sum(one is word for one in verdicts) for word in (True, None, False))
-    return Row(error, times, len(found), *counts)
+def row_of(error, times, found):
+    """Verdicts counted; `times` is the size of errors in standard errors."""
+    row, verdicts = {"error": error, "times": times, "sets": len(found)}, [one[0] for one in found]
+    words = {"good": True, "cannot_say": None, "not_good": False}
+    return row | {name: sum(one is word for one in verdicts) for name, word in words.items()}
 
 
-def by_size(found: list[Judged]) -> list[Row]:
-    """How many errors are seen, by their size."""
-    edges = (LEAST, 6.0, 8.0, 12.0, MOST)
-    return [
-        row_of("all", f"{low:g} to {high:g}", [one for one in found if low <= one[1] < high])
-        for low, high in pairwise(edges)
-    ]
-
-
-def main() -> None:
+def main():
     """Judge all sets, print and write the counts."""
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--seeds", type=int, default=600)
-    parser.add_argument("--show", action="store_true", help="print the verdicts that are wrong")
-    args = parser.parse_args()
-    each, rows = args.seeds // len(KINDS), []
+    seeds, whole = asked(__doc__, seeds=600)
+    each, span, rows = seeds // len(KINDS), f"{LEAST:g} to {MOST:g}", []
     for coarse in (False, True):
-        found = {kind: [verdict_of(kind, seed, coarse) for seed in range(each)] for kind in KINDS}
-        found["none"] = [verdict_of("none", seed, coarse) for seed in range(args.seeds)]
-        for kind, some in found.items() if args.show else ():
-            for seed, (good, times, text) in enumerate(some):
-                if (good is True) != (kind == "none"):
-                    print(f"{kind} {seed} {coarse} {times:.1f}: {text}")
         mark = ", coarse" if coarse else ""
-        span, every = f"{LEAST:g} to {MOST:g}", [one for kind in KINDS for one in found[kind]]
-        rows.append(row_of(f"none{mark}", "", found["none"]))
-        rows += [row_of(f"{kind}{mark}", span, found[kind]) for kind in KINDS]
-        rows.append(row_of(f"all{mark}", span, every))
-        rows += [] if coarse else by_size(every)
-    print_columns([list(Row._fields)], [list(row) for row in rows])
-    if args.seeds == 600:
-        write_csv(ROOT / "benchmarks" / "results" / "planted_errors.csv", rows)
+        none = [verdict_of("none", seed, coarse) for seed in range(seeds)]
+        found = {kind: [verdict_of(kind, seed, coarse) for seed in range(each)] for kind in KINDS}
+        found["all"] = [one for some in found.values() for one in some]
+        rows.append(row_of(f"none{mark}", "", none))
+        rows += [row_of(f"{kind}{mark}", span, some) for kind, some in found.items()]
+        for low, high in () if coarse else pairwise((LEAST, 6.0, 8.0, 12.0, MOST)):
+            some = [one for one in found["all"] if low <= one[1] < high]
+            rows.append(row_of("all", f"{low:g} to {high:g}", some))
+    tell("planted_errors", rows, whole)
 
 
 if __name__ == "__main__":

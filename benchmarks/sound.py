@@ -7,11 +7,8 @@ second, each interval with a noise of a thousandth. The signal to noise ratio is
 amplitude with which a tick begins to the standard deviation of the noise.
 """
 
-import argparse
-import csv
-from pathlib import Path
-
 import numpy as np
+from common import asked, tell
 
 import escapement as esc
 from escapement.base.errors import EscapementError
@@ -22,10 +19,9 @@ RATE = 48000
 BEATS = {0.5: 40, 5.0: 200, 30.0: 400, 100.0: 600}
 NOISES = (30.0, 20.0, 10.0, 6.0)
 NEAR = 1e-3  # a sound this near to a tick is this tick [s]
-OUT = Path(__file__).parent / "results" / "sound.csv"
 
 
-def recorded(rate: float, snr: float, seed: int) -> tuple[np.ndarray, np.ndarray]:
+def recorded(rate, snr, seed):
     """Instants of ticks, and their recording."""
     rng = np.random.default_rng(seed)
     count = BEATS[rate]
@@ -36,7 +32,7 @@ def recorded(rate: float, snr: float, seed: int) -> tuple[np.ndarray, np.ndarray
     return times, esc.synthetic_recording(times, loud, **options)
 
 
-def judged(rate: float, snr: float, seeds: int) -> dict[str, object]:
+def judged(rate, snr, seeds):
     """Figures of all recordings of a rate and a noise."""
     found = wrong = every = refused = 0
     apart, widths = [], []
@@ -57,34 +53,22 @@ def judged(rate: float, snr: float, seeds: int) -> dict[str, object]:
         every += times.size
         apart.append(off[right])
         widths.append(onsets.half_widths[beats][right])
-    row: dict[str, object] = {"beats_per_second": rate, "snr_db": snr, "seeds": seeds}
-    row["refused"] = refused
+    row = {"beats_per_second": rate, "snr_db": snr, "seeds": seeds, "refused": refused}
+    row |= dict.fromkeys(("found", "false", "median_error_samples", "within_95"), "")
     if every:
         off, width = np.concatenate(apart), np.concatenate(widths)
         row |= {
-            "found": f"{found / every:.4f}",
-            "false": f"{wrong / every:.4f}",
+            "found": f"{found / every:.4f}", "false": f"{wrong / every:.4f}",
             "median_error_samples": f"{np.median(np.abs(off)) * RATE:.2f}",
             "within_95": f"{np.mean(np.abs(off) <= width):.3f}",
-        }
+        }  # fmt: skip
     return row
 
 
-def main() -> None:
+def main():
     """Write the table."""
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--seeds", type=int, default=100)
-    seeds = parser.parse_args().seeds
-    rows = []
-    for rate in BEATS:
-        for snr in NOISES:
-            rows.append(judged(rate, snr, seeds))
-            print(rows[-1], flush=True)
-    names = [*max(rows, key=len)]
-    with OUT.open("w", newline="") as file:
-        writer = csv.DictWriter(file, names, lineterminator="\n")
-        writer.writeheader()
-        writer.writerows(rows)
+    seeds, whole = asked(__doc__, seeds=100)
+    tell("sound", [judged(rate, snr, seeds) for rate in BEATS for snr in NOISES], whole)
 
 
 if __name__ == "__main__":

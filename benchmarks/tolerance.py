@@ -1,26 +1,24 @@
 """The measured error against the tolerance, and errors at the limits of the model.
 
-    python benchmarks/tolerance.py [--energy 1000] [--ivp 1000] [--only NAME ...]
+    python benchmarks/tolerance.py [--cases 1000] [--only NAME ...]
 
-Five studies compare the engines with the Taylor integrator of `independent`. Each writes a CSV
+Four studies compare the engines with the Taylor integrator of `independent`. Each writes a CSV
 file to benchmarks/results; `figures.py` draws them:
 
     tolerance     error of random cases over the tolerance, both engines
     order         observed order of solve_ivp's methods with a fixed step
     painleve      error and run time as friction approaches the Painleve limit
     long_run      drift of time and energy over a million engagements
-    conditioning  relative change of each figure of merit by each parameter
 """
 
 import argparse
-import csv
 import math
 import time
 
 import independent
 import judge
 import numpy as np
-from common import RESULTS, write_rows
+from common import write_rows
 from random_cases import Problem, draw
 
 import escapement as esc
@@ -38,15 +36,6 @@ def write(name, head, rows):
                 f"{cell:>12.4g}" if isinstance(cell, float) else f"{cell!s:>12.22}" for cell in row
             )
         )
-
-
-def kept(name, wanted):
-    """Rows of an earlier run that are kept."""
-    path = RESULTS / f"{name}.csv"
-    if not path.exists():
-        return []
-    with open(path, newline="", encoding="utf-8") as stream:
-        return [row for row in list(csv.reader(stream))[1:] if wanted(row)]
 
 
 def exact(case, w, engagements=ENGAGEMENTS):
@@ -78,8 +67,8 @@ def study_tolerance(options):
     """
     head = ["engine", "rtol", "cases", "median", "q95", "worst", "worst / rtol", "share <= 10 rtol"]
     head += ["ms a case", *Problem._fields[:7]]
-    rows = kept("tolerance", lambda row: getattr(options, row[0]) == 0)
-    for engine, count, lowest in (("energy", options.energy, 13), ("ivp", options.ivp, 12)):
+    rows, count = [], options.cases
+    for engine, lowest in (("energy", 13), ("ivp", 12)):
         random = np.random.default_rng(SEED)
         problems = []
         while len(problems) < count:
@@ -88,7 +77,7 @@ def study_tolerance(options):
             if truth is not None:
                 problems.append([problem, truth])
         judged = set()
-        for power in range(3, lowest + 1 if count else 0):
+        for power in range(3, lowest + 1):
             rtol = 10.0**-power
             began = time.process_time()
             errors = np.array([error_of(p, engine, rtol, truth) for p, truth in problems])
@@ -107,7 +96,7 @@ def study_tolerance(options):
             rows.append(
                 [engine, rtol, count, float(middle), float(most), float(errors[worst]), *rest]
             )
-    write("tolerance", head, sorted(rows, key=lambda row: row[0]))
+    write("tolerance", head, rows)
 
 
 def study_order(_options):
@@ -209,50 +198,10 @@ def study_long_run(_options):
     write("long_run", ["friction", "engagements", "time drift", "energy drift", "s in all"], rows)
 
 
-FIGURES = (
-    *("velocity_max", "velocity_min", "velocity_mean", "period", "rise_time", "settling_time"),
-    *("acceleration_max", "follower_acceleration_max", "contact_moment_max", "contraction"),
-    "critical_friction",
-)
-PARAMETERS = ("torque", "friction", "driver_inertia", "follower_inertia", "load_torque")
-
-
-def study_conditioning(_options):
-    """d ln(figure) / d ln(parameter) by central differences."""
-    designs = {
-        "four pins": (4, 0.10, 0.35, 3e-6, 50e-6),
-        "three pins": (6, 0.08, 0.20, 3e-6, 40e-6),
-        "six pins": (3, 0.03, 0.20, 6e-6, 10e-6),
-    }
-    rows = []
-    for name, (slots, *given) in designs.items():
-        numbers = dict(zip(PARAMETERS, [*given, 0.1 * given[0]], strict=True))
-
-        def figures(values, slots=slots):
-            inertia = esc.Inertia(values["driver_inertia"], values["follower_inertia"])
-            rest = values["torque"], values["friction"], values["load_torque"]
-            found = esc.terminal(esc.Escapement(esc.Geneva(slots), inertia, *rest), rtol=1e-13)
-            return np.array([getattr(found, figure) for figure in FIGURES])
-
-        table = np.empty((len(FIGURES), len(PARAMETERS)))
-        step = 1e-5
-        for j, parameter in enumerate(PARAMETERS):
-            up, down = (
-                figures(numbers | {parameter: numbers[parameter] * (1.0 + sign * step)})
-                for sign in (1.0, -1.0)
-            )
-            table[:, j] = (np.log(up) - np.log(down)) / (2.0 * step)
-        for figure, values in zip(FIGURES, table, strict=True):
-            rows.append([name, figure, *(float(value) for value in values)])
-    write("conditioning", ["design", "figure", *PARAMETERS], rows)
-
-
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    told = "cases of the tolerance study; 0 keeps the rows of an earlier run"
-    parser.add_argument("--energy", type=int, default=1000, help=told)
-    parser.add_argument("--ivp", type=int, default=1000, help=told)
-    names = ("tolerance", "order", "painleve", "long_run", "conditioning")
+    parser.add_argument("--cases", type=int, default=1000, help="of the tolerance study")
+    names = ("tolerance", "order", "painleve", "long_run")
     parser.add_argument("--only", nargs="+", choices=names, default=names)
     options = parser.parse_args()
     for name in options.only:

@@ -4,7 +4,7 @@ A block is one HDF5 chunk of every result, already encoded as HDF5's filters wou
 It holds a fixed range of cases, so that neither its bytes nor those of the file depend on the
 process that computed it. Other threads can work while a chunk is encoded here, which they could
 not if HDF5 encoded it: that would double the time of a study of ten million cases that share
-scenes (`benchmarks/crash_cost.py`). An encoded chunk is a plain string of bytes with its checksum.
+scenes. An encoded chunk is a plain string of bytes with its checksum.
 """
 
 import math
