@@ -17,7 +17,6 @@ fastest run of each solver with an error below 1e-6, its time divided by ours.
 
 import math
 import time
-from collections.abc import Callable
 
 import numba
 import numpy as np
@@ -35,7 +34,7 @@ LARGEST = 1e-6
 """Largest error [-] of runs that are compared."""
 
 
-def problem() -> esc.Escapement:
+def problem():
     """The escapement of the comparison."""
     return esc.Escapement(
         esc.Geneva(4, crank_radius=RADIUS, pin_radius=0.05 * RADIUS, clearance=1e-3 * RADIUS),
@@ -49,7 +48,7 @@ def problem() -> esc.Escapement:
 
 
 @numba.njit(error_model="numpy")
-def slope(_t, y, centre, rho, play, pin, stiffness, damping, friction, slip):  # type: ignore[no-untyped-def]
+def slope(_t, y, centre, rho, play, pin, stiffness, damping, friction, slip):
     """The equations of motion in natural units, in the form that solve_ivp needs."""
     theta, phi, driver, follower = y
     angle = -theta - phi
@@ -72,9 +71,7 @@ def slope(_t, y, centre, rho, play, pin, stiffness, damping, friction, slip):  #
     return out
 
 
-def by_solve_ivp(
-    own: esc.Escapement, method: str, rtol: float
-) -> Callable[[], tuple[float, float]]:
+def by_solve_ivp(own, method, rtol):
     """Handoff time and speed by a method of solve_ivp with the compiled law."""
     scene, joint = own.scene, own.joint
     numbers = (own.mechanism.centre_distance, scene.rho, joint.half_clearance, scene.pin)
@@ -82,13 +79,13 @@ def by_solve_ivp(
     start = float(scene.edges[0])
     phi = float(own.mechanism.follower_angle(np.array([start]))[0])
 
-    def arrives(_t: float, y: np.ndarray, *_rest: float) -> float:
+    def arrives(_t, y, *_rest):
         return float(y[0] + start)
 
-    arrives.terminal = True  # type: ignore[attr-defined]
+    arrives.terminal = True
     atol = rtol * np.array([1e-3, 1e-3, 1.0, 1.0])
 
-    def run() -> tuple[float, float]:
+    def run():
         found = solve_ivp(
             slope, (0.0, 10.0), [start, phi, SPEED * CLOCK, 0.0], method,
             events=arrives, args=numbers, rtol=rtol, atol=atol,
@@ -98,17 +95,17 @@ def by_solve_ivp(
     return run
 
 
-def by_package(own: esc.Escapement, rtol: float) -> Callable[[], tuple[float, float]]:
+def by_package(own, rtol):
     """The same by `simulate`."""
 
-    def run() -> tuple[float, float]:
+    def run():
         motion = esc.simulate(own, 1, initial_speed=SPEED, rtol=rtol)
         return float(motion.handoff_times[0]), float(motion.handoff_velocities[0])
 
     return run
 
 
-def spent_by(run: Callable[[], tuple[float, float]], count: int) -> float:
+def spent_by(run, count):
     """Processor time of a run [s], the mean of several."""
     start = time.process_time()
     for _ in range(count):
@@ -116,11 +113,11 @@ def spent_by(run: Callable[[], tuple[float, float]], count: int) -> float:
     return (time.process_time() - start) / count
 
 
-def error_of(found: tuple[float, float], exact: tuple[float, float]) -> float:
+def error_of(found, exact):
     return max(abs(a / b - 1.0) for a, b in zip(found, exact, strict=True))
 
 
-def runs_of(own: esc.Escapement) -> list[tuple[str, float, Callable[[], tuple[float, float]]]]:
+def runs_of(own):
     """Name of the solver, tolerance or number of steps, and the run."""
     runs = [("escapement", rtol, by_package(own, rtol)) for rtol in (1e-4, 1e-5, 1e-6, 1e-8, 1e-10)]
     for method, rtols in (("Radau", (1e-5, 1e-6, 1e-7)), ("LSODA", (1e-7, 1e-8, 1e-9))):
@@ -138,7 +135,7 @@ def runs_of(own: esc.Escapement) -> list[tuple[str, float, Callable[[], tuple[fl
     return runs
 
 
-def main() -> None:
+def main():
     """Print and write one row a run."""
     own = problem()
     exact = by_package(own, 1e-12)()
@@ -153,7 +150,7 @@ def main() -> None:
         for _ in range(TURNS)
     ]
     medians = 1e3 * np.median(spent, axis=0)
-    best: dict[str, int] = {}
+    best = {}
     for i, (name, *_rest) in enumerate(runs):
         if errors[i] < LARGEST and (name not in best or medians[i] < medians[best[name]]):
             best[name] = i

@@ -3,8 +3,8 @@
 ``python benchmarks/standings.py [--quick] [-o DIR]``
 
 It measures what ``escapement bench`` measures and writes the same tables and figure to
-benchmarks/results, with heyoka and CyRK among the solvers if they are installed. The quick version
-leaves out CyRK, which takes long to compile; it writes files only with ``-o``.
+benchmarks/results, with heyoka among the solvers if it is installed. The quick version writes
+files only with ``-o``.
 """
 
 import argparse
@@ -29,9 +29,7 @@ def main() -> None:
     args = parser.parse_args()
     for peer in set(peers.PEERS) - set(peers.installed_peers()):
         print(f"{peer} is not installed and is not measured; it is in the extra 'bench'")
-    further = [
-        each for each in peers.peer_solvers() if not args.quick or each.solver == peers.HEYOKA
-    ]
+    further = [each for each in peers.peer_solvers() if not args.quick or each.solver == "heyoka"]
     results = work_precision.run(
         quick=args.quick, further=further, note=lambda text: print(text, file=sys.stderr)
     )

@@ -26,7 +26,7 @@ import peers  # noqa: E402
 MEYER = PROBLEMS[0]
 OWN = list(package_solvers())
 ALL = [*OWN, *peers.peer_solvers()]
-RTOL = {"ivp": 1e-6, "energy": 1e-6, "heyoka": 1e-8, "CyRK": 1e-8}
+RTOL = {"ivp": 1e-6, "energy": 1e-6, "heyoka": 1e-8}
 
 PAIRS = [(s, p) for s in ALL for p in PROBLEMS if p is MEYER or s.family != "solve_ivp"]
 

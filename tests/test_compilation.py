@@ -135,21 +135,6 @@ def test_what_a_kernel_has_from_elsewhere_counts_for_the_digest(tmp_path, file, 
     assert jit.kernel_digest(copy) != jit.kernel_digest(PACKAGE)
 
 
-def test_a_constant_that_changes_is_compiled_anew(toy, tmp_path):
-    """It stands in a file without kernels, which computes it from that of a third."""
-    for file, text in {
-        "f.py": "from toy import bands\nfrom toy.numerics.jit import jit\n\n"
-        "@jit\ndef f(x):\n    return bands.BAND * x\n",
-        "bands.py": "from toy.shares import (\n    OTHER,\n    SHARE,\n)\n\nBAND = 2.0 * SHARE\n",
-        "shares.py": "OTHER, SHARE = 1.0, 3.0\n",
-    }.items():
-        (tmp_path / "toy" / file).write_text(text)
-    call = "from toy.f import f; print(f(1.0))"
-    assert run(call, **toy) == "6.0"
-    (tmp_path / "toy" / "shares.py").write_text("OTHER, SHARE = 1.0, 4.0\n")
-    assert run(call, **toy) == "8.0"
-
-
 def test_nobody_compiles_but_the_decorator():
     for path in SOURCES:
         if path.name != "jit.py":
@@ -346,25 +331,6 @@ def test_the_cache_is_kept_where_it_was_asked_for(toy, tmp_path):
     (folder,) = (tmp_path / "cache" / "escapement").iterdir()
     assert re.fullmatch(r"[0-9a-f]{16}", folder.name)
     assert list(folder.rglob("*.nbi"))
-
-
-def test_a_motion_of_the_fast_engine_runs_uncompiled(tmp_path):
-    """As Python, to the last figures, also with springs and torque curves; nothing is written."""
-    cache = tmp_path / "cache"
-    code = (
-        DRIVE
-        + """
-from dataclasses import replace
-curve = esc.TorqueCurve([0.0, 0.7, 1.6], [0.0113, 0.009, 0.0113], periodic=True)
-drives = timer, replace(timer, spring_rate=1e-3), replace(timer, torque=curve)
-print(*(esc.simulate(one, 1).handoff_times[0].hex() for one in drives))
-"""
-    )
-    slow = run(code, NUMBA_DISABLE_JIT="1", NUMBA_CACHE_DIR=str(cache))
-    found, wanted = ([*map(float.fromhex, text.split())] for text in (slow, run(code)))
-    assert found == pytest.approx(wanted, rel=1e-13)
-    assert len({*wanted}) == 3
-    assert not list(cache.rglob("*.nb?"))
 
 
 def test_a_field_of_a_record_hides_no_attribute_of_it():

@@ -196,24 +196,6 @@ def test_an_even_ratio_never_reverses(rows, load):
     assert esc.least_load_torque(even, 1.0, 1.0) == 0.0
 
 
-GOOD = {"mechanism": esc.Geneva(6), "speed": 1.0, "load_torque": 1.0, "follower_inertia": 1.0}
-
-
-@pytest.mark.parametrize(
-    ("change", "message"),
-    [
-        ({"speed": 0.0}, r"speed must be greater than 0, got 0\.0; give the driver speed"),
-        ({"load_torque": lambda phi: phi * np.nan}, "load_torque must give a finite torque"),
-        ({"efficiency": 1.01}, "efficiency must be greater than 0 and at most 1, got 1"),
-        ({"speed": 1e200}, "must give a torque within the range of a double"),
-        ({"mechanism": 6}, "mechanism must be a mechanism, got 6; give for example Geneva"),
-    ],
-)
-def test_drive_torque_refuses(change, message):
-    with pytest.raises(InvalidValue, match=message):
-        esc.drive_torque(**(GOOD | change))
-
-
 @pytest.mark.parametrize(("load", "inertia"), [(0.7, 2e-3), (0.1, 2e-2)])
 def test_the_contact_force_is_the_moment_over_the_distance_of_the_pin(load, inertia):
     for wheel in (

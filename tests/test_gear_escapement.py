@@ -1,18 +1,13 @@
 """Gear-driven wheels under a torque, and at constant speed."""
 
-from fractions import Fraction
-
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
 
 from both_engines import agree
 from escapement import Escapement, GearDriven, Inertia, critical_friction, simulate, sweep, terminal
 from escapement.base.errors import InvalidValue
 from escapement.base.status import Status
 from escapement.constant_speed import drive_torque
-from escapement.mechanisms.gear_equation import CURVES
 
 
 def test_a_wheel_whose_g_is_rounded_below_zero_starts_from_rest():
@@ -42,30 +37,6 @@ def test_both_engines_agree(wheel):
     one, _ = agree(drive, 6, rtol=1e-9)
     ends = one.at(np.array([one.handoff_times[-1]]))
     assert ends.phi[0] == pytest.approx(5.5 * wheel.follower_step, abs=1e-9)
-
-
-@settings(deadline=None, max_examples=60)
-@given(
-    st.sampled_from(CURVES),
-    st.integers(3, 24),
-    st.fractions(0, 12, max_denominator=4),
-    st.floats(-4.0, 4.0),
-)
-def test_painleve_limit_is_the_least_ratio(curve, n, m, exponent):
-    if curve not in ("epicycloid", "pericycloid"):
-        n = max(n, 4)
-        m = m * (Fraction(n, 2) - 2) / 13
-    wheel = GearDriven(n, m.limit_denominator(9), curve)
-    if wheel.through_centre:
-        return
-    rho = 10.0**exponent
-    limit = critical_friction(wheel, Inertia(rho, 1.0))
-    away = np.concatenate([np.geomspace(1e-12, 1.0, 4000), np.linspace(1e-6, 1.0, 4000)])
-    found = wheel.transmission(wheel.breaks[-1] * np.concatenate([1.0 - away, away]))
-    with np.errstate(divide="ignore"):
-        ratio = (rho + found.g**2) / (np.abs(found.g) * np.abs(found.u))
-    assert limit <= ratio.min() * (1.0 + 1e-12)
-    assert limit == pytest.approx(ratio.min(), rel=1e-3)
 
 
 @pytest.mark.parametrize(("n", "m"), [(12, "3999/1000"), (72, "33999/1000"), (100, "47999/1000")])

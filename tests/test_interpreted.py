@@ -95,24 +95,6 @@ def test_interpreted_and_compiled_results_agree(tmp_path):
         np.testing.assert_allclose(found, wanted, rtol=1e-12)
 
 
-STUDY = """
-import json
-import escapement as esc
-timer = esc.Escapement(esc.Geneva(4), esc.Inertia(3.39e-7, 5.65e-6), 0.0113)
-def periods():
-    study = esc.sweep(timer, friction=[0.2, 0.3], torque=[0.01, 0.011, 0.012], workers=2)
-    return study.results["period"].tolist()
-"""
-
-
-def test_a_study_of_few_scenes_needs_no_compiling(tmp_path):
-    found = json.loads(ask(["-c", STUDY + "print(json.dumps(periods()))"], tmp_path)[0])
-    assert not list(tmp_path.rglob("*.nb?"))
-    names = {}
-    exec(STUDY, names)
-    np.testing.assert_allclose(found, names["periods"](), rtol=1e-12)
-
-
 @pytest.mark.parametrize(("frictions", "compiles"), [(64, False), (65, True)])
 def test_a_study_of_many_scenes_is_compiled(monkeypatch, frictions, compiles):
     """From rest without a load the torque only changes the unit of time."""

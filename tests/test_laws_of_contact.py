@@ -1,15 +1,18 @@
 """Laws that hold for every contact: Newton's, the ledger's, and Painleve's limit."""
 
 import math
+from fractions import Fraction
 from itertools import pairwise
 
 import numpy as np
-from hypothesis import given
+import pytest
+from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 import escapement as esc
 from escapement.base.status import Status
 from escapement.dynamics.painleve import critical_angle
+from escapement.mechanisms.gear_equation import CURVES
 from random_drives import close, contacts, dense, drives, few, speeds, wheels
 
 
@@ -98,3 +101,31 @@ def test_the_limit_is_met_where_it_is_said_to_be(wheel, exponent, factor):
     before = wheel.transmission(angle - (angle - wheel.breaks[0]) * np.linspace(1e-6, 1.0, 500))
     assert np.all(rho + before.g**2 - mu * np.abs(before.g * before.u) > 0.0)
     assert math.isnan(critical_angle(wheel, esc.Inertia(rho, 1.0), 0.999 * mu / factor))
+
+
+@st.composite
+def paths(draw):
+    """A Geneva wheel, or a gear-driven one whose pin does not meet the axis."""
+    if draw(st.booleans()):
+        return esc.Geneva(draw(st.integers(3, 1000)), 1, draw(st.booleans()))
+    curve, n = draw(st.sampled_from(CURVES)), draw(st.integers(4, 24))
+    m = draw(st.fractions(0, 12, max_denominator=4))
+    if curve not in ("epicycloid", "pericycloid"):
+        m *= (Fraction(n, 2) - 2) / 13
+    wheel = esc.GearDriven(n, m.limit_denominator(9), curve)
+    assume(not wheel.through_centre)
+    return wheel
+
+
+@settings(deadline=None)
+@given(paths(), st.floats(-8.0, 8.0))
+def test_the_limit_is_the_least_ratio_and_is_reached(wheel, exponent):
+    rho = 10.0**exponent
+    limit = esc.critical_friction(wheel, esc.Inertia(rho, 1.0))
+    # dense near the ends, where a light driver has its limit
+    away = np.concatenate([np.geomspace(1e-12, 1.0, 4000), np.linspace(1e-6, 1.0, 4000)])
+    found = wheel.transmission(wheel.breaks[-1] * np.concatenate([1.0 - away, away]))
+    with np.errstate(divide="ignore"):
+        ratio = (rho + found.g**2) / (np.abs(found.g) * np.abs(found.u))
+    assert limit <= ratio.min() * (1.0 + 1e-12)
+    assert limit == pytest.approx(ratio.min(), rel=1e-3)

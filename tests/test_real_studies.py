@@ -20,7 +20,7 @@ from escapement.motion_file import read_motion, write_motion
 from escapement.study.parse import plan_from
 from escapement.study.result import RESULTS
 from escapement.study.running import run_plan
-from test_real_mechanism import CRANK, DRAG, INERTIA, JOURNALS, OIL, TORQUE, VISCOUS, everything
+from test_real_mechanism import CRANK, DRAG, INERTIA, JOURNALS, OIL, TORQUE, everything
 
 IDEAL = esc.Escapement(esc.Geneva(4, crank_radius=CRANK), INERTIA, TORQUE, 0.2)
 WHEELS = {
@@ -90,24 +90,6 @@ def test_every_case_with_all_effects_is_what_it_is_alone(name):
     for case in range(plan.cases):
         assert_alone(plan, found, case)
     assert {Status.OK, Status.INVALID} <= set(found["status"].tolist())
-
-
-@pytest.mark.parametrize(
-    ("varied", "count"),
-    [
-        ({"driver_drag": DRAG["driver_drag"]}, 2),
-        ({"driver_bearing_radius": 1e-4}, 2),
-        ({"load_torque": 1e-4}, 6),
-        ({"driver_bearing_torque": 1e-4}, 6),
-        ({"follower_viscous": 0.1 * VISCOUS}, 6),
-        ({"initial_speed": 3.0}, 6),
-    ],
-)
-def test_the_torque_shares_a_scene_where_nothing_is_compared_with_it(varied, count, solves):
-    timer = replace(IDEAL, driver_bearing_friction=0.1)
-    axes = {"torque": [0.01, 0.02, 0.03], "pin_radius": [0.0, 1e-4]}
-    run_plan(plan_from(timer, axes | {name: [value] for name, value in varied.items()}))
-    assert sum(solves) == count
 
 
 def test_python_sweeps_pins_and_mechanisms_of_the_users_own():

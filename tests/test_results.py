@@ -23,9 +23,20 @@ INCHES = {
     "inertia": {"driver": 3e-6, "follower": 50e-6},
     "sweep": {"friction": [0.3], "torque": [0.1]},
 }
+PIN = {"pin_length": 2e-3, "pin_gap": 1e-4, "pin_material": "steel", "wheel_material": "brass"}
+JOURNALS = {"follower_bearing_friction": 0.1, "follower_bearing_radius": 1e-3}
+INSIDE = esc.Geneva(5, internal=True, crank_radius=0.02)
+UNEVEN = replace(WHEEL, centre_distance_error=2e-5)
 DRIVES = {
     "losses": (TIMER, {"friction": [0.0, 0.2, 0.5], "torque": [0.01, 0.04]}),
     "wheels": (TIMER, {"slots": [3, 4], "follower_inertia": [1e-6, 1e-5]}),
+    "starts": (TIMER, {"torque": [0.01, 0.02], "initial_speed": [0.0, 90.0], "slots": [3, 8]}),
+    "inside": (replace(TIMER, mechanism=INSIDE), {"load_torque": [0.0, 2e-4], "torque": [0.01]}),
+    "uneven": (replace(TIMER, mechanism=UNEVEN), {"friction": [0.2], "torque": [0.01, 0.03]}),
+    "loaded pins": (
+        replace(TIMER, mechanism=replace(WHEEL, pins=1, pin_radius=1e-3), **PIN, **JOURNALS),
+        {"friction": [0.02, 0.2], "torque": [0.01, 0.03], "pin_length": [1e-3, 2e-3]},
+    ),
     "pins": (
         replace(TIMER, mechanism=replace(WHEEL, pin_radius=1e-3)),
         {"load_torque": [0.0, 1e-3, 1.0]},

@@ -35,16 +35,6 @@ def test_a_case_is_what_terminal_says(axes):
     assert_as_alone(plan, study.results)
 
 
-def test_a_list_that_repeats_a_scene_solves_it_once(solves):
-    lists = {"friction": [0.1, 0.2, 0.1, 0.2], "torque": [0.01, 0.01, 0.02, 0.02]}
-    study = sweep(TIMER, sample={"method": "list"} | lists)
-    assert solves == [2]
-    period = study.results["period"]
-    assert period[0] == pytest.approx(period[2] * 2**0.5, rel=1e-14)
-    sweep(TIMER, sample={"method": "list", "torque": [0.01, 0.02, 0.03]})
-    assert solves == [2, 1]
-
-
 def many(size=40_000, **changes):
     """A plan of three blocks."""
     return plan_from(
@@ -149,15 +139,3 @@ def test_on_the_command_line(command, report, monkeypatch):
     assert again["period"] == pytest.approx(study.results["period"][11], rel=1e-11)
     code, _, err = command("plot", "s.h5", "--units", "SI")
     assert (code, err) == (0, "escapement: study drawn in s.png\n")
-
-
-def test_other_kinds_of_mechanism_scatter_alike():
-    """A mechanism of its own in every case, and the loss of a mesh."""
-    drawn = {"method": "latin-hypercube", "size": 5, "sun_radius": {"relative_tolerance": 0.01}}
-    drawn |= {"efficiency": {"low": 0.85, "high": 0.95}, "torque": {"relative_tolerance": 0.1}}
-    machine = {"kind": "elliptical-planetary", "sun_radius": 0.016, "planet_radius": 0.009}
-    inertia = {"driver": 1e-6, "follower": 1e-6}
-    tables = {"mechanism": machine, "inertia": inertia, "sample": drawn}
-    plan = parse_plan({"torque": 0.01, **tables})
-    assert len({plan.escapement(i).mechanism.cell_angle for i in range(5)}) == 5
-    assert_as_alone(plan, run_plan(plan).results)

@@ -1,10 +1,9 @@
 """Scenes that blocks share are solved once, with the same bits in every order."""
 
-import threading
-
 import numpy as np
 import pytest
 
+import escapement as esc
 from escapement.base.status import Status
 from escapement.engines import simulate as simulation
 from escapement.engines.energy import batch
@@ -20,21 +19,6 @@ GRIDS = {
     "torque last": {"friction": FRICTION, "torque": TORQUE},
     "torque in the middle": {"slots": [3, 4], "torque": TORQUE, "friction": FRICTION[:45]},
 }
-
-
-@pytest.fixture
-def solves(monkeypatch):
-    """Numbers of scenes of each batch that was solved."""
-    counted = []
-    solve, access = batch.solve, threading.Lock()
-
-    def count(mechanism, numbers, *rest):
-        with access:
-            counted.append(numbers.shape[1])
-        return solve(mechanism, numbers, *rest)
-
-    monkeypatch.setattr(batch, "solve", count)
-    return counted
 
 
 @pytest.mark.parametrize("workers", [1, 4])
@@ -58,40 +42,43 @@ def test_the_bits_do_not_depend_on_what_is_shared(order, monkeypatch):
         np.testing.assert_array_equal(shared.results[name], alone.results[name])
 
 
+REAL = esc.Escapement(
+    esc.Geneva(4, crank_radius=0.01), esc.Inertia(3.4e-7, 5.65e-6), 0.0113, 0.2,
+    driver_bearing_friction=0.1,
+)  # fmt: skip
 INERTIAS = {"driver_inertia": [1e-6, 2e-6, 4e-6], "follower_inertia": [1e-6, 2e-6, 4e-6]}
+TWO = {"torque": [1.0, 2.0]}
+PINS = {"torque": [0.01, 0.02, 0.03], "pin_radius": [0.0, 1e-4]}
 
 
 @pytest.mark.parametrize(
     ("axes", "count"),
     [
-        ({"torque": [1.0, 2.0], "friction": [0.1, 0.2]}, 2),
-        ({"torque": [1.0, 2.0]}, 1),
-        ({"friction": [0.1, 0.2]}, None),  # nothing to share
-        ({"torque": [1.0, 2.0], "load_torque": [0.0, 0.0]}, 1),
-        ({"torque": [1.0, 2.0], "load_torque": [0.0, 0.1]}, None),
-        ({"torque": [1.0, 2.0], "initial_speed": [3.0]}, None),
-        (INERTIAS, None),  # one block merges them
-        (INERTIAS | {"torque": [1.0, 2.0], "friction": [0.1, 0.2]}, 10),
-        (INERTIAS | {"load_torque": [0.0, 0.001]}, None),
-        (INERTIAS | {"initial_speed": [3.0]}, None),
-        ({"driver_inertia": [1e-6, 2e-6], "follower_inertia": [1e-6, 3e-6]}, None),
+        (TWO, 1),
+        ({"friction": [0.1, 0.2]}, 2),
+        ({"torque": np.linspace(1, 2, 50), "friction": np.linspace(0.1, 0.3, 7)}, 7),
+        (TWO | {"slots": [3, 4, 6]}, 3),
+        # equal ratios of inertias, of load and torque, of speed and torque are one scene
+        (INERTIAS, 5),
+        (INERTIAS | TWO | {"friction": [0.1, 0.2]}, 10),
+        (INERTIAS | {"load_torque": [0.0, 0.001]}, 10),
+        (INERTIAS | {"initial_speed": [3.0]}, 9),
+        ({"driver_inertia": [1e-6, 2e-6], "follower_inertia": [1e-6, 3e-6]}, 4),
+        (TWO | {"load_torque": [0.0, 0.0]}, 1),
+        (TWO | {"load_torque": [0.0, 0.1]}, 3),
+        (TWO | {"initial_speed": [3.0]}, 2),
+        (PINS | {"driver_drag": [1e-8]}, 2),
+        (PINS | {"driver_bearing_radius": [1e-4]}, 2),
+        (PINS | {"load_torque": [1e-4]}, 6),
+        (PINS | {"driver_bearing_torque": [1e-4]}, 6),
+        (PINS | {"follower_viscous": [1e-6]}, 6),
+        (PINS | {"initial_speed": [3.0]}, 6),
     ],
 )
-def test_what_decides_a_scene(axes, count):
-    found = scenes.shared_scenes(plan_from(TIMER, axes))
-    assert count == (None if found is None else found[0].cases.size)
-
-
-def test_inertias_of_one_ratio_share_a_scene(solves, monkeypatch):
-    powers = 2.0 ** np.arange(-20, 20, 2)
-    inertias = {"driver_inertia": 3e-7 * powers, "follower_inertia": 6e-6 * powers}
-    plan = plan_from(TIMER, {"torque": [0.01, 0.02], **inertias})
-    shared = run_plan(plan, workers=4)
-    assert sum(solves) == 39
-    monkeypatch.setattr(scenes, "MOST_SHARED", 25)
-    alone = run_plan(plan)
-    for name in RESULTS:
-        np.testing.assert_array_equal(shared.results[name], alone.results[name])
+def test_no_scene_is_solved_twice(axes, count, solves):
+    """From rest, where nothing is compared with the torque, it only changes the unit of time."""
+    run_plan(plan_from(REAL, axes))
+    assert sum(solves) == count
 
 
 def test_an_error_while_solving_ends_the_study(monkeypatch):

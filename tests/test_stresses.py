@@ -8,10 +8,6 @@ import numpy as np
 import pytest
 
 import escapement as esc
-from escapement.base.errors import InvalidValue
-from escapement.base.units import INCH, POUND_FORCE
-from escapement.engines.energy.peaks import PEAKS
-from escapement.model.materials import NEEDED, pin_stresses
 from escapement.study.parse import plan_from
 from escapement.study.scenes import cost_note
 
@@ -22,19 +18,6 @@ TIMER = esc.Escapement(
 )  # fmt: skip
 STEEL = 206e9 / (1.0 - 0.3**2)
 BRASS = 106e9 / (1.0 - 0.324**2)
-
-
-def test_a_pin_of_a_timer_by_hand():
-    """8.6 lbf on a steel pin of radius 0.03 in over 0.02 in of a steel wheel: 1.89 GPa."""
-    force, radius, length = 8.6 * POUND_FORCE, 0.03 * INCH, 0.02 * INCH
-    numbers = {
-        "pin_radius": radius, "roller_radius": 0.0, "pressure_pin_radius": 0.0, "pin_gap": 0.0,
-        "pin_length": length, "pin_material": "steel", "wheel_material": "steel",
-    }  # fmt: skip
-    found = pin_stresses(force, 1.0, numbers)
-    by_hand = math.sqrt(force * 0.5 * STEEL / (math.pi * length * radius))
-    assert found["pressure_max"] == pytest.approx(by_hand, rel=1e-12)
-    assert f"{found['pressure_max']:.2e}" == "1.89e+09"
 
 
 def test_figures_are_those_of_hand_formulas():
@@ -64,38 +47,6 @@ def test_rubbing_is_what_friction_loses_over_its_coefficient():
     )
 
 
-RANDOM = np.random.default_rng(7)
-LOSSES = {
-    "load": {"load_torque": 3e-4, "follower_drag": 1e-9, "driver_viscous": 1e-7},
-    "journals": {
-        "driver_bearing_friction": 0.1, "driver_bearing_radius": 1e-3,
-        "follower_bearing_friction": 0.1, "follower_bearing_radius": 1e-3,
-    },
-    "none": {"friction": 0.05},
-}  # fmt: skip
-WHEELS = {
-    "thick pins": WHEEL,
-    "thin pins": esc.Geneva(6, crank_radius=0.02),
-    "dwell": esc.Geneva(6, pins=1, crank_radius=0.02, pin_radius=1e-3),
-    "inside": esc.Geneva(5, internal=True, crank_radius=0.02),
-    "imperfect": replace(WHEEL, centre_distance_error=2e-5),
-}
-
-
-@pytest.mark.parametrize("losses", LOSSES)
-@pytest.mark.parametrize("wheel", WHEELS)
-def test_a_study_has_the_figures_of_single_cases(wheel, losses):
-    own = replace(TIMER, mechanism=WHEELS[wheel], pressure_pin_radius=5e-4, **LOSSES[losses])
-    names = [*PEAKS, *NEEDED, "pin_load_frequency"]
-    axes = {"friction": [0.02, 0.2], "torque": [0.01, 0.03], "pin_length": [1e-3, 2e-3]}
-    grid = esc.sweep(own, results=names, **axes)
-    for index in np.ndindex(grid.shape):
-        values = {name: axes[name][i] for (name, i) in zip(axes, index, strict=True)}
-        one = esc.terminal(replace(own, **values))
-        for name in names:
-            assert grid[name][index] == pytest.approx(getattr(one, name), rel=1e-9), name
-
-
 def test_stresses_are_figures_of_budgets_and_of_commands(command):
     limits = {"pressure_max": (0.0, 1e10)}
     found = esc.budget(TIMER, {"friction": {"tolerance": 0.02}}, limits=limits, size=64)
@@ -120,17 +71,6 @@ def test_a_roller_does_not_slide():
     found = esc.terminal(rolling)
     assert math.isnan(found.pressure_speed_max)
     assert found.pressure_max < esc.terminal(TIMER).pressure_max
-
-
-@pytest.mark.parametrize(("changes", "told"), [
-    ({"pin_length": -1.0}, "pin_length must be at least 0"),
-    ({"pin_material": "steal"}, "did you mean 'steel'"),
-    ({"mechanism": esc.Geneva(4)}, "pin_length must be 0 for a mechanism without a length"),
-    ({"mechanism": esc.Geneva(4, crank_radius=0.01)}, "given with the radius of the pin"),
-])  # fmt: skip
-def test_mistakes_are_told(changes, told):
-    with pytest.raises(InvalidValue, match=told):
-        replace(TIMER, **changes)
 
 
 def test_a_design_keeps_a_pressure():

@@ -20,14 +20,12 @@ from escapement.engines import simulate as simulation
 from escapement.engines import solver
 from escapement.mechanisms import GearDriven, Geneva
 from escapement.model.escapement import Escapement, Inertia
-from escapement.study.cases import evaluate
 from escapement.study.parse import plan_from
 from escapement.study.pool import in_threads
 from escapement.study.reader import read_study
 from escapement.study.result import RESULTS
 from escapement.study.running import Tally, run_plan, sweep, write_plan
 from escapement.study.solving import mixed
-from study_tools import assert_as_alone
 
 TIMER = Escapement(
     Geneva(slots=4), Inertia(3e-6 * INCH_POUND, 50e-6 * INCH_POUND), 0.1 * INCH_POUND, 0.35
@@ -66,35 +64,6 @@ def test_a_case_is_what_terminal_says(engine):
     assert grid.attributes["rtol"] == solver.DEFAULT_RTOL[engine]
 
 
-@pytest.mark.parametrize(
-    "axes",
-    [
-        {"torque": [0.01, 0.02, 0.04], "friction": [0.0, 0.2, 0.35, 0.5]},
-        {"driver_inertia": [3e-7, 6e-7], "friction": [0.1, 0.2], "follower_inertia": [5e-6, 1e-5]},
-        {"torque": [0.01, 0.02], "load_torque": [0.0, 2e-3], "friction": [0.2]},
-        {"torque": [0.01, 0.02], "initial_speed": [0.0, 90.0], "slots": [3, 4, 8]},
-    ],
-)
-def test_shared_solves_give_what_each_case_gives_alone(axes):
-    plan = plan_from(TIMER, axes)
-    assert_as_alone(plan, run_plan(plan).results)
-
-
-@pytest.mark.parametrize(
-    ("axes", "scenes"),
-    [
-        ({"torque": np.linspace(1, 2, 50), "friction": np.linspace(0.1, 0.3, 7)}, 7),
-        ({"driver_inertia": [1.0, 2.0, 4.0], "follower_inertia": [1.0, 2.0, 4.0]}, 5),
-        ({"torque": [1.0, 2.0], "load_torque": [0.0, 0.1]}, 3),
-        ({"slots": [3, 4, 6], "torque": [1.0, 2.0]}, 3),
-    ],
-)
-def test_no_scene_is_solved_twice(axes, scenes, solves):
-    plan = plan_from(TIMER, axes)
-    evaluate(plan, 0, plan.cases)
-    assert sum(solves) == scenes
-
-
 @pytest.mark.usefixtures("quick")
 @pytest.mark.parametrize("workers", [1, 3])
 def test_every_case_lands_where_its_axes_say(tmp_path, workers):
@@ -119,16 +88,6 @@ def test_every_case_lands_where_its_axes_say(tmp_path, workers):
     assert write_plan(plan, tmp_path / "a.h5", workers=workers) == Tally(126, failed.sum())
     for name, values in read_study(tmp_path / "a.h5").results.items():
         np.testing.assert_array_equal(values, grid.results[name])
-
-
-@pytest.mark.parametrize("pins", [1, None])
-def test_over_slots_only_pins_that_were_given_stay(pins):
-    """Geneva(5) and Geneva(5, pins=1) are one wheel, and two ways to go on to six slots."""
-    wheels = [Geneva(slots, pins=pins) for slots in (3, 5, 6)]
-    timers = [Escapement(wheel, TIMER.inertia, TIMER.torque, friction=0.2) for wheel in wheels]
-    study = sweep(timers[1], slots=[3, 5, 6])
-    periods = [simulation.terminal(timer).period for timer in timers]
-    np.testing.assert_allclose(study.results["period"], periods, rtol=1e-9)
 
 
 def test_a_bad_case_is_marked_and_the_rest_goes_on(monkeypatch):
@@ -158,12 +117,6 @@ def test_a_mechanism_that_has_no_motion_is_marked_too(engine):
     study = sweep(model, lobes=[3, 4], engine=engine)
     assert study.outcomes == {"ok": 1, "invalid": 1}
     assert np.isfinite(study.results["period"]).tolist() == [True, False]
-
-
-def test_a_study_says_in_a_line_what_it_is():
-    study = sweep(TIMER, friction=[0.2, 0.3, 0.5], torque=[0.008, 0.01])
-    axes = "friction=3 from 0.2 to 0.5, torque=2 from 0.008 to 0.01 N m"
-    assert repr(study) == f"Study(cases=6, failed=2, {axes})"
 
 
 def test_an_error_of_the_program_is_not_hidden(tmp_path, monkeypatch):

@@ -98,22 +98,6 @@ def test_another_unit_of_mass_length_or_time_changes_nothing(timer):
         assert (missed <= room + 1e-8).all(), (figure, missed)
 
 
-@pytest.mark.parametrize("errors", [{}, {"pin_angle_errors": (3e-4, -1e-4, 0.0)}])
-def test_the_contraction_is_the_derivative_of_a_round(errors):
-    """The march takes it from its solution; here the speed behind a cycle is differentiated."""
-    wheel = esc.Geneva(3, pins=3 if errors else None, crank_radius=0.01, **errors)
-    own = esc.Escapement(wheel, esc.Inertia(1e-6, 5e-6), 0.015, 0.3, driver_viscous=1e-4)
-    figures, count = esc.terminal(own), len(own.pairs)
-
-    def square_behind(square):
-        motion = esc.simulate(own, count, initial_speed=math.sqrt(square))
-        return motion.handoff_velocities[-1:] ** 2
-
-    start = figures.handoff_velocity**2
-    (slope,) = slopes_by(square_behind, start, square_behind(start), start)
-    assert slope.below == pytest.approx(figures.contraction, rel=1e-9)
-
-
 def test_a_limit_that_the_lever_sets_has_the_derivatives_of_its_closed_form():
     """The slot's end at dead centre is R (1/sin(pi/n) - 1) from the follower's axis."""
     wheel = esc.Geneva(8, pins=1, crank_radius=0.01, pin_radius=7.5e-4)

@@ -99,27 +99,6 @@ def test_a_curve_is_over_the_angle_of_the_barrel():
     np.testing.assert_allclose(*times, rtol=1e-12)
 
 
-def test_derivatives_by_the_numbers_of_a_train():
-    found = esc.sensitivities(timer()).relative["period"]
-    step = 1e-5
-    for name, train in (("barrel_ratio", "barrel"), ("load_train_inertia", "load_train")):
-        key = name.removeprefix(train + "_")
-        periods = []
-        for sign in (1.0, -1.0):
-            own = getattr(timer(), train)
-            changed = esc.Train(**{
-                field: getattr(own, field) * (1.0 + sign * step * (field == key))
-                for field in ("ratio", "efficiency", "inertia")
-            })  # fmt: skip
-            both = {"barrel": BARREL, "load_train": LOAD, train: changed}
-            model = {"friction": 0.25, "load_torque": 2e-4}
-            periods.append(
-                esc.terminal(esc.Escapement(GENEVA, OWN, 0.0565, **model, **both)).period
-            )
-        slope = (math.log(periods[0]) - math.log(periods[1])) / (2.0 * step)
-        assert found[name] == pytest.approx(slope, abs=1e-7)
-
-
 MEYER = 0.45359237 * 9.80665 * 0.0254  # one in-lbf [N m]
 
 
@@ -195,22 +174,6 @@ def loose(play=5e-4, stiffness=0.0, share=10.0, **numbers):
     walls = {"stiffness": stiffness * torque / 4e-4}
     walls["damping"] = share * math.sqrt(stiffness * follower * torque) / 4e-4
     return replace(tight, mechanism=wheel, **walls)
-
-
-@pytest.mark.parametrize("numbers", [{"friction": 0.1}, {"restitution": 0.3, "barrel": 0.6}])
-def test_two_bodies_in_time_agree(numbers):
-    drive = loose(2e-3, **numbers)
-    motion = esc.simulate(drive, 2, initial_speed=20.0)
-    times, speeds = TwoBodies(drive, CHATTER).run(2, 20.0)
-    np.testing.assert_allclose(motion.handoff_times, times, rtol=1e-8)
-    np.testing.assert_allclose(motion.handoff_velocities, speeds, rtol=1e-8)
-
-
-def test_clearance_to_zero_gives_the_engine_without():
-    plays = np.array([1e-3, 1e-4, 1e-5])
-    ideal = esc.terminal(worked()).period
-    errors = np.array([esc.terminal(loose(play)).period for play in plays]) / ideal - 1.0
-    np.testing.assert_allclose(np.diff(np.log(errors)) / np.diff(np.log(plays)), 1.0, atol=0.04)
 
 
 @pytest.mark.parametrize("stiffness", [0.0, 1e6])

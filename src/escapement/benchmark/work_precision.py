@@ -25,15 +25,15 @@ from escapement.plots import save, style
 COMPARED_AT = 1e-10
 """Error at which solvers are compared [-]."""
 
-# The package itself does not measure heyoka and CyRK; `benchmarks/standings.py` does.
+# The package itself does not measure heyoka; `benchmarks/standings.py` does.
 _LOOKS = {
     "energy": (style.BLACK, "o"), "ivp": (style.GREY, "s"), "heyoka": (style.VERMILLION, "^"),
-    "CyRK": (style.ORANGE, "D"), "DOP853": (style.BLUE, ">"), "RK45": (style.SKY, "v"),
+    "DOP853": (style.BLUE, ">"), "RK45": (style.SKY, "v"),
     "RK23": (style.LIGHT_GREY, "<"), "LSODA": (style.GREEN, "X"), "Radau": (style.PURPLE, "P"),
     "BDF": ("#8c6bb1", "*"),
 }  # fmt: skip
 """Colour and marker of a package, and of a method of solve_ivp."""
-_HOLLOW = ("Vern8", "Taylor, angle")  # second methods of a package
+_HOLLOW = ("Taylor, angle",)  # second methods of a package
 
 _FULL: dict[str, Any] = {"decades": 1, "longest": 1.0, "rounds": 5}
 """Effort of a run of many minutes, arguments of `sweep_tolerances`."""
