@@ -8,7 +8,7 @@ import pytest
 import escapement as esc
 from escapement.base.errors import InvalidValue
 from escapement.dynamics.trajectory import Trajectory
-from escapement.measurement.fit import position, slope
+from escapement.measurement.positions import position, slope
 from escapement.mechanisms.protocol import Mechanism
 from escapement.model.numbers import numbers_of, with_number
 from escapement.outlines.parts import parts_of

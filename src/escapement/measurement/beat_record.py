@@ -10,8 +10,7 @@ from escapement.base.units import SYSTEMS
 from escapement.measurement.beat_times import BeatTimes
 from escapement.measurement.beats import BeatFit
 from escapement.measurement.estimate import Estimate
-from escapement.measurement.fitted_numbers import fitted_record
-from escapement.measurement.run_up import RunUp
+from escapement.measurement.motion_fit import MotionFit
 from escapement.measurement.timekeeping import Timekeeping
 
 RESULTS = {
@@ -40,7 +39,7 @@ def record_of_beats(
     """All figures of beats, by JSON key.
 
     keeping : their `timekeeping`, None in a run-up.
-    fit : the `BeatFit` of parts, or the `RunUp`, if one was made.
+    fit : the `BeatFit` of parts, or the `MotionFit`, if one was made.
     units : the system of units of fitted numbers.
     """
     values: dict[str, Any] = {
@@ -55,7 +54,7 @@ def record_of_beats(
         values |= _of_timekeeping(keeping)
     if isinstance(fit, BeatFit):
         values["parts"] = _of_parts(fit)
-    if isinstance(fit, RunUp):
+    if isinstance(fit, MotionFit):
         values["run_up"] = _of_run_up(fit, units)
     messages = [beats.message, getattr(fit, "message", "")]
     values["message"] = "; ".join(filter(None, messages))
@@ -78,12 +77,12 @@ def _of_timekeeping(keeping: Timekeeping) -> dict[str, Any]:
     return found
 
 
-def _of_run_up(fit: RunUp, units: str) -> dict[str, Any]:
+def _of_run_up(fit: MotionFit, units: str) -> dict[str, Any]:
     """The verdict, and the fitted numbers with the ends of their intervals."""
     return {
         "verdict": fit.verdict.text,
         "good": fit.verdict.good,
-        "fitted": fitted_record(fit.told, units),
+        "fitted": fit.record(units),
         "release_time": fit.release.value,
         "noise": fit.noise,
         "p_value": fit.p_value,

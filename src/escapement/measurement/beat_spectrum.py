@@ -2,14 +2,14 @@
 
 import math
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from escapement.base.lazy import Lazy
 from escapement.base.text import Shown
-from escapement.measurement.rounds import Rounds, checked_wheel, rounds_of
+from escapement.measurement.rounds import Rounds, rounds_of
 from escapement.mechanisms.protocol import Mechanism
 
 special = Lazy("scipy.special")
@@ -71,9 +71,9 @@ def beat_spectrum(beats: ArrayLike, mechanism: Mechanism, *, times: bool = False
     InvalidValue
         When an argument breaks its rule.
     """
-    wheel = checked_wheel(mechanism)
-    rounds, pins = rounds_of(beats, wheel, times), wheel.pins or 1
-    size, within = rounds.pattern, rounds.samples - rounds.pattern
+    rounds = rounds_of(beats, mechanism, times)
+    wheel: Any = mechanism
+    pins, size, within = wheel.pins or 1, rounds.pattern, rounds.intervals.freedom
     # standard deviation of a beat's noise
     noise = math.sqrt(rounds.scatter / within) if within > 0 else math.nan
     inverse, lines = np.linalg.inv(rounds.root), []
@@ -86,7 +86,6 @@ def beat_spectrum(beats: ArrayLike, mechanism: Mechanism, *, times: bool = False
         share = (abs(value) / error) ** 2 / freedom if error > 0.0 else math.nan
         p_value = float(special.fdtrc(freedom, within, share)) if within > 0 else math.nan
         shafts = ("pins", pins), ("slots", wheel.slots)
-        culprits = [name for name, count in shafts if k * count % size == 0]
-        culprit = " or ".join(culprits) or "pairs"
+        culprit = " or ".join(name for name, count in shafts if k * count % size == 0) or "pairs"
         lines.append(BeatLine(k * pins / size, culprit, abs(value), error, p_value))
     return BeatSpectrum(tuple(lines), float(rounds.means.mean()), rounds)

@@ -24,6 +24,7 @@ import numpy as np
 
 from escapement.base.errors import InvalidValue
 from escapement.engines.energy.beat_times import pattern_beats
+from escapement.measurement.rounds import Rounds
 from escapement.mechanisms import Geneva
 from escapement.mechanisms.pattern import follower_angle_at
 from escapement.mechanisms.protocol import FloatArray
@@ -33,6 +34,7 @@ from escapement.numerics.jit import as_python
 _RTOL = 1e-12
 _LARGEST = 0.2  # steps beyond this share of a follower step are not tried: a pin may miss its slot
 _SAME = 1e-6  # errors that differ by less are the same [rad]
+_FAILED = 1e3  # residual in mean beats of a wheel that cannot run, which explains no beats
 _IMPACT = 0.02  # how late each slot is struck where a fit starts [rad]
 
 
@@ -130,6 +132,13 @@ class Parts:
         """Beats of one pattern [s], None where the wheel cannot run."""
         computed = pattern_beats(self.built(unknowns), _RTOL)
         return None if computed is None else unknowns[0] * computed
+
+    def residuals(self, unknowns: FloatArray, rounds: Rounds) -> FloatArray:
+        """Computed less measured mean beats, made independent; great where the wheel cannot run."""
+        computed = self.beats(unknowns)
+        if computed is None:
+            return np.full(rounds.pattern, _FAILED * rounds.means.mean())
+        return np.asarray(rounds.root @ (computed - rounds.means))
 
     def perfect(self) -> tuple[FloatArray, FloatArray]:
         """Unknowns of perfect parts, and their beats [s]."""

@@ -1,7 +1,7 @@
 """From measured beats to parts: angle errors of pins and slots, by least squares."""
 
 import math
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -10,93 +10,88 @@ from numpy.typing import ArrayLike
 
 from escapement.base import validate
 from escapement.base.errors import InvalidValue
-from escapement.base.lazy import Lazy
-from escapement.base.text import Shown
-from escapement.measurement.beat_unknowns import Parts, starts
-from escapement.measurement.estimate import (
-    SURE,
-    Estimate,
-    Tangent,
-    Verdict,
-    checked_confidence,
-)
+from escapement.measurement.beat_unknowns import Parts
+from escapement.measurement.estimate import SURE, Estimate, Fit, Verdict, checked_confidence
 from escapement.measurement.loggers import check_unit
 from escapement.measurement.part_estimates import (
-    BeatSolution,
     joined_estimates,
     pairs_of,
+    solutions,
     undetermined,
 )
-from escapement.measurement.rounds import Rounds, checked_wheel, rounds_of
+from escapement.measurement.rounds import Rounds, rounds_of
 from escapement.mechanisms.protocol import FloatArray
 from escapement.model.escapement import Escapement
 
-optimize = Lazy("scipy.optimize")
 PARTS = ("both", "pins", "slots")
-_ROUGH = {"xtol": 1e-3, "ftol": 1e-2, "gtol": 1e-12, "max_nfev": 8}
-_EXACT = {"xtol": 1e-9, "ftol": 1e-10, "gtol": 1e-12, "max_nfev": 30}
-_NEAR = 1e3  # a rough fit that is worse than the best, and than noise, so many times is left
 _ALIKE = 0.1  # a smaller correlation of neighbouring residuals hardly changes an interval
-_FAILED = 1e3  # residual of a wheel that cannot run, which explains no beats
 
 
-@dataclass(frozen=True, eq=False, repr=False)
-class BeatFit(Shown):
+@dataclass(frozen=True, eq=False, repr=False, kw_only=True)
+class BeatFit(Fit):
     """Angle errors of pins and slots that explain measured beats.
 
     Only differences between pins, and between slots, change a beat, so errors are relative to the
     mean of all pins, or of all slots. An interval is the estimate -+ its half width.
 
+    `numbers` are the rate, all pins and all slots. `residuals` are measured minus computed beats,
+    in turn, NaN if missing, shape (N,) [s]. `p_value` is that of the difference of the mean beats
+    and `computed`.
+
     Attributes
     ----------
-    escapement : Escapement
-        The given design with errors that explain the beats; they are the estimates if these are
-        determined.
-    pin_angle_errors, slot_angle_errors : ndarray, shapes (m,) and (n,)
-        Estimates [rad]; NaN if the beats do not determine them. For a slot with only bounds, the
-        middle of its interval.
-    pin_half_widths, slot_half_widths : ndarray, shapes (m,) and (n,)
-        Half the widths of the intervals [rad].
     combinations : tuple of Estimate
         Other angles that are determined; empty if all single errors are.
-    rate, rate_half_width : float
-        Measured time divided by computed time, which corrects an inexact torque [-]; NaN if the
-        beats do not determine it.
     computed : ndarray, shape (pattern,)
         Beats of one pattern with these errors, times `rate` [s].
     rounds : Rounds
         The measured beats, a pattern in each row of its `table`.
-    noise : float
-        Standard deviation of one beat, as given or found [s].
-    p_value : float
-        Probability that noise alone causes such a difference of the mean beats and `computed`;
-        NaN if this cannot be judged.
-    autocorrelation : float
-        Correlation of neighbouring residuals, made independent [-].
     unknowns : int
         Number of unknowns of the fit.
-    confidence : float
-        Confidence level of the intervals [-].
-    message : str
-        Warnings about these figures, "" if there are none.
     """
 
-    escapement: Escapement
-    pin_angle_errors: FloatArray
-    slot_angle_errors: FloatArray
-    pin_half_widths: FloatArray
-    slot_half_widths: FloatArray
     combinations: tuple[Estimate, ...]
-    rate: float
-    rate_half_width: float
     computed: FloatArray = field(repr=False)
     rounds: Rounds = field(repr=False)
-    noise: float
-    p_value: float
-    autocorrelation: float
     unknowns: int
-    confidence: float
-    message: str
+
+    def _of(self, kind: str, name: str) -> FloatArray:
+        return np.array([getattr(one, name) for one in self.numbers if one.name.startswith(kind)])
+
+    @property
+    def pin_angle_errors(self) -> FloatArray:
+        """Estimates, shape (m,) [rad]; NaN if the beats do not determine them."""
+        return self._of("pin", "value")
+
+    @property
+    def slot_angle_errors(self) -> FloatArray:
+        """The same of slots, shape (n,) [rad]; with only bounds, the middle of the interval."""
+        return self._of("slot", "value")
+
+    @property
+    def pin_half_widths(self) -> FloatArray:
+        """Half the widths of the intervals, shape (m,) [rad]."""
+        return self._of("pin", "half_width")
+
+    @property
+    def slot_half_widths(self) -> FloatArray:
+        """Half the widths of the intervals, shape (n,) [rad]."""
+        return self._of("slot", "half_width")
+
+    @property
+    def rate(self) -> float:
+        """Measured time divided by computed time, which corrects an inexact torque [-]."""
+        return self.numbers[0].value
+
+    @property
+    def rate_half_width(self) -> float:
+        """Half the width of its interval [-]."""
+        return self.numbers[0].half_width
+
+    @property
+    def residual(self) -> float:
+        """Root mean square of the residuals [s]."""
+        return float(np.sqrt(np.nanmean(self.residuals**2)))
 
     @property
     def verdict(self) -> Verdict:
@@ -106,14 +101,23 @@ class BeatFit(Shown):
         few to contradict it or do not determine the parts, and "yes" where both were possible and
         passed.
         """
+        subject = "ngle errors of the parts"
         if wrong := [text for text, _ in self._contradictions()]:
-            return Verdict(
-                False, f"Angle errors of the parts do not explain the beats: {'; '.join(wrong)}."
-            )
-        subject = "angle errors of the parts explain the beats"
+            return Verdict(False, f"A{subject} do not explain the beats: {'; '.join(wrong)}.")
         if doubt := self._doubt():
-            return Verdict(None, f"Cannot say whether {subject}: {doubt}.")
-        return Verdict(True, f"A{subject[1:]}. {self._found()}")
+            return Verdict(None, f"Cannot say whether a{subject} explain the beats: {doubt}.")
+        rate, *parts = self.numbers
+        shown = [
+            f"{one.name} ({math.degrees(one.low):.3g} to {math.degrees(one.high):.3g} degrees)"
+            for one in parts
+            if one.low > 0.0 or one.high < 0.0
+        ]
+        return Verdict(
+            True,
+            f"A{subject} explain the beats. Their {100.0 * self.confidence:g} % intervals leave "
+            f"out zero for {', '.join(shown) or 'no part'}. The beats take {rate.low:.5g} to "
+            f"{rate.high:.5g} times as long as those of the design.",
+        )
 
     def _contradictions(self) -> Iterator[tuple[str, str]]:
         """What in the residuals noise does not cause, and what follows."""
@@ -132,7 +136,7 @@ class BeatFit(Shown):
 
     def _doubt(self) -> str:
         """Why the beats could not contradict the parts, or do not determine them, else ""."""
-        if not np.isfinite([*self.pin_angle_errors, *self.slot_angle_errors, self.rate]).all():
+        if any(one.doubt for one in self.numbers):
             return "they do not determine all of these errors; the message says which, and why"
         if not math.isnan(self.p_value):
             return ""
@@ -146,30 +150,12 @@ class BeatFit(Shown):
             "measure longer, or give the noise"
         )
 
-    def _found(self) -> str:
-        """The parts that are certainly in error, and the rate."""
-        shown = []
-        for name, sizes, halves in (
-            ("pin", self.pin_angle_errors, self.pin_half_widths),
-            ("slot", self.slot_angle_errors, self.slot_half_widths),
-        ):
-            low, high = np.degrees(sizes - halves), np.degrees(sizes + halves)
-            shown += [
-                f"{name} {k} ({low[k]:.3g} to {high[k]:.3g} degrees)"
-                for k in np.flatnonzero((low > 0.0) | (high < 0.0))
-            ]
-        ends = self.rate - self.rate_half_width, self.rate + self.rate_half_width
-        return (
-            f"Their {100.0 * self.confidence:g} % intervals leave out zero for "
-            f"{', '.join(shown) or 'no part'}. The beats take {ends[0]:.5g} to {ends[1]:.5g} times "
-            "as long as those of the design."
-        )
-
-    def _remarks(self, found: list[Estimate], reasons: list[str]) -> Iterator[str]:
+    def _remarks(self, reasons: list[str]) -> Iterator[str]:
         """What a user of the fit must know, one sentence at a time."""
         yield from (*self.rounds.faults, *filter(None, reasons))
-        yield from undetermined(found)
-        if self.unknowns >= self.rounds.pattern and np.isfinite(self.slot_angle_errors).all():
+        yield from undetermined(self.numbers)
+        slots = [one.doubt for one in self.numbers if one.name.startswith("slot")]
+        if self.unknowns >= self.rounds.pattern and not any(slots):
             yield (
                 "there are as many unknowns as pairs of a pin and a slot, so other sets of errors "
                 "may explain the beats equally well; the intervals hold only near the set that was "
@@ -177,26 +163,11 @@ class BeatFit(Shown):
             )
         yield from (f"{text}; {meaning}" for text, meaning in self._contradictions())
 
-    @property
-    def residuals(self) -> FloatArray:
-        """Measured minus computed beats, in turn, NaN if missing, shape (N,) [s]."""
-        return (self.rounds.table - self.computed).ravel()
-
-    @property
-    def residual(self) -> float:
-        """Root mean square of the residuals [s]."""
-        return float(np.sqrt(np.nanmean(self.residuals**2)))
-
 
 def fit_beats(
-    beats: ArrayLike,
-    escapement: Escapement,
-    *,
-    noise: float | None = None,
-    parts: str = "both",
-    confidence: float = 0.95,
-    times: bool = False,
-) -> BeatFit:
+    beats: ArrayLike, escapement: Escapement, *, noise: float | None = None, parts: str = "both",
+    confidence: float = 0.95, times: bool = False,
+) -> BeatFit:  # fmt: skip
     """Find the angle errors of pins and slots from measured beats.
 
     Parameters
@@ -247,61 +218,51 @@ def fit_beats(
     """
     if not isinstance(escapement, Escapement):
         raise validate.fail("escapement", "an Escapement", escapement, "see escapement.Escapement")
-    wheel: Any = checked_wheel(escapement.mechanism)
+    wheel: Any = escapement.mechanism
     rounds = rounds_of(beats, wheel, times)
     if noise is not None:
         noise = validate.positive("noise", noise, "give the standard deviation of a beat in s")
     validate.choice("parts", parts, PARTS)
     share = checked_confidence(confidence)
-    pins, slots = parts != "slots", parts != "pins"
-    unknown = Parts(escapement, pins, slots).size
+    which = parts != "slots", parts != "pins"
+    unknown = Parts(escapement, *which).size
     if noise is None and rounds.samples <= unknown:
         raise InvalidValue(
             f"beats must be more than the {unknown} unknowns, got {rounds.samples}; "
             "measure longer, or give their noise"
         )
     _check_times(escapement, rounds)
-    variance = noise**2 if noise else rounds.scatter / max(rounds.samples - rounds.pattern, 1)
-    best, *others = _solutions(rounds, starts(escapement, pins, slots, rounds.means), variance)
+    best, *others = solutions(rounds, escapement, which, noise)
     known = best.tangent(noise, share)
     if parts == "both" and math.gcd(wheel.pins, wheel.slots) > 1:
         found, combinations = pairs_of(best.parts, rounds, known)
-        reasons = [""]
+        reasons = []
     else:
         # a fit that is worse by no more than the edge of an interval may be true as well
         edge, sets = best.cost + known.unit**2, [best]
         for one in others:
             if one.cost <= edge and not any(one.same_as(it) for it in sets):
                 sets.append(one)
-        each = [known, *(it.tangent(noise, share) for it in sets[1:])]
-        found, several = joined_estimates(sets, each)
+        found, several = joined_estimates(sets, noise, share)
         combinations, told = best.told_steps(known)
         combinations, reasons = combinations if len(sets) == 1 else (), [several, told]
-    fit = _fit_of(best, known, found, combinations, share, best.p_value(noise))
-    vars(fit)["message"] = "; ".join(fit._remarks(found, reasons))
+    fit = BeatFit(
+        escapement=best.parts.built(best.unknowns), numbers=tuple(found), confidence=share,
+        residuals=(rounds.table - best.computed).ravel(), noise=known.noise,
+        p_value=best.p_value(noise), autocorrelation=_alike(rounds, best.computed),
+        combinations=combinations, computed=best.computed, rounds=rounds,
+        unknowns=best.unknowns.size,
+    )  # fmt: skip
+    vars(fit)["message"] = "; ".join(fit._remarks(reasons))
     return fit
 
 
-def _fit_of(
-    best: BeatSolution, known: Tangent, found: list[Estimate],
-    combinations: tuple[Estimate, ...], share: float, p_value: float,
-) -> BeatFit:  # fmt: skip
-    rounds, computed = best.rounds, best.computed
+def _alike(rounds: Rounds, computed: FloatArray) -> float:
+    """Correlation of neighbouring residuals, made independent; 0 where there are none."""
     rest, near = rounds.independent(computed), np.diff(rounds.known) == 1
-    alike = 0.0
-    if near.any() and rest.any():
-        alike = float(np.mean((rest[1:] * rest[:-1])[near]) / np.mean(rest**2))
-    (pins, pin_widths), (slots, slot_widths) = (
-        np.array([one[1:3] for one in found if one.name.startswith(kind)]).T
-        for kind in ("pin", "slot")
-    )
-    return BeatFit(
-        escapement=best.parts.built(best.unknowns), pin_angle_errors=pins, slot_angle_errors=slots,
-        pin_half_widths=pin_widths, slot_half_widths=slot_widths, combinations=combinations,
-        rate=found[0].value, rate_half_width=found[0].half_width, computed=computed, rounds=rounds,
-        noise=known.noise, p_value=p_value, autocorrelation=alike, unknowns=best.unknowns.size,
-        confidence=share, message="",
-    )  # fmt: skip
+    if not (near.any() and rest.any()):
+        return 0.0
+    return float(np.mean((rest[1:] * rest[:-1])[near]) / np.mean(rest**2))
 
 
 def _check_times(escapement: Escapement, rounds: Rounds) -> None:
@@ -311,25 +272,3 @@ def _check_times(escapement: Escapement, rounds: Rounds) -> None:
     torque = escapement.torque if isinstance(escapement.torque, float | int) else None
     took = f"a mean beat of {mean:.3g} s, where the design takes {design:.3g} s"
     check_unit("beats", mean / design, took, torque)
-
-
-def _solutions(
-    rounds: Rounds, begin: Iterable[tuple[Parts, FloatArray]], variance: float
-) -> list[BeatSolution]:
-    """The fits from all starts that are nearly as good as the best, which is the first."""
-    mean = rounds.means.mean()
-
-    def improved(parts: Parts, start: FloatArray, tolerances: dict[str, float]) -> BeatSolution:
-        def rest(at: FloatArray) -> FloatArray:
-            computed = parts.beats(at)
-            if computed is None:
-                return np.full(rounds.pattern, _FAILED)
-            return np.asarray(rounds.root @ (computed - rounds.means) / mean)
-
-        found = optimize.least_squares(rest, start, bounds=parts.bounds(start[0]), **tolerances)
-        return BeatSolution(parts, rounds, found.x, 2.0 * float(found.cost) * mean**2)
-
-    rough = sorted((improved(*one, _ROUGH) for one in begin), key=lambda it: it.cost)
-    near = [it for it in rough if it.cost <= _NEAR * (rough[0].cost + variance)]
-    exact = (improved(it.parts, it.unknowns, _EXACT) for it in near)
-    return sorted(exact, key=lambda it: it.cost)

@@ -9,22 +9,13 @@ import numpy as np
 
 from escapement.base import validate
 from escapement.base.errors import InvalidValue
-from escapement.base.text import Shown
 from escapement.measurement import encoder as sensors
 from escapement.measurement import normality, periodic
 from escapement.measurement.encoder import Encoders, SensorShare
 from escapement.measurement.estimate import Verdict, checked_confidence, correlation, reach_of
 from escapement.measurement.finding import find_errors
-from escapement.measurement.findings import (
-    Backlash,
-    Change,
-    Found,
-    Glitch,
-    Key,
-    ShaftError,
-    SlotError,
-)
-from escapement.measurement.fit import Fit, fit_zeros
+from escapement.measurement.findings import Found
+from escapement.measurement.positions import Positions, fit_zeros
 from escapement.measurement.readings import (
     TURN,
     Readings,
@@ -38,8 +29,8 @@ from escapement.mechanisms.protocol import FloatArray, Mechanism
 _EXPECTED = 5  # the chi-squared distribution holds for so many errors in a class on average
 
 
-@dataclass(frozen=True, eq=False, repr=False)
-class Measurement(Shown):
+@dataclass(frozen=True, eq=False, repr=False, kw_only=True)
+class Measurement(Found):
     """Errors of measured positions, their statistics and their causes.
 
     Attributes
@@ -52,6 +43,8 @@ class Measurement(Shown):
         Zeros of the encoders, theory, errors and transmission at each sample.
     bins : int
         Number of classes.
+    steps : (float, float)
+        Steps of the encoders of input and output, 0 if they are unknown [rad].
     """
 
     mechanism: Mechanism
@@ -61,7 +54,8 @@ class Measurement(Shown):
     bins: int
     input: FloatArray = field(repr=False)
     output: FloatArray = field(repr=False)
-    fit: Fit = field(repr=False)
+    fit: Positions = field(repr=False)
+    steps: tuple[float, float] = field(repr=False)
 
     @property
     def errors(self) -> FloatArray:
@@ -101,6 +95,10 @@ class Measurement(Shown):
         """Normality by the Anderson-Darling test."""
         return normality.anderson_darling(self.errors)
 
+    def _about_the_mean(self, freedom: float, deviation: float) -> tuple[float, float]:
+        half = reach_of(self.confidence, freedom) * deviation
+        return self.mean - half, self.mean + half
+
     @property
     def interval(self) -> tuple[float, float]:
         """Interval that contains the share `confidence` of normal errors [rad].
@@ -108,84 +106,18 @@ class Measurement(Shown):
         mean -+ m sd with Phi(m) - Phi(-m) = confidence, eq. 19 of the paper. The paper calls it
         the confidence interval of the mean, which is `mean_interval`.
         """
-        half = reach_of(self.confidence, math.inf) * self.standard_deviation
-        return self.mean - half, self.mean + half
+        return self._about_the_mean(math.inf, self.standard_deviation)
 
     @property
     def mean_interval(self) -> tuple[float, float]:
         """Confidence interval of the mean error, by Student's distribution [rad]."""
         n = self.errors.size
-        half = reach_of(self.confidence, n - 1) * self.standard_deviation / math.sqrt(n)
-        return self.mean - half, self.mean + half
+        return self._about_the_mean(n - 1, self.standard_deviation / math.sqrt(n))
 
     @cached_property
     def autocorrelation(self) -> float:
         """Correlation of each error with the next one, -1 to 1 [-]."""
         return correlation(self.errors - self.mean)
-
-    @property
-    def shaft_errors(self) -> tuple[ShaftError, ...]:
-        """Sinusoidal errors of each shaft; see `ShaftError`."""
-        return self._found.shaft_errors
-
-    @property
-    def backlash(self) -> tuple[Backlash, ...]:
-        """Free play of each shaft that turns both ways; see `Backlash`."""
-        return self._found.backlash
-
-    @property
-    def slot_errors(self) -> tuple[SlotError, ...]:
-        """The worst slot and the worst pin, where several were seen; see `SlotError`."""
-        return self._found.slot_errors
-
-    @property
-    def changes(self) -> tuple[Change, ...]:
-        """Changes for good, as of lost steps; see `Change`."""
-        return self._found.changes
-
-    @property
-    def glitches(self) -> tuple[Glitch, ...]:
-        """Single readings far out; see `Glitch`."""
-        return self._found.glitches
-
-    @property
-    def rounded(self) -> frozenset[Key]:
-        """Errors that noise cannot cause, but the rounding of the encoders can."""
-        return self._found.rounded
-
-    @property
-    def hidden(self) -> float:
-        """Amplitude of an error of the output that the rounding of the encoders can hide [rad]."""
-        return self._found.hidden
-
-    @property
-    def spread(self) -> float:
-        """Standard deviation of the errors without readings far out [rad]."""
-        return self._found.spread
-
-    @property
-    def scatter(self) -> float:
-        """Standard deviation of what all errors that were found leave [rad]."""
-        return self._found.scatter
-
-    @property
-    def rest_autocorrelation(self) -> float:
-        """`autocorrelation` of what all errors that were found leave [-]."""
-        return self._found.correlation
-
-    @cached_property
-    def steps(self) -> tuple[float, float]:
-        """Steps of the encoders of input and output, 0 if they are unknown [rad]."""
-        return sensors.steps_of(self.encoder, self.input, self.output)
-
-    @cached_property
-    def _found(self) -> Found:
-        driver, line = self.input + self.fit.phase, self.readings.line
-        assert line is not None, "readings number their samples"
-        return find_errors(
-            self.mechanism, driver, self.fit.sense, self.errors,
-            line[self.readings.complete], self.steps,
-        )  # fmt: skip
 
     @cached_property
     def periodogram(self) -> periodic.Periodogram:
@@ -242,7 +174,7 @@ def measure(
     Returns
     -------
     Measurement
-        Its fit is computed at once, its statistics when they are read.
+        Its errors and their causes are computed at once, its statistics when they are read.
 
     Raises
     ------
@@ -275,10 +207,12 @@ def measure(
             "readings must be measured, got angles that equal theory to all digits; give the "
             "angles that the encoders showed"
         )
-    count = normality.class_count(found.errors, bins)
+    count, line = normality.class_count(found.errors, bins), np.asarray(taken.line)[taken.complete]
+    steps = sensors.steps_of(encoder, angle, output)
+    causes = find_errors(mechanism, angle + found.phase, found.sense, found.errors, line, steps)
     return Measurement(
         mechanism=mechanism, readings=taken, encoder=encoder, confidence=share, bins=count,
-        input=angle, output=output, fit=found,
+        input=angle, output=output, fit=found, steps=steps, **vars(causes),
     )  # fmt: skip
 
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from escapement.base import validate
 from escapement.measurement.backlash import with_backlash
-from escapement.measurement.fit import position
+from escapement.measurement.positions import position
 from escapement.measurement.readings import FARTHEST, LEAST_SAMPLES, TURN, WITHIN, Readings
 from escapement.mechanisms.protocol import FloatArray, Mechanism, checked
 

@@ -1,18 +1,29 @@
-"""What a fit says of a number: its value, its interval, and why it may not be known."""
+"""What a fit says: estimates with their intervals, or why they are not known, and a verdict.
+
+Every fit of a model is least squares for residuals whose noise is independent, so its intervals
+come from the `Tangent` at its solution, and its tests are F tests.
+"""
 
 import math
 from collections.abc import Iterable
-from typing import NamedTuple
+from dataclasses import dataclass, field
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from escapement.base import validate
+from escapement.base import spoken, validate
 from escapement.base.lazy import Lazy
+from escapement.base.records import in_units
+from escapement.base.text import Shown, words
+from escapement.base.units import factor, printed
 from escapement.mechanisms.protocol import FloatArray
+from escapement.model.escapement import Escapement
+from escapement.study.plan import unit_kind
 
 special = Lazy("scipy.special")
 SURE = 1e-3
 """A smaller probability that noise alone causes what was found counts as certainty."""
+_ALIKE = 0.05  # a smaller correlation of neighbouring residuals hardly changes an interval
 
 
 class Estimate(NamedTuple):
@@ -22,22 +33,25 @@ class Estimate(NamedTuple):
     value, half_width : estimate, and half the width of its confidence interval; NaN where the
         measurement does not determine it.
     doubt : why it does not, "" if it does.
+    least, most : its physical range, in which the interval ends.
     """
 
     name: str
     value: float
     half_width: float
     doubt: str = ""
+    least: float = -math.inf
+    most: float = math.inf
 
     @property
     def low(self) -> float:
         """Lower end of the interval."""
-        return self.value - self.half_width
+        return max(self.value - self.half_width, self.least)
 
     @property
     def high(self) -> float:
         """Upper end of the interval."""
-        return self.value + self.half_width
+        return min(self.value + self.half_width, self.most)
 
     def doubted(self, *doubts: str) -> "Estimate":
         """The same without a value, for more reasons; unchanged if there are none."""
@@ -63,6 +77,61 @@ class Verdict(NamedTuple):
 
     good: bool | None
     text: str
+
+
+@dataclass(frozen=True, eq=False, repr=False, kw_only=True)
+class Fit(Shown):
+    """The model of an escapement that is nearest to what was measured.
+
+    Attributes
+    ----------
+    escapement : Escapement
+        The given escapement with the numbers that were found.
+    numbers : tuple of Estimate
+        Each with its interval [SI].
+    confidence : float
+        Confidence level of the intervals [-].
+    residuals : ndarray, shape (n,)
+        What was measured less what is computed.
+    noise : float
+        Standard deviation of one measurement.
+    p_value : float
+        Probability that noise alone leaves such residuals; NaN if this cannot be judged.
+    autocorrelation : float
+        Correlation of each residual, made independent, with the next one [-].
+    message : str
+        What a user of these numbers must know, "" if there is nothing.
+    """
+
+    escapement: Escapement
+    numbers: tuple[Estimate, ...]
+    confidence: float
+    residuals: FloatArray = field(repr=False)
+    noise: float
+    p_value: float
+    autocorrelation: float
+    message: str = ""
+
+    def numbers_in_words(self) -> str:
+        """The word "with" and the fitted numbers; "" if there are none."""
+        parts = []
+        for one in self.numbers:
+            kind = unit_kind(one.name)
+            unit = factor(kind, spoken.spoken())
+            parts.append(
+                f"{words(one.name)} {one.value / unit:.4g} ({100.0 * self.confidence:g} % interval "
+                f"{one.low / unit:.4g} to {spoken.as_spoken(one.high, kind, 4)})"
+            )
+        return f" with {' and '.join(parts)}; all other numbers are as given" if parts else ""
+
+    def record(self, units: str) -> dict[str, Any]:
+        """Fitted numbers with their intervals, by name, in the user's units."""
+        record = {}
+        for one in self.numbers:
+            kind = unit_kind(one.name)
+            value, *ends = in_units([one.value, one.low, one.high], kind, units)
+            record[one.name] = {"value": value, "interval": ends, "unit": printed(kind, units)}
+        return record
 
 
 def reach_of(confidence: float, freedom: float) -> float:
@@ -112,6 +181,27 @@ def f_test(explained: float, count: int, left: float, freedom: int) -> float:
     if not (count > 0 and freedom > 0 and left > 0.0):
         return math.nan
     return float(special.fdtrc(count, freedom, explained / count * freedom / left))
+
+
+def chance_of(rest: FloatArray, slopes: FloatArray, waves: FloatArray) -> float:
+    """Probability that independent noise looks as much like some waves; NaN if unknown.
+
+    An F test beyond what the unknowns could have fitted. `slopes` and `waves` have a column for
+    each, of shapes (n, m) and (n, k).
+    """
+    lengths = np.linalg.norm(slopes, axis=0)
+    fitted, _ = np.linalg.qr(slopes / np.where(lengths > 0.0, lengths, 1.0))
+    basis, sizes, _ = np.linalg.svd(waves - fitted @ (fitted.T @ waves), full_matrices=False)
+    basis = basis[:, sizes > 1e-6 * math.sqrt(rest.size)]
+    rest = rest - fitted @ (fitted.T @ rest)
+    explained, count = float(np.sum((basis.T @ rest) ** 2)), basis.shape[1]
+    freedom = rest.size - slopes.shape[1] - count
+    return f_test(explained, count, float(rest @ rest) - explained, freedom)
+
+
+def contradicted(p_value: float, autocorrelation: float, samples: int) -> bool:
+    """Whether residuals have what independent noise does not have."""
+    return p_value < SURE or autocorrelation > max(3.3 / math.sqrt(samples), _ALIKE)
 
 
 def correlation(residuals: FloatArray) -> float:

@@ -27,9 +27,9 @@ from escapement.measurement.findings import (
     ShaftError,
     SlotError,
 )
-from escapement.measurement.fit import position, slope
 from escapement.measurement.noise import noise_of, rounding_of
 from escapement.measurement.normal_equations import Fitted, Indices, NormalEquations
+from escapement.measurement.positions import position, slope
 from escapement.measurement.readings import TURN
 from escapement.measurement.slot_errors import parts_met, worst_part
 from escapement.mechanisms.protocol import FloatArray, Mechanism
@@ -331,7 +331,7 @@ class _Search:
             hidden=math.sqrt(2.0 * hidden / float(self.scale @ self.scale)),
             spread=float(self.errors[kept].std()),
             scatter=float(self.left[kept].std()),
-            correlation=correlation(weighted),
+            rest_autocorrelation=correlation(weighted),
         )
 
     def _worst_parts(self) -> Iterator[SlotError]:

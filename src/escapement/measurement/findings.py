@@ -4,7 +4,10 @@ Each kind of finding has its size, what is certain about it, and its words.
 """
 
 import math
+from dataclasses import dataclass, field
 from typing import NamedTuple
+
+from escapement.base.text import Shown
 
 ORDERS = (1, 2)
 """Cycles per turn: of an eccentric disc, and of a tilted or an oval one."""
@@ -44,6 +47,11 @@ class ShaftError(NamedTuple):
     p_value: float
     turns: float
 
+    @property
+    def key(self) -> Key:
+        """What it is looked for as."""
+        return self.shaft, self.order
+
     def text(self, certain: bool) -> str:
         """A sentence about this error, with "may" if it is not certain."""
         where = "cell" if self.shaft == "cell" else f"turn of the {self.shaft}"
@@ -78,6 +86,11 @@ class SlotError(NamedTuple):
     standard_error: float
     p_value: float
 
+    @property
+    def key(self) -> Key:
+        """What it is looked for as."""
+        return self.shaft, "parts"
+
     def text(self, certain: bool) -> str:
         """A sentence about this part, with "may" if it is not certain."""
         part = "pin" if self.shaft == "input" else "slot"
@@ -108,6 +121,11 @@ class Backlash(NamedTuple):
     standard_error: float
     p_value: float
 
+    @property
+    def key(self) -> Key:
+        """What it is looked for as."""
+        return self.shaft, "lag"
+
     def text(self, certain: bool) -> str:
         """A sentence about the backlash, with "may" if it is not certain."""
         size = interval(self.width, self.standard_error)
@@ -135,6 +153,11 @@ class Change(NamedTuple):
     standard_error: float
     p_value: float
 
+    @property
+    def key(self) -> Key:
+        """What it is looked for as."""
+        return "change", self.line
+
     def text(self, certain: bool) -> str:
         """A sentence about the change, with "may" if it is not certain."""
         size = "an angle that cannot be told"
@@ -160,10 +183,11 @@ class Glitch(NamedTuple):
     p_value: float
 
 
-class Found(NamedTuple):
+@dataclass(frozen=True, eq=False, repr=False, kw_only=True)
+class Found(Shown):
     """Errors with a cause, and what they leave.
 
-    shaft_errors : one for each shaft and order.
+    shaft_errors : sinusoidal errors, one for each shaft and order.
     backlash : one for each shaft that turns both ways far enough.
     slot_errors : of the worst slot and of the worst pin, where several were seen.
     changes : changes for good that noise hardly causes, by their line.
@@ -173,19 +197,19 @@ class Found(NamedTuple):
     hidden : amplitude of an error of the output that rounding can hide [rad].
     spread : standard deviation of the errors, without readings far out [rad].
     scatter : standard deviation of what is left, likewise [rad].
-    correlation : correlation of neighbouring errors in what is left [-].
+    rest_autocorrelation : correlation of neighbouring errors in what is left [-].
     """
 
-    shaft_errors: tuple[ShaftError, ...]
-    backlash: tuple[Backlash, ...]
-    slot_errors: tuple[SlotError, ...]
-    changes: tuple[Change, ...]
-    glitches: tuple[Glitch, ...]
-    rounded: frozenset[Key]
-    hidden: float
-    spread: float
-    scatter: float
-    correlation: float
+    shaft_errors: tuple[ShaftError, ...] = field(repr=False)
+    backlash: tuple[Backlash, ...] = field(repr=False)
+    slot_errors: tuple[SlotError, ...] = field(repr=False)
+    changes: tuple[Change, ...] = field(repr=False)
+    glitches: tuple[Glitch, ...] = field(repr=False)
+    rounded: frozenset[Key] = field(repr=False)
+    hidden: float = field(repr=False)
+    spread: float = field(repr=False)
+    scatter: float = field(repr=False)
+    rest_autocorrelation: float = field(repr=False)
 
 
 def interval(size: float, error: float) -> str:

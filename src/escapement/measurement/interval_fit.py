@@ -10,7 +10,6 @@ diagonals, so that the effort grows with the number of intervals only.
 """
 
 import math
-from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -19,6 +18,7 @@ from escapement.base.lazy import Lazy
 from escapement.mechanisms.protocol import FloatArray
 
 linalg = Lazy("scipy.linalg")
+_NEGLIGIBLE = 1e-9
 
 
 class IntervalSolution(NamedTuple):
@@ -27,12 +27,14 @@ class IntervalSolution(NamedTuple):
     values, covariance : shapes (m,) and (m, m), the latter for noise of a beat of size 1.
     scatter : sum of the squared residuals, made independent.
     likelihood : logarithm of the restricted likelihood, except for a constant; NaN of an average.
+    weights : probability of each share in an average.
     """
 
     values: FloatArray
     covariance: FloatArray
     scatter: float
     likelihood: float
+    weights: FloatArray
 
 
 class Intervals(NamedTuple):
@@ -76,10 +78,25 @@ class Intervals(NamedTuple):
         scatter, inverse = float(rest @ rest), np.linalg.inv(upper)
         size = np.log(factor[0]).sum() + np.log(np.abs(np.diag(upper))).sum()
         likelihood = -float(size) - 0.5 * self.freedom * math.log(scatter or 1e-300)
-        return IntervalSolution(inverse @ along, inverse @ inverse.T, scatter, likelihood)
+        return IntervalSolution(
+            inverse @ along, inverse @ inverse.T, scatter, likelihood, np.ones(1)
+        )
 
-    def average(self, each: Sequence[IntervalSolution], weights: FloatArray) -> IntervalSolution:
-        """The mean of solutions with some weights, whose sum is 1."""
+    def average(
+        self, shares: FloatArray, before: FloatArray | float = 1.0, gain: float = 0.0
+    ) -> IntervalSolution:
+        """The mean of the solutions with some shares, the last of which is 0.
+
+        before : probabilities of the shares before the measurement.
+        gain : of log-likelihood, that any share has to give over 0; else that share counts alone.
+        """
+        each = [self.solution(share) for share in shares.tolist()]
+        likelihoods = np.array([one.likelihood for one in each])
+        weights = before * np.exp(likelihoods - likelihoods.max())
+        if gain and likelihoods.max() - likelihoods[-1] <= gain:
+            weights = np.where(shares == 0.0, 1.0, 0.0)
+        weights = np.where(weights > _NEGLIGIBLE * weights.sum(), weights, 0.0)
+        weights /= weights.sum()
         values = np.asarray(weights @ [one.values for one in each])
         scatter = float(weights @ [one.scatter for one in each])
         covariance = np.zeros((values.size, values.size))
@@ -89,11 +106,4 @@ class Intervals(NamedTuple):
             if scatter > 0.0:
                 apart = one.values - values
                 covariance += weight * self.freedom / scatter * np.outer(apart, apart)
-        return IntervalSolution(values, covariance, scatter, math.nan)
-
-
-def weights_of(each: Sequence[IntervalSolution], before: FloatArray | float = 1.0) -> FloatArray:
-    """Probabilities of the shares of some solutions, from those before the measurement."""
-    likelihoods = np.array([one.likelihood for one in each])
-    weights = before * np.exp(likelihoods - likelihoods.max())
-    return np.asarray(weights / weights.sum())
+        return IntervalSolution(values, covariance, scatter, math.nan, weights)

@@ -5,8 +5,6 @@ from typing import Any
 
 import numpy as np
 
-from escapement.measurement.fitted_numbers import fitted_record
-
 TESTS = "chi_squared", "chi_squared_published", "anderson_darling"
 """Tests of normality, by JSON key."""
 _ANGLES = {
@@ -52,7 +50,7 @@ def _of_motion(fit: Any, units: str) -> dict[str, Any]:
     return {
         "samples": fit.time.size,
         "release_time": fit.start,
-        "fitted": fitted_record(fit.told, units),
+        "fitted": fit.record(units),
         **_attributes(fit, "confidence", "noise", "autocorrelation", "p_value"),
         "speed_max": float(fit.speeds.max()),
         "speed_max_computed": float(fit.computed_speeds.max()),

@@ -1,7 +1,7 @@
-"""Fit of a simulated motion to a measured run-up.
+"""Fit of a simulated motion to a measured run-up, of readings or of beats.
 
-The readings give the driver angle over time, from rest at pin entry. A motion depends on torques
-and inertias only through their ratios, so at least one of them must be known.
+A motion depends on torques and inertias only through their ratios, so at least one of them must be
+known.
 """
 
 import math
@@ -11,97 +11,102 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from escapement.base.lazy import Lazy
-from escapement.base.text import Shown
+from escapement.measurement.beat_times import BeatTimes
 from escapement.measurement.estimate import (
+    Estimate,
+    Fit,
     Verdict,
+    chance_of,
     checked_confidence,
+    contradicted,
     correlation,
     tangent_of,
 )
-from escapement.measurement.fitted_numbers import (
-    Told,
-    chance_of,
-    check_determined,
-    contradicted,
-    numbers_in_words,
-)
-from escapement.measurement.motion_task import INEFFECTIVE, MotionTask, is_share, task_of
+from escapement.measurement.motion_task import MotionTask, task_of
 from escapement.measurement.readings import Readings
 from escapement.mechanisms.protocol import FloatArray
 from escapement.model.escapement import Escapement
 
 optimize = Lazy("scipy.optimize")
 _TOLERANCES = {"xtol": 1e-9, "ftol": 1e-12, "gtol": 1e-12, "max_nfev": 60}
-_SLOW = 6  # slow changes that are looked for have up to so many half waves
+_SLOW = 6  # slow changes that are looked for have up to so many half waves, of beats two
+_FADING = 0.7, 2.5  # beats in which errors of a model fade as the motion settles
 _EXACT = 1e-8  # a scatter below this share of the travel is rounding, and is no evidence
 _DEGREE = 3  # of the smooth curve
 _ODDS = 1000.0  # the model must be so much more likely than the smooth curve
 _LEAST = 12  # degrees of freedom that the tests need
 
 
-@dataclass(frozen=True, eq=False, repr=False)
-class MotionFit(Shown):
+@dataclass(frozen=True, eq=False, repr=False, kw_only=True)
+class MotionFit(Fit):
     """The simulated motion that is nearest to a measured one.
+
+    `residuals` and `noise` are driver angles [rad], and times of beats [s].
 
     Attributes
     ----------
-    escapement : Escapement
-        The given escapement with the fitted numbers.
-    parameters : tuple of str
-        Names of the numbers that were fitted; all others keep their given values.
-    values, half_widths : ndarray, shape (m,)
-        Estimates, and half the widths of their confidence intervals, in SI units. `intervals`
-        end where a number would leave its physical range.
-    confidence : float
-        Confidence level of the intervals [-].
-    start : float
-        Time of the release from rest [s].
-    time, residuals : ndarray, shape (n,)
-        Times of the samples that were used [s], and measured less computed driver angle [rad].
-    noise : float
-        Standard deviation of the residuals [rad].
-    mid_time, speeds, computed_speeds : ndarray, shape (k,)
-        Middle of each interval between two samples of different times [s], and the mean driver
-        speed in it, measured and computed [rad/s].
-    autocorrelation : float
-        Correlation of each residual with the next one [-].
-    p_value : float
-        Probability that independent noise alone leaves residuals with as much slow change, or
-        change that repeats with the engagements; NaN if this cannot be judged.
+    release : Estimate
+        Time of the release from rest, by the clock of the measurement [s].
+    time, angle : ndarray, shape (n,)
+        Times of the samples that were used, and angles that the driver has turned [s, rad].
+    of_beats : bool
+        Whether these samples are beats.
     doubt : str
-        Why the readings cannot say whether the model explains them, "" if they can.
-    message : str
-        What a user of these numbers must know, "" if there is nothing.
+        Why the measurement cannot say whether the model explains it, "" if it can.
     """
 
-    escapement: Escapement
-    parameters: tuple[str, ...]
-    values: FloatArray
-    half_widths: FloatArray
-    confidence: float
-    start: float
+    release: Estimate
     time: FloatArray = field(repr=False)
-    residuals: FloatArray = field(repr=False)
-    noise: float
-    mid_time: FloatArray = field(repr=False)
-    speeds: FloatArray = field(repr=False)
-    computed_speeds: FloatArray = field(repr=False)
-    autocorrelation: float
-    p_value: float
+    angle: FloatArray = field(repr=False)
+    of_beats: bool
     doubt: str
-    message: str
+
+    @property
+    def parameters(self) -> tuple[str, ...]:
+        """Names of the numbers that were fitted; all others keep their given values."""
+        return tuple(one.name for one in self.numbers)
+
+    @property
+    def values(self) -> FloatArray:
+        """Estimates in SI units, shape (m,)."""
+        return np.array([one.value for one in self.numbers])
+
+    @property
+    def half_widths(self) -> FloatArray:
+        """Half the widths of their intervals in SI units, shape (m,)."""
+        return np.array([one.half_width for one in self.numbers])
 
     @property
     def intervals(self) -> FloatArray:
         """Ends of the confidence intervals within the physical range, shape (m, 2)."""
-        ends = np.column_stack([self.values - self.half_widths, self.values + self.half_widths])
-        most = [1.0 if is_share(name) else math.inf for name in self.parameters]
-        return np.clip(ends, 0.0, np.array(most)[:, None])
+        return np.array([(one.low, one.high) for one in self.numbers]).reshape(-1, 2)
 
     @property
-    def told(self) -> list[Told]:
-        """The fitted numbers with their intervals."""
-        return [*map(Told, self.parameters, self.values.tolist(), *self.intervals.T.tolist())]
+    def start(self) -> float:
+        """Time of the release from rest [s]."""
+        return self.release.value
+
+    @property
+    def _apart(self) -> np.ndarray:
+        return np.diff(self.time) > 0.0
+
+    @property
+    def mid_time(self) -> FloatArray:
+        """Middle of each interval between two samples of different times, shape (k,) [s]."""
+        return np.asarray(0.5 * (self.time[1:] + self.time[:-1])[self._apart])
+
+    @property
+    def speeds(self) -> FloatArray:
+        """Mean driver speed in these intervals, measured, shape (k,) [rad/s]."""
+        return np.asarray(np.diff(self.angle)[self._apart] / np.diff(self.time)[self._apart])
+
+    @property
+    def computed_speeds(self) -> FloatArray:
+        """The same, computed."""
+        if self.of_beats:
+            return np.asarray(np.diff(self.angle) / np.diff(self.time - self.residuals))
+        apart = np.diff(self.residuals)[self._apart] / np.diff(self.time)[self._apart]
+        return np.asarray(self.speeds - apart)
 
     @property
     def contradicted(self) -> bool:
@@ -116,13 +121,13 @@ class MotionFit(Shown):
     @property
     def verdict(self) -> Verdict:
         """Whether the model explains the motion, and the estimates with their intervals."""
-        text = numbers_in_words(self.told, self.confidence)
+        text, what = self.numbers_in_words(), "beats" if self.of_beats else "motion"
         if self.contradicted:
             text = text and f", not even{text}"
-            return Verdict(False, f"The model does not explain the motion{text}.")
+            return Verdict(False, f"The model does not explain the {what}{text}.")
         if self.doubt:
-            return Verdict(None, f"Cannot say whether the model explains the motion: {self.doubt}.")
-        return Verdict(True, f"The model explains the motion{text}.")
+            return Verdict(None, f"Cannot say whether the model explains the {what}: {self.doubt}.")
+        return Verdict(True, f"The model explains the {what}{text}.")
 
 
 def fit_motion(
@@ -170,38 +175,74 @@ def fit_motion(
     slowly or with the engagements by more than noise does in one of a thousand recordings. The
     readings cannot say so, and nor the contrary, if a cubic curve explains them about as well.
     """
-    task = task_of(readings, escapement, tuple(parameters))
-    share = checked_confidence(confidence)
+    return _fitted(readings, escapement, parameters, confidence)
+
+
+def fit_run_up(
+    beats: BeatTimes,
+    escapement: Escapement,
+    parameters: Sequence[str] = ("friction",),
+    *,
+    confidence: float = 0.95,
+) -> MotionFit:
+    """Fit numbers of an escapement to the times of beats of a motion from rest.
+
+    A beat sounds as a pin hands over to the next one.
+
+    Parameters
+    ----------
+    beats : BeatTimes
+        What `read_beats` gives with `run_up=True`; the first is the first change of pin behind the
+        release.
+    escapement, parameters, confidence :
+        As for `fit_motion`.
+
+    Raises
+    ------
+    InvalidValue
+        If an argument breaks its rule, the escapement does not run, its times are far from the
+        measured ones, or the beats determine only a combination of the numbers.
+    """
+    return _fitted(beats, escapement, parameters, confidence)
+
+
+def _fitted(
+    measured: Readings | BeatTimes, escapement: Escapement, parameters: Sequence[str],
+    confidence: float,
+) -> MotionFit:  # fmt: skip
+    task, share = task_of(measured, escapement, parameters), checked_confidence(confidence)
     found = optimize.least_squares(
         task.residuals, task.begin(), task.slopes, bounds=task.bounds, x_scale="jac", **_TOLERANCES
     )
-    check_determined(found.jac, task.parameters, INEFFECTIVE)
-    angle, start = np.asarray(task.state(found.x).theta), float(found.x[-1]) * task.span
-    known = tangent_of(found.jac, 2.0 * found.cost, task.time.size - found.x.size - 1, share)
-    apart = np.diff(task.time) > 0.0
-    speeds, computed = (
-        np.diff(one)[apart] / np.diff(task.time)[apart] for one in (task.angle, angle)
-    )
-    alike, p_value, doubt = _judged(task, found.fun, found.jac, angle, start)
+    task.check_determined(found.jac)
+    # the zero of an encoder is an unknown too
+    freedom = task.time.size - found.x.size - (task.beats is None)
+    known = tangent_of(found.jac, 2.0 * found.cost, freedom, share)
+    halves = np.linalg.norm(known.root, axis=1)
+    alike, p_value, doubt = _judged(task, found.fun, found.jac, float(found.x[-1]) * task.span)
     fit = MotionFit(
-        escapement=task.changed(found.x), parameters=task.parameters,
-        values=found.x[:-1] * task.given,
-        half_widths=np.linalg.norm(known.root[:-1], axis=1) * task.given, confidence=share,
-        start=task.clock + start, time=task.clock + task.time, residuals=found.fun,
-        noise=known.noise,
-        mid_time=task.clock + 0.5 * (task.time[1:] + task.time[:-1])[apart],
-        speeds=speeds, computed_speeds=computed,
-        autocorrelation=alike, p_value=p_value, doubt=doubt, message="",
+        escapement=task.changed(found.x), confidence=share, residuals=found.fun, noise=known.noise,
+        numbers=tuple(
+            Estimate(name, value * size, half * size, "", 0.0, most)
+            for name, value, half, size, most in zip(
+                task.parameters, found.x.tolist(), halves.tolist(), task.given.tolist(),
+                task.most.tolist(), strict=False,
+            )
+        ),
+        release=Estimate(
+            "release_time", task.clock + float(found.x[-1]) * task.span,
+            float(halves[-1]) * task.span,
+        ),
+        time=task.clock + task.time, angle=task.angle, of_beats=task.beats is not None,
+        autocorrelation=alike, p_value=p_value, doubt=doubt,
     )  # fmt: skip
-    vars(fit)["message"] = "; ".join(_remarks(fit, readings))
+    vars(fit)["message"] = "; ".join(_remarks(fit, measured))
     return fit
 
 
-def _remarks(fit: MotionFit, readings: Readings) -> Iterator[str]:
-    if readings.synthetic:
-        yield "these are synthetic data, computed and not measured"
-    if readings.remark:
-        yield readings.remark
+def _remarks(fit: MotionFit, measured: Readings | BeatTimes) -> Iterator[str]:
+    if isinstance(measured, Readings):
+        yield from measured.remarks
     for name, value, half in zip(fit.parameters, fit.values, fit.half_widths, strict=True):
         if half > 0.5 * value:
             yield (
@@ -217,13 +258,21 @@ def _remarks(fit: MotionFit, readings: Readings) -> Iterator[str]:
 
 
 def _judged(
-    task: MotionTask, rest: FloatArray, slopes: FloatArray, angle: FloatArray, start: float
+    task: MotionTask, rest: FloatArray, slopes: FloatArray, start: float
 ) -> tuple[float, float, str]:
     """Correlation of residuals, their p-value, and why they cannot say whether a model holds."""
-    if np.abs(rest).max() <= _EXACT * np.ptp(task.angle):
+    measured = task.angle if task.beats is None else task.time
+    if np.abs(rest).max() <= _EXACT * np.ptp(measured):
         return 0.0, math.nan, ""
-    moving, doubt = task.time > start, ""
-    chance = _chance(rest, slopes, angle / task.escapement.mechanism.cell_angle)
+    if task.beats is not None:
+        chance = chance_of(rest, slopes, _waves_of_beats(rest.size))
+        return correlation(rest), chance, "they are few" if math.isnan(chance) else ""
+    moving, doubt, chance = task.time > start, "", math.nan
+    if rest.size - slopes.shape[1] - 1 >= _LEAST:
+        cells = (task.angle - rest) / task.escapement.mechanism.cell_angle
+        fitted = np.column_stack([np.ones(rest.size), slopes])
+        waves = _waves(cells)[:, : (rest.size - fitted.shape[1]) // 3]
+        chance = chance_of(rest, fitted, waves)
     if math.isnan(chance):
         doubt = f"{rest.size} samples are too few to test it; take more samples"
     elif _smooth_as_well(task.time[moving], task.angle[moving], rest[moving]):
@@ -234,21 +283,23 @@ def _judged(
     return correlation(rest), chance, doubt
 
 
-def _chance(rest: FloatArray, slopes: FloatArray, cells: FloatArray) -> float:
-    """Probability that independent noise leaves as much slow or repeated change; NaN if unknown.
-
-    An F test of half waves over the recording, and of one and two waves over a cell, beyond what
-    the unknowns and the zero of the encoder could have fitted. `cells` is the driver angle in cells
-    of the mechanism.
-    """
-    size, unknowns = rest.size, slopes.shape[1] + 1
-    if size - unknowns < _LEAST:
-        return math.nan
+def _half_waves(size: int, count: int) -> list[FloatArray]:
+    """Slow changes over a recording."""
     halves = np.pi * (np.arange(size) + 0.5) / size
-    slow = [np.cos(k * halves) for k in range(1, _SLOW + 1)]
+    return [np.cos(k * halves) for k in range(1, count + 1)]
+
+
+def _waves(cells: FloatArray) -> FloatArray:
+    """Slow changes, and one and two waves over a cell, at driver angles in cells."""
+    slow = _half_waves(cells.size, _SLOW)
     repeated = [wave(2.0 * np.pi * k * cells) for k in (1, 2) for wave in (np.cos, np.sin)]
-    waves = np.column_stack([*slow[:2], *repeated, *slow[2:]])[:, : (size - unknowns) // 3]
-    return chance_of(rest, np.column_stack([np.ones(size), slopes]), waves)
+    return np.column_stack([*slow[:2], *repeated, *slow[2:]])
+
+
+def _waves_of_beats(size: int) -> FloatArray:
+    """Errors of a model that fade as the motion settles, and slow changes."""
+    fading = [np.exp(-np.arange(size) / beats) for beats in _FADING]
+    return np.column_stack([*fading, *_half_waves(size, 2)])
 
 
 def _smooth_as_well(time: FloatArray, angle: FloatArray, rest: FloatArray) -> bool:

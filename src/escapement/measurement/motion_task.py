@@ -1,10 +1,15 @@
-"""The problem of least squares by which a simulated motion is fitted to a run-up.
+"""The problem of least squares by which a simulated motion is fitted to a measured one.
+
+Readings tell the driver's angle at given times, beats the times of given angles, those of the
+handoffs, where it is many times as fast as in between. So the residuals of beats are times.
 
 All unknowns are shares, of given numbers and of the length of the recording, and times count from
-the first sample: no result depends on a unit or on when the logger's clock was started.
+the first sample: no result depends on a unit or on when a clock was started.
 """
 
 import math
+from collections.abc import Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from itertools import product
 
@@ -13,14 +18,13 @@ import numpy as np
 from escapement.base import validate
 from escapement.base.errors import InvalidValue
 from escapement.base.status import Status
-from escapement.dynamics.motion import State
 from escapement.engines import simulate as simulation
-from escapement.measurement.fitted_numbers import given_numbers, with_numbers
+from escapement.measurement.beat_times import BeatTimes
 from escapement.measurement.loggers import check_unit
 from escapement.measurement.readings import Readings
 from escapement.mechanisms.protocol import FloatArray
 from escapement.model.escapement import Escapement
-from escapement.model.numbers import numbers_of
+from escapement.model.numbers import numbers_of, with_number
 from escapement.model.torque_curve import TorqueCurve
 
 _SHARES = (1.0, 0.5, 2.0, 0.7, 1.4)  # the search tries to begin at these multiples of each number
@@ -30,8 +34,12 @@ _STEP = 1e-4  # share of a number by which it is changed for a derivative
 _SMALL = 0.01  # below this share of its given value, a number is changed by a share of this one
 _LEAST = 1e-6  # least share of its given value that a number may have
 _SHOWN = 10.0  # the driver turns by at least so many standard deviations of the readings
-INEFFECTIVE = 1e-8
-"""Length of the derivatives by a number that has no effect, which is rounding [rad]."""
+_FEWEST = 12  # beats of a run-up
+_INEFFECTIVE = 1e-8  # length of the derivatives by a number that has no effect [rad]
+_LATE = 1e-6  # share of a beat by which such a number moves one
+# a combination of unknowns with a smaller effect, relative to the strongest, is not determined
+_SINGULAR = 1e-4
+_INVOLVED = 0.1  # numbers with a smaller share in such a combination are not named in the message
 
 
 @dataclass(frozen=True)
@@ -44,6 +52,7 @@ class MotionTask:
     given : values of the fitted numbers, shape (m,).
     clock : time of that sample by the logger's clock [s].
     time, angle : of the samples that are used, from the first on, shape (n,) [s, rad].
+    beats : index of the handoff that each sample is, shape (n,); None of readings.
     """
 
     escapement: Escapement
@@ -52,6 +61,7 @@ class MotionTask:
     clock: float
     time: FloatArray
     angle: FloatArray
+    beats: np.ndarray | None = None
 
     @property
     def span(self) -> float:
@@ -59,44 +69,54 @@ class MotionTask:
         return float(self.time[-1])
 
     @property
+    def most(self) -> FloatArray:
+        """Greatest fitted numbers, of which an efficiency is at most 1, shape (m,)."""
+        shares = [name.endswith("efficiency") for name in self.parameters]
+        return np.where(shares, 1.0, np.inf)
+
+    @property
     def bounds(self) -> tuple[FloatArray, FloatArray]:
         """Least and greatest unknowns: positive numbers, and a release during the recording.
 
-        The release may also come before it, by at most the length of the recording. An efficiency
-        is at most 1.
+        The release may also come before it, by at most the length of the recording.
         """
-        most = [
-            1.0 / size if is_share(name) else math.inf
-            for name, size in zip(self.parameters, self.given.tolist(), strict=True)
-        ]
-        return np.array([*np.full(len(most), _LEAST), -1.0]), np.array([*most, 1.0])
+        least = np.full(self.given.size, _LEAST)
+        return np.append(least, -1.0), np.append(self.most / self.given, 1.0)
 
     def changed(self, unknowns: FloatArray) -> Escapement:
         """The escapement that belongs to the unknowns."""
-        values = unknowns[: self.given.size] * self.given
-        return with_numbers(self.escapement, self.parameters, values)
+        found, values = self.escapement, unknowns[: self.given.size] * self.given
+        for name, value in zip(self.parameters, values.tolist(), strict=True):
+            found = with_number(found, name, value)
+        return found
 
-    def state(self, unknowns: FloatArray) -> State:
-        """The motion at each sample; before the release it is the state at rest.
+    def compared(self, unknowns: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Measured less computed, and its derivative by the release.
 
-        Raises InvalidValue where there is no motion with these numbers.
+        Of readings these are angles, with the encoder's zero that makes their mean 0 [rad], and
+        of beats times [s]. Where no motion has these numbers, nothing is computed.
         """
         since = self.time - unknowns[-1] * self.span
-        duration = max(float(since[-1]), 1e-3 * self.span)
-        motion = simulation.simulate(self.changed(unknowns), duration=duration)
-        return motion.at(np.clip(since, 0.0, motion.end_time))
-
-    def _tried(self, unknowns: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Angles and speeds at each sample, 0 where there is no motion with these numbers."""
-        try:
-            state = self.state(unknowns)
-        except InvalidValue:
-            return np.zeros_like(self.time), np.zeros_like(self.time)
-        return np.asarray(state.theta), np.asarray(state.theta_dot)
+        apart, rate = (self.angle if self.beats is None else since), np.zeros_like(since)
+        with suppress(InvalidValue):
+            if self.beats is None:
+                duration = max(float(since[-1]), 1e-3 * self.span)
+                motion = simulation.simulate(self.changed(unknowns), duration=duration)
+                # before the release it is at rest
+                state = motion.at(np.clip(since, 0.0, motion.end_time))
+                apart, rate = self.angle - state.theta, self.span * np.asarray(state.theta_dot)
+            else:
+                motion = simulation.simulate(self.changed(unknowns), int(self.beats[-1]) + 1)
+                if motion.handoff_times.size > self.beats[-1]:
+                    apart = since - motion.handoff_times[self.beats]
+                    rate = np.full_like(since, -self.span)
+        if self.beats is None:
+            return np.asarray(apart - apart.mean()), np.asarray(rate - rate.mean())
+        return np.asarray(apart), rate
 
     def residuals(self, unknowns: FloatArray) -> FloatArray:
-        """Measured less computed angle, with the encoder's zero that makes their mean 0 [rad]."""
-        return centred(self.angle - self._tried(unknowns)[0])
+        """Measured less computed."""
+        return self.compared(unknowns)[0]
 
     def slopes(self, unknowns: FloatArray) -> FloatArray:
         """Derivatives of the residuals: by the numbers from differences, by the release exactly."""
@@ -106,7 +126,7 @@ class MotionTask:
             at = [np.where(np.arange(unknowns.size) == index, end, unknowns) for end in (low, high)]
             change = self.residuals(at[1]) - self.residuals(at[0])
             columns.append(change / (high[index] - low[index]))
-        return np.column_stack([*columns, centred(self.span * self._tried(unknowns)[1])])
+        return np.column_stack([*columns, self.compared(unknowns)[1]])
 
     def begin(self) -> FloatArray:
         """Unknowns at which the search begins: the best of several near the given numbers.
@@ -144,29 +164,74 @@ class MotionTask:
                 "values of parameters, at which the search begins"
             )
         *found, rate = min(tries)[1:]
-        self._check_times(rate)
-        return np.asarray(np.clip(found, *self.bounds))
-
-    def _check_times(self, rate: float) -> None:
-        """Raise an error if measured times are not of the order of the design's.
-
-        rate : measured over computed time of the same angles [-].
-        """
-        took, turns = self.span, float(self.angle[-1]) / (2.0 * math.pi)
+        took, turns = self.span, float(np.ptp(self.angle)) / (2.0 * math.pi)
         text = f"{took:.3g} s for {turns:.3g} turns of the driver, which take {took / rate:.3g} s"
         curve = isinstance(self.escapement.torque, TorqueCurve)
-        check_unit("time", rate, text, None if curve else numbers_of(self.escapement)["torque"])
+        torque = None if curve else numbers_of(self.escapement)["torque"]
+        check_unit("time" if self.beats is None else "beats", rate, text, torque)
+        return np.asarray(np.clip(found, *self.bounds))
+
+    def check_determined(self, slopes: FloatArray) -> None:
+        """Raise InvalidValue if the measurement does not determine each of the numbers."""
+        lengths = np.linalg.norm(slopes, axis=0)
+        least = _INEFFECTIVE
+        if self.beats is not None:
+            least = _LATE * self.span / int(np.ptp(self.beats)) * math.sqrt(self.beats.size)
+        for name, length in zip(self.parameters, lengths, strict=False):
+            if not length > least:
+                raise InvalidValue(
+                    f"parameters must affect the motion, got {name!r}, which does not; leave it out"
+                )
+        _, sizes, directions = np.linalg.svd(slopes / lengths, full_matrices=False)
+        if sizes[-1] < _SINGULAR * sizes[0]:
+            shares = np.abs(directions[-1] / lengths)[:-1]
+            some = np.array(self.parameters)[shares > _INVOLVED * shares.max()]
+            raise InvalidValue(
+                f"parameters must each be determined by the motion, got {', '.join(some)}, of "
+                "which it shows only a combination; leave one of them out and give its value in "
+                "escapement"
+            )
 
 
-def task_of(readings: Readings, escapement: Escapement, parameters: tuple[str, ...]) -> MotionTask:
-    """The problem for these readings, or InvalidValue."""
-    if not isinstance(readings, Readings) or readings.time is None:
+def task_of(
+    measured: Readings | BeatTimes, escapement: Escapement, parameters: Sequence[str]
+) -> MotionTask:
+    """The problem for these readings or beats, or InvalidValue."""
+    names = tuple(parameters)
+    if isinstance(measured, BeatTimes):
+        given, beats = _given(escapement, names), measured.heard
+        if beats.size < max(_FEWEST, 3 * (len(names) + 1)):
+            raise InvalidValue(
+                f"beats must be {_FEWEST} or more in a run-up, got {beats.size}; record longer"
+            )
+        time, angle = measured.times[beats], (beats + 1.0) * escapement.mechanism.cell_angle
+    elif isinstance(measured, Readings) and measured.time is not None:
+        given, beats = _given(escapement, names), None
+        time, angle = _used(measured)
+    else:
         remedy = "give read_readings(path, time='time')"
-        raise validate.fail("readings", "Readings with times", readings, remedy)
-    given = given_numbers(escapement, parameters)
-    time, angle = _used(readings)
+        raise validate.fail("readings", "Readings with times", measured, remedy)
     clock = float(time[0])
-    return MotionTask(escapement, parameters, given, clock, time - clock, angle)
+    return MotionTask(escapement, names, given, clock, time - clock, angle, beats)
+
+
+def _given(escapement: Escapement, parameters: tuple[str, ...]) -> FloatArray:
+    """Values of the numbers at which a search begins, or InvalidValue."""
+    if not isinstance(escapement, Escapement):
+        raise validate.fail("escapement", "an Escapement", escapement, "see escapement.Escapement")
+    numbers = numbers_of(escapement)
+    if isinstance(escapement.torque, TorqueCurve):
+        del numbers["torque"]
+    for name in parameters:
+        if name not in numbers:
+            remedy = validate.nearest(name, numbers, f"for example {', '.join([*numbers][:4])}")
+            raise validate.fail("parameters", "numbers of the escapement", name, remedy)
+        if not numbers[name] > 0.0:
+            remedy = "give an estimate, at which the search begins"
+            raise validate.fail(name, "above 0 to be fitted", numbers[name], remedy)
+    if len({*parameters}) < len(parameters):
+        raise validate.fail("parameters", "different numbers", parameters, "name each once")
+    return np.array([numbers[name] for name in parameters], float)
 
 
 def _used(readings: Readings) -> tuple[FloatArray, FloatArray]:
@@ -185,13 +250,3 @@ def _used(readings: Readings) -> tuple[FloatArray, FloatArray]:
             "check the columns and the unit of the angles"
         )
     return time[first:], angle[first:]
-
-
-def centred(values: FloatArray) -> FloatArray:
-    """Values less their mean."""
-    return np.asarray(values - values.mean())
-
-
-def is_share(name: str) -> bool:
-    """Whether a number of the escapement is at most 1."""
-    return name.endswith("efficiency")

@@ -1,19 +1,23 @@
 """What a fit of beats says about each part: its error, the interval, or why it is not known."""
 
 import math
-from collections.abc import Iterator
-from itertools import groupby
+from collections.abc import Iterable, Iterator
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
 
 from escapement.base.lazy import Lazy
-from escapement.measurement.beat_unknowns import Parts
+from escapement.measurement.beat_unknowns import Parts, starts
 from escapement.measurement.estimate import Estimate, Tangent, f_test, spanned, tangent_of
 from escapement.measurement.rounds import Rounds
 from escapement.mechanisms.protocol import FloatArray
+from escapement.model.escapement import Escapement
 
-special = Lazy("scipy.special")
+optimize, special = Lazy("scipy.optimize"), Lazy("scipy.special")
+_ROUGH = {"xtol": 1e-3, "ftol": 1e-2, "gtol": 1e-12, "max_nfev": 8}
+_EXACT = {"xtol": 1e-9, "ftol": 1e-10, "gtol": 1e-12, "max_nfev": 30}
+_NEAR = 1e3  # a rough fit that is worse than the best, and than noise, so many times is left
 _STEP = 1e-6  # step of the differences that approximate derivatives by the unknowns
 _RISE = 0.5  # the sum of squares rises at the end of an interval by this share of what it should
 _CURVED = (
@@ -41,34 +45,37 @@ class BeatSolution(NamedTuple):
     unknowns: FloatArray
     cost: float
 
+    @classmethod
+    def near(
+        cls, parts: Parts, rounds: Rounds, start: FloatArray, **tolerances: float
+    ) -> "BeatSolution":
+        """The solution that a search from some unknowns finds."""
+        mean = rounds.means.mean()
+
+        def rest(at: FloatArray) -> FloatArray:
+            return np.asarray(parts.residuals(at, rounds) / mean)
+
+        found = optimize.least_squares(rest, start, bounds=parts.bounds(start[0]), **tolerances)
+        return cls(parts, rounds, found.x, 2.0 * float(found.cost) * mean**2)
+
     @property
     def computed(self) -> FloatArray:
         """Beats of one pattern [s]."""
-        return self._beats(self.unknowns)
-
-    def _beats(self, unknowns: FloatArray) -> FloatArray:
-        beats = self.parts.beats(unknowns)
-        assert beats is not None, "a fit ends at a wheel that runs, and so do all close to it"
+        beats = self.parts.beats(self.unknowns)
+        assert beats is not None, "a fit ends at a wheel that runs"
         return beats
 
     def same_as(self, other: "BeatSolution") -> bool:
         """Whether both are the same errors of the parts."""
         return self.parts.errors(self.unknowns).same_as(other.parts.errors(other.unknowns))
 
-    def squares(self, unknowns: FloatArray) -> float:
-        """The cost of other unknowns, infinite for a wheel that cannot run."""
-        beats = self.parts.beats(unknowns)
-        if beats is None:
-            return math.inf
-        return float(np.sum((self.rounds.root @ (beats - self.rounds.means)) ** 2))
-
     def tangent(self, noise: float | None, confidence: float) -> Tangent:
         """The fit linearised; intervals follow Student's law unless the noise is given."""
-        beats, rounds = self.computed, self.rounds
+        rounds, apart = self.rounds, partial(self.parts.residuals, rounds=self.rounds)
         steps = self.unknowns + _STEP * np.eye(self.unknowns.size)
-        slopes = np.column_stack([(self._beats(one) - beats) / _STEP for one in steps])
+        slopes = np.array([apart(one) - apart(self.unknowns) for one in steps]).T / _STEP
         squares, freedom = self.cost + rounds.scatter, rounds.samples - self.unknowns.size
-        return tangent_of(rounds.root @ slopes, squares, freedom, confidence, noise or 0.0)
+        return tangent_of(slopes, squares, freedom, confidence, noise or 0.0)
 
     def p_value(self, noise: float | None) -> float:
         """Probability that noise alone causes residuals of the mean beats this large [-].
@@ -77,8 +84,7 @@ class BeatSolution(NamedTuple):
         """
         judged = self.rounds.pattern - self.unknowns.size
         if noise is None:
-            within = self.rounds.samples - self.rounds.pattern
-            return f_test(self.cost, judged, self.rounds.scatter, within)
+            return f_test(self.cost, judged, self.rounds.scatter, self.rounds.intervals.freedom)
         return float(special.chdtrc(judged, self.cost / noise**2)) if judged > 0 else math.nan
 
     def curved(self, known: Tangent) -> np.ndarray:
@@ -96,7 +102,8 @@ class BeatSolution(NamedTuple):
             for end in (self.unknowns + forward, self.unknowns - forward):
                 # bounds are physical, and the intervals of slots allow for those of impacts
                 if width > 0.0 and (end >= low).all() and (end <= high).all():
-                    found[index] |= self.squares(end) - self.cost < _RISE * known.unit**2
+                    rise = np.sum(self.parts.residuals(end, self.rounds) ** 2) - self.cost
+                    found[index] |= rise < _RISE * known.unit**2
         return found
 
     def estimates(self, known: Tangent) -> list[Estimate]:
@@ -183,14 +190,29 @@ def pairs_of(
     return [Estimate(name, math.nan, math.nan, reason) for name in names], pairs
 
 
-def joined_estimates(sets: list[BeatSolution], known: list[Tangent]) -> tuple[list[Estimate], str]:
+def solutions(
+    rounds: Rounds, escapement: Escapement, which: tuple[bool, bool], noise: float | None
+) -> list[BeatSolution]:
+    """The fits from all starts that are nearly as good as the best, which is the first."""
+    begin = starts(escapement, *which, rounds.means)
+    variance = noise**2 if noise else rounds.scatter / max(rounds.intervals.freedom, 1)
+    rough = [BeatSolution.near(parts, rounds, start, **_ROUGH) for parts, start in begin]
+    most = _NEAR * (min(one.cost for one in rough) + variance)
+    near = [one for one in sorted(rough, key=lambda it: it.cost) if one.cost <= most]
+    exact = [BeatSolution.near(one.parts, rounds, one.unknowns, **_EXACT) for one in near]
+    return sorted(exact, key=lambda it: it.cost)
+
+
+def joined_estimates(
+    sets: list[BeatSolution], noise: float | None, confidence: float
+) -> tuple[list[Estimate], str]:
     """Estimates whose intervals cover those of all solutions, which fit equally well, and a remark.
 
     Solutions with different last slots differ in which slots are struck, and one of them is near
     the true errors. Several with the same unknowns lie on both sides of a kink, where none need be:
     then no interval holds. Nor does one that leaves the range in which the wheel runs.
     """
-    each = [at.estimates(one) for at, one in zip(sets, known, strict=True)]
+    each = [one.estimates(one.tangent(noise, confidence)) for one in sets]
     found, remark = [spanned(same) for same in zip(*each, strict=True)], ""
     if len({one.parts.last for one in sets}) < len(sets):
         found = [one.doubted(_SEVERAL * (one.half_width > 0.0)) for one in found]
@@ -207,14 +229,12 @@ def joined_estimates(sets: list[BeatSolution], known: list[Tangent]) -> tuple[li
     ], remark
 
 
-def undetermined(found: list[Estimate]) -> Iterator[str]:
+def undetermined(found: Iterable[Estimate]) -> Iterator[str]:
     """A sentence for each reason why some of the estimates are not known."""
     for doubt in dict.fromkeys(one.doubt for one in found if one.doubt):
         words = [one.name.split() for one in found if one.doubt == doubt]
-        names = [
-            f"{kind}s {', '.join(number for _, number in some)}"
-            for kind, some in groupby((word for word in words if len(word) == 2), lambda it: it[0])
-        ]
+        each = {kind: [word[1] for word in words if word[0] == kind] for kind in ("pin", "slot")}
+        names = [f"{kind}s {', '.join(some)}" for kind, some in each.items() if some]
         names += ["the rate"] * (["rate"] in words)
         yield f"the beats do not determine {' and '.join(names)}: {doubt}"
 

@@ -112,6 +112,12 @@ class Readings(Shown):
         return counted
 
     @property
+    def remarks(self) -> tuple[str, ...]:
+        """What a user of any result must know, a sentence each."""
+        synthetic = "these are synthetic data, computed and not measured" * self.synthetic
+        return tuple(filter(None, (synthetic, self.remark)))
+
+    @property
     def samples(self) -> int:
         """How many samples are complete."""
         return int(np.count_nonzero(self.complete))

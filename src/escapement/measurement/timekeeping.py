@@ -17,7 +17,7 @@ from escapement.base.lazy import Lazy
 from escapement.base.text import Shown
 from escapement.measurement.beat_times import HOUR, BeatTimes
 from escapement.measurement.estimate import Estimate, checked_confidence, reach_of
-from escapement.measurement.interval_fit import Intervals, weights_of
+from escapement.measurement.interval_fit import Intervals
 from escapement.mechanisms.protocol import FloatArray
 
 special = Lazy("scipy.special")
@@ -122,55 +122,43 @@ def timekeeping(
             f"{heard.size}; record longer"
         )
     times = beats.times[heard]
-    intervals = _intervals(times, heard, size)
-    each = [intervals.solution(jitter) for jitter in _SHARES.tolist()]
-    weights = weights_of(each)
-    fit = intervals.average(each, weights)
+    # an interval by T, its change in a beat, and the offsets of all positions but the first
+    numbers, middle = np.diff(heard), 0.5 * (heard[0] + heard[-1])
+    columns = [numbers, 0.5 * np.diff((heard - middle) ** 2)]
+    columns += [np.diff((heard % size == k).astype(float)) for k in range(1, size)]
+    design, joined = np.column_stack(columns).astype(float), np.ones(numbers.size - 1, bool)
+    intervals = Intervals(np.diff(times), design, numbers, joined)
+    fit = intervals.average(_SHARES)
     variance = fit.scatter / intervals.freedom
-    covariance, reach = variance * fit.covariance, reach_of(share, intervals.freedom)
-    period, drift, *offsets = fit.values.tolist()
-    half = reach * np.sqrt(np.diag(covariance))
-    hourly = Estimate("beats_per_hour", HOUR / period, HOUR / period**2 * float(half[0]))
+    reach = reach_of(share, intervals.freedom) * math.sqrt(variance)
+
+    def estimate(name: str, scale: float, weights: FloatArray) -> Estimate:
+        """A number whose change is proportional to that of a sum of the unknowns."""
+        half = math.sqrt(max(float(weights @ fit.covariance @ weights), 0.0))
+        return Estimate(name, scale * float(weights @ fit.values), abs(scale) * reach * half)
+
+    unit = np.eye(size + 1)
+    period = float(fit.values[0])
+    hourly = estimate("beats_per_hour", HOUR / period**2, unit[0])
     rate = Estimate("rate", math.nan, math.nan, "no nominal rate is given")
     if right is not None:
         gain = DAY * (hourly.value / right - 1.0)
         rate = Estimate("rate", gain, DAY * hourly.half_width / right)
-    # a beat of T that changes by d a beat: the rate changes by -d/T of itself in a beat
-    slow = -DAY / period**2 * HOUR
-    changes = Estimate("drift", slow * drift, abs(slow) * float(half[1]))
-    late, positions = _positions(np.array(offsets), covariance[2:, 2:], reach)
     error = Estimate("beat_error", math.nan, math.nan, "the pattern is not of two beats")
     if size == 2:
-        error = Estimate("beat_error", 2.0 * offsets[0], 2.0 * float(half[2]))
-    rest = times - times.mean() - period * (heard - heard.mean()) - late[heard % size]
+        error = estimate("beat_error", 2.0, unit[2])
+    # relative to the mean of all positions
+    centred = np.hstack([np.zeros((size, 2)), np.eye(size)[:, 1:] - 1.0 / size])
+    offsets = tuple(estimate(f"position {k}", 1.0, row) for k, row in enumerate(centred))
+    late = (centred @ fit.values)[heard % size]
+    rest = times - times.mean() - period * (heard - heard.mean()) - late
     return Timekeeping(
-        beats_per_hour=hourly, rate=rate, beat_error=error, offsets=positions, drift=changes,
-        scatter=math.sqrt(variance), jitter=float(weights @ _SHARES),
-        stability=_stability(rest, heard, period, share), residuals=rest - rest.mean(),
-        confidence=share,
+        beats_per_hour=hourly, rate=rate, beat_error=error, offsets=offsets,
+        # a beat of T that changes by d a beat: the rate changes by -d/T of itself in a beat
+        drift=estimate("drift", -DAY / period**2 * HOUR, unit[1]), scatter=math.sqrt(variance),
+        jitter=float(fit.weights @ _SHARES), stability=_stability(rest, heard, period, share),
+        residuals=rest - rest.mean(), confidence=share,
     )  # fmt: skip
-
-
-def _intervals(times: FloatArray, index: np.ndarray, size: int) -> Intervals:
-    """Intervals by T, its change in a beat, and the offsets of all positions but the first."""
-    numbers, position = np.diff(index), index % size
-    middle = 0.5 * (index[0] + index[-1])
-    columns = [numbers, 0.5 * np.diff((index - middle) ** 2)]
-    columns += [np.diff((position == k).astype(float)) for k in range(1, size)]
-    joined = np.ones(numbers.size - 1, bool)
-    return Intervals(np.diff(times), np.column_stack(columns).astype(float), numbers, joined)
-
-
-def _positions(
-    offsets: FloatArray, covariance: FloatArray, reach: float
-) -> tuple[FloatArray, tuple[Estimate, ...]]:
-    """Offsets of all positions relative to their mean, and their estimates."""
-    size = offsets.size + 1
-    centred = np.eye(size)[:, 1:] - 1.0 / size
-    late = centred @ offsets
-    half = reach * np.sqrt(np.maximum(np.diag(centred @ covariance @ centred.T), 0.0))
-    pairs = zip(late.tolist(), half.tolist(), strict=True)
-    return late, tuple(Estimate(f"position {k}", *pair) for k, pair in enumerate(pairs))
 
 
 def _stability(

@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 from escapement.base import validate
 from escapement.measurement import Measurement, MotionFit, position
 from escapement.measurement.encoder import sensor_uncertainty
-from escapement.measurement.fit import spread_samples
+from escapement.measurement.positions import spread_samples
 from escapement.mechanisms.protocol import FloatArray
 from escapement.plots import style
 from escapement.plots.style import Named

@@ -7,7 +7,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from escapement.base import validate
-from escapement.measurement import BeatTimes, Recording, RunUp, Timekeeping
+from escapement.measurement import BeatTimes, MotionFit, Recording, Timekeeping
 from escapement.plots import style
 
 _SHOWN = 6  # beats of the sound that are drawn
@@ -50,14 +50,14 @@ def plot_timing(
     return figure
 
 
-def plot_run_up(beats: BeatTimes, fit: RunUp, ax: Axes | None = None) -> Axes:
+def plot_run_up(beats: BeatTimes, fit: MotionFit, ax: Axes | None = None) -> Axes:
     """Intervals of beats of a motion from rest, measured and computed with the fitted numbers.
 
     Parameters
     ----------
     beats : BeatTimes
         What `escapement.read_beats` returns.
-    fit : RunUp
+    fit : MotionFit
         What `escapement.fit_run_up` returns.
     ax : Axes, optional
         Where to draw. Default: a new figure.
@@ -67,8 +67,8 @@ def plot_run_up(beats: BeatTimes, fit: RunUp, ax: Axes | None = None) -> Axes:
     Axes
         Number of the beat behind the release, and the interval that ends with it.
     """
-    if not isinstance(fit, RunUp):
-        raise validate.fail("fit", "a RunUp", fit, "give what fit_run_up returns")
+    if not isinstance(fit, MotionFit):
+        raise validate.fail("fit", "a MotionFit", fit, "give what fit_run_up returns")
     ax = ax or style.new_axes(style.TWO_COLUMN, 3.0)
     heard = beats.heard
     times, one = beats.times[heard], np.diff(heard) == 1

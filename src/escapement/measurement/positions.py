@@ -75,7 +75,7 @@ def _split(mechanism: Mechanism, theta: FloatArray) -> tuple[FloatArray, FloatAr
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Fit(Shown):
+class Positions(Shown):
     """Zeros of the encoders, and the errors of the readings.
 
     phase : driver angle from dead centre where the input reads zero [rad].
@@ -161,7 +161,7 @@ def fit_zeros(
     angle: FloatArray,
     output: FloatArray,
     zeros: tuple[float, float] | None = None,
-) -> Fit:
+) -> Positions:
     """Fit the sense of the output, and phase and offset unless they are given.
 
     Parameters
@@ -190,7 +190,7 @@ def fit_zeros(
     errors = task.residual(sense, phase, offset)
     g = sense * slope(mechanism, angle + phase)
     of_phase, of_offset = (0.0, 0.0) if zeros is not None else _standard_errors(g, errors)
-    return Fit(
+    return Positions(
         phase=phase, offset=offset, phase_error=of_phase, offset_error=of_offset, sense=sense,
         theory=output - errors, errors=errors, slope=g,
     )  # fmt: skip
