@@ -35,6 +35,10 @@ LIMITS = """designs => designs.map((design) => {
     const {critical_friction, uniqueness_friction} = explorer.simulate(design).figures;
     return [critical_friction, uniqueness_friction];
 })"""
+ON_TOP = """e => {
+    const {left, right, top, bottom} = e.getBoundingClientRect();
+    return document.elementFromPoint((left + right) / 2, (top + bottom) / 2) === e;
+}"""
 STATUS = "d => (({status, end_time}) => ({status, end_time}))(explorer.simulate(d))"
 
 
@@ -286,6 +290,108 @@ def test_arrow_keys_move_a_slider(page):
     assert page.evaluate("explorer.design.slots") == 5
 
 
+def slider_of(page, name):
+    return page.locator(f".field:has(#{name}) input[type=range]")
+
+
+@pytest.mark.parametrize("size", [(390, 844), (844, 390), (768, 1024), (1280, 720), (1920, 1080)])
+def test_picture_and_figures_stay_in_view_at_every_slider(browser, file, size):
+    width, height = size
+    with opened(browser, file, viewport={"width": width, "height": height}) as page:
+        page.evaluate("document.querySelectorAll('details').forEach(e => { e.open = true; })")
+        first = page.locator(".field input[type=text]").evaluate_all("es => es.map(e => e.id)")
+        assert first[:2] == ["friction", "torque"]
+        figures = "#figures tbody" if width >= 960 else "#brief"
+        for name in first:
+            slider = slider_of(page, name)
+            slider.scroll_into_view_if_needed()
+            slider.focus()
+            page.keyboard.press("ArrowRight")
+            assert slider.evaluate(ON_TOP), name
+            for shown in ("#picture", figures):
+                box = page.locator(shown).bounding_box()
+                assert -1.0 <= box["y"] <= height - box["height"] + 1.0, (name, shown)
+        told = page.locator(figures).inner_text()
+        slider_of(page, "torque").focus()
+        page.keyboard.press("ArrowRight")
+        assert page.locator(figures).inner_text() != told
+
+
+def test_a_drag_takes_at_most_four_milliseconds_of_script_a_frame(page):
+    session = page.context.new_cdp_session(page)
+    # time that the thread computes, whatever else the machine does
+    session.send("Performance.enable", {"timeDomain": "threadTicks"})
+    drag = """async slider => {
+        for (let i = 0; i < 60; i++) {
+            slider.value = 0.6 + 0.3 * Math.sin(i / 10);
+            slider.dispatchEvent(new Event("input"));
+            await new Promise(requestAnimationFrame);
+        }
+    }"""
+
+    def spent():
+        rows = session.send("Performance.getMetrics")["metrics"]
+        return next(row["value"] for row in rows if row["name"] == "ScriptDuration")
+
+    for name in ("friction", "torque"):
+        slider, times = slider_of(page, name), []
+        for _ in range(4):
+            before = spent()
+            slider.evaluate(drag)
+            times.append((spent() - before) / 60)
+        assert min(times) < 4e-3, times
+
+
+@pytest.mark.parametrize(("name", "text"), [("torque", "-1"), ("slots", "x"), ("pin_radius", "1")])
+def test_a_mistake_is_told_at_its_field(page, name, text):
+    page.fill(f"#{name}", text)
+    told = page.locator(f".field:has(#{name}) #problem")
+    assert told.is_visible()
+    assert page.get_attribute(f"#{name}", "aria-invalid") == "true"
+    page.fill("#toml", "slots")
+    page.click("#read")
+    assert page.locator("#text #problem").is_visible()
+    page.fill("#friction", "0.2")
+    assert not page.locator("#problem").is_visible()
+
+
+def test_a_mistake_is_told_in_the_units_in_use(page):
+    page.select_option("#units", "in-lbf-s")
+    page.fill("#pin_radius", "1")
+    assert "got 1\u00a0in" in problem(page)
+
+
+def test_where_friction_would_jam_has_its_sign_and_its_wall(page):
+    jam, margin = page.locator("#picture .jam"), page.locator("#margin")
+    assert jam.text_content() == "would jam here, +33.46°"
+    assert "would jam at +33.46° from dead centre, on the rear wall" in margin.inner_text()
+    page.fill("#friction", "0.41")
+    assert jam.text_content() == "jams here, +33.46°"
+
+
+def test_the_legend_has_what_the_picture_has(page):
+    names = "() => [...document.querySelectorAll('#legend li')].filter(e => !e.hidden)"
+    names += ".map(e => e.textContent)"
+    both = ["driver", "follower", "pin", "force on the follower", "where friction jams"]
+    assert page.evaluate(names) == both
+    page.evaluate("explorer.change({pins: 1})")
+    assert page.evaluate(names) == [*both[:1], "locking disc", *both[1:]]
+
+
+def test_a_design_without_a_size_gets_one_on_the_page(browser, tmp_path):
+    path = tmp_path / "bare.html"
+    without = {name: value for name, value in DESIGN.items() if name != "crank_radius"}
+    path.write_text(explorer.page(escapement_of(without)), encoding="utf-8")
+    with opened(browser, path) as page:
+        assert page.evaluate("explorer.design.crank_radius") == 0.02
+        assert "needs" not in page.locator("main").inner_text()
+        row = page.locator("#figures tr", has_text="contact force").locator("td").first
+        assert row.inner_text().endswith("N")
+        # a thick pin must come with the length that it is compared with
+        page.evaluate("location.hash = '#pin_radius=1e-3'")
+        until(page, "document.getElementById('problem').textContent.includes('crank radius')")
+
+
 def test_reduced_motion_is_respected(browser, file, page):
     assert page.get_attribute("#play", "aria-pressed") == "false"
     with opened(browser, file, reduced_motion="no-preference") as moving:
@@ -332,6 +438,8 @@ def test_nothing_is_cut_or_overlaps(browser, file, width, scheme):
     size = {"width": width, "height": 900}
     with opened(browser, file, viewport=size, color_scheme=scheme) as page:
         page.click("#keep")
+        # the strip of a telephone lies above all else where the page is scrolled
+        page.evaluate("scrollTo(0, 0)")
         assert page.evaluate("document.documentElement.scrollWidth") <= width
         cut = page.evaluate("""() =>
             [...document.querySelectorAll('button, label, td, th, p, legend, code')]

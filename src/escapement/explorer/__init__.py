@@ -29,7 +29,7 @@ MODULES = (
     *("design", "picture", "plots", "charts", "report", "played", "fields", "page"),
 )
 """Files of the page's script, in their order."""
-_LEAD = "Drag a number: this page computes the motion again, exactly. Nothing is sent anywhere."
+_LEAD = "Drag a number: this page computes the motion again, exactly, and sends nothing."
 _TITLES = {"explore": "Geneva escapement explorer", "play": "Motion of an escapement"}
 _MODULE = re.compile(r"^import .*?;\n|^export (?=\w)", re.MULTILINE | re.DOTALL)
 

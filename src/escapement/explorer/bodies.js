@@ -139,7 +139,7 @@ export function bodiesOf(wheel) {
     body("mark", circle(Math.min(0.045, 0.25 * mark), mark), [], follower),
     ...(internal ? [] : [body("shaft", circle(shape.followerShaft))]),
     body("hidden", circle(crankDisc), axis),
-    body("locking-disc", "", axis, driver),
+    ...(shape.locks ? [body("locking-disc", "", axis, driver)] : []),
     body("shaft", circle(shape.driverShaft), axis),
     body("arm", `M0 0L${sigma} 0`, axis, driver),
   ];
@@ -149,8 +149,7 @@ export function bodiesOf(wheel) {
   }
   const half = Math.max(reach, crankDisc);
   return {
-    key: [wheel.slots, wheel.pins, internal, wheel.r_p].join(), bodies,
-    contact: [...axis, [sigma, 0, sigma]], box: [-reach, Math.max(reach, centre + crankDisc), -half, half],
-    later: (show) => show(["locking-disc", pathOf(lockingDisc(shape))]),
+    bodies, contact: [...axis, [sigma, 0, sigma]], box: [-reach, Math.max(reach, centre + crankDisc), -half, half],
+    later: shape.locks ? (show) => show(["locking-disc", pathOf(lockingDisc(shape))]) : null,
   };
 }

@@ -67,7 +67,7 @@ function drawMap(map, motion) {
   const speeds = [motion.initial_speed, ...motion.handoff_velocities];
   const most = 1.15 * Math.max(...speeds, 1e-9);
   map.axes([0, most], [0, most], "velocity at this handoff [rad/s]", "at the next [rad/s]");
-  if (!motion.next && !motion.handoff_times.length) return;
+  if (!map.seen || (!motion.next && !motion.handoff_times.length)) return;
   map.line([0, most], [0, most], { colour: "muted", width: 1, dash: [3, 3] });
   if (motion.next) {
     const grid = Array.from({ length: 17 }, (_, i) => (most * i) / 16);

@@ -21,7 +21,7 @@ const isDefault = (name, value) => value === null || value === otherwise(name);
 /** The design as the fragment of an address: all numbers that differ from their defaults. */
 export const asFragment = (design) =>
   Object.entries(design)
-    .filter(([name, value]) => ["slots", "pins", "torque"].includes(name) || !isDefault(name, value))
+    .filter(([name, value]) => ["slots", "pins", "crank_radius", "torque"].includes(name) || !isDefault(name, value))
     .map(([name, value]) => `${name}=${value}`).join("&");
 
 const number = (name, text) => {
@@ -60,7 +60,7 @@ export function fromFragment(fragment) {
 
 /** The design as a study of one case, which `escapement sweep` and `escapement explore` read. */
 export function asToml(design) {
-  const ALWAYS = ["slots", "pins", "internal", "torque", "driver_inertia", "follower_inertia"];
+  const ALWAYS = ["slots", "pins", "internal", "crank_radius", "torque", "driver_inertia", "follower_inertia"];
   // friction is the axis of the study, and the engagements belong to a motion only
   const lines = (section) => Object.entries(NUMBERS)
     .filter(([name, rule]) => rule.section === section && !["friction", "engagements"].includes(name)

@@ -8,6 +8,19 @@ export const data = JSON.parse(byId("data").textContent);
 export const digits = (value, count = 5) =>
   Number.isFinite(value) ? String(Number(value.toPrecision(count))) : "–";
 
+/** The units in use, those of one of the systems. */
+export const units = { system: data.units };
+
+export const unitOf = (kind) => data.systems[units.system][kind];
+
+export const shown = (value, kind) => {
+  const { factor, name } = unitOf(kind);
+  return `${digits(value / factor)} ${name}`.trim().replaceAll(" ", "\u00a0");
+};
+
+/** An angle [rad] in degrees, with its sign. */
+export const signed = (angle) => `${angle > 0 ? "+" : ""}${digits((angle * 180) / Math.PI, 4)}°`;
+
 export function element(name, properties = {}, ...children) {
   const made = Object.assign(document.createElement(name), properties);
   made.append(...children);

@@ -1,33 +1,25 @@
 /** Sliders and fields for the numbers of a design. */
 
-import { digits, element } from "./dom.js";
+import { element, shown, unitOf, units } from "./dom.js";
 import { short } from "./design.js";
 import { mostPins } from "./law.js";
-import { NUMBERS } from "./rules.js";
+import { NUMBERS, otherwise } from "./rules.js";
 
 // the slider of a number without an upper limit covers four decades around its first value
 const WIDE = ["torque", "driver_inertia", "follower_inertia", "crank_radius"];
 
 export class Fields {
-  /**
-   * units : () => the units in use, name and factor by kind.
-   * on : functions that take changed numbers (change), and a message about a mistake (complain).
-   */
-  constructor(form, units, on) {
-    Object.assign(this, { form, units, on, inputs: {}, centres: {}, design: {}, figures: {} });
+  /** on : functions that take changed numbers (change), and the field of a mistake (complain). */
+  constructor(form, on) {
+    Object.assign(this, { form, on, inputs: {}, centres: {}, design: {}, figures: {} });
     form.addEventListener("submit", (event) => event.preventDefault());
   }
 
-  shown(value, kind) {
-    const { factor, name } = this.units()[kind];
-    return `${digits(value / factor)} ${name}`.trim().replaceAll(" ", "\u00a0");
-  }
-
-  /** Make the fields of some groups, which are names by their title. */
+  /** Make the fields of some groups, which are names by their title; the first two are open. */
   lay(groups) {
-    this.form.append(...Object.entries(groups).map(([title, names]) =>
-      element("fieldset", {}, element("legend", { textContent: title }),
-        ...names.map((name) => this.make(name)))));
+    this.groups = Object.entries(groups).map(([title, names], i) => [names, element("details", { open: i < 2 },
+      element("summary", { textContent: title }), ...names.map((name) => this.make(name)))]);
+    this.form.append(...this.groups.map(([, group]) => group));
   }
 
   make(name) {
@@ -49,13 +41,12 @@ export class Fields {
     text.autocomplete = "off";
     const after = element("span", { className: "unit" });
     slider.addEventListener("input", () => {
-      if (WIDE.includes(name) && this.design[name] === null) return;
       this.changed(name, this.fromSlider(name, Number(slider.value)));
     });
     // arrow keys move a slider by a hundredth of its range, or by one for whole numbers
     slider.addEventListener("keydown", (event) => {
       const way = { ArrowRight: 1, ArrowUp: 1, ArrowLeft: -1, ArrowDown: -1 }[event.key];
-      if (!way || slider.disabled) return;
+      if (!way) return;
       event.preventDefault();
       const [low, high] = this.rangeOf(name);
       const step = NUMBERS[name].whole ? 1 / (high - low || 1) : 0.01;
@@ -79,21 +70,18 @@ export class Fields {
     const { label, optional, unit } = NUMBERS[name];
     this.inputs[name].said = "";
     const words = text.value.trim();
-    const value = words === "" ? (optional ? null : NaN)
-      : Number(words) * this.units()[unit].factor;
-    if (value !== null && !Number.isFinite(value)) {
-      this.on.complain(`${label} must be a number, got '${words.slice(0, 40)}'; the last good design stays`);
-      this.refuse(name);
-      return;
-    }
-    this.changed(name, value);
+    const value = words === "" ? (optional ? null : NaN) : Number(words) * unitOf(unit).factor;
+    if (value === null || Number.isFinite(value)) this.changed(name, value);
+    else this.on.complain(`${label} must be a number, got '${words.slice(0, 40)}'; the last good design stays`, name);
   }
 
+  /** Mark the field of a mistake, and give the element below which its message stands. */
   refuse(name) {
-    const input = this.inputs[name];
-    if (!input?.text) return;
-    input.said = "";
-    input.text.setAttribute("aria-invalid", "true");
+    const { text, box } = this.inputs[name];
+    this.inputs[name].said = "";
+    text?.setAttribute("aria-invalid", "true");
+    text?.setAttribute("aria-describedby", "problem");
+    return (text ?? box).parentElement;
   }
 
   /** Least and greatest value of a slider. */
@@ -129,6 +117,10 @@ export class Fields {
   /** Show a design in all fields except the one that has the focus. */
   refresh(design, figures, active = null) {
     Object.assign(this, { design, figures });
+    // a design that is shown anew hides nothing that differs from its default
+    for (const [names, group] of active === null ? this.groups ?? [] : []) {
+      group.open ||= names.some((name) => design[name] !== otherwise(name));
+    }
     for (const [name, { slider, text, after, box }] of Object.entries(this.inputs)) {
       if (box) box.checked = design[name];
       else this.refreshNumber(name, design[name], { slider, text, after }, active);
@@ -136,21 +128,19 @@ export class Fields {
   }
 
   refreshNumber(name, value, { slider, text, after }, active) {
-    const { needs, unit: kind } = NUMBERS[name];
-    const lacks = needs !== "" && !this.design[needs];
+    const kind = NUMBERS[name].unit;
     const busy = document.activeElement;
     const held = active === name && (busy === text || busy === slider);
-    const position = value === null ? 0 : this.toSlider(name, value);
+    const position = this.toSlider(name, value);
     // elements that do not change are left alone, which saves time
-    const said = [value, position, lacks, this.units()[kind].name].join();
+    const said = [value, position, units.system].join();
     if (!held && this.inputs[name].said === said && busy !== text) return;
     this.inputs[name].said = said;
-    const { name: unit, factor } = this.units()[kind];
-    if (busy !== text || active !== name) text.value = value === null ? "" : short(value / factor);
+    const { name: unit, factor } = unitOf(kind);
+    if (busy !== text || active !== name) text.value = short(value / factor);
     text.removeAttribute("aria-invalid");
-    slider.disabled = lacks || (WIDE.includes(name) && !(value > 0));
-    after.textContent = lacks ? "needs the crank radius" : unit;
+    after.textContent = unit;
     if (busy !== slider || active !== name) slider.value = position;
-    slider.setAttribute("aria-valuetext", value === null ? "not given" : this.shown(value, kind));
+    slider.setAttribute("aria-valuetext", shown(value, kind));
   }
 }

@@ -14,26 +14,28 @@ from escapement.mechanisms import Geneva
 from escapement.model.escapement import Escapement, Inertia, Run
 
 GROUPS = {
-    "Mechanism": ("slots", "pins", "internal", "crank_radius", "pin_radius"),
-    "Drive, inertia and load": (
-        *("torque", "spring_rate", "driver_inertia", "follower_inertia", "load_torque"),
-        *("initial_speed", "engagements"),
+    "Friction, drive and inertia": (
+        *("friction", "torque", "driver_inertia", "follower_inertia", "load_torque"),
     ),
-    "Friction": (
-        *("friction", "driver_bearing_friction", "driver_bearing_radius"),
+    "Mechanism": ("slots", "pins", "internal", "crank_radius", "pin_radius"),
+    "Bearings": (
+        *("driver_bearing_friction", "driver_bearing_radius"),
         *("follower_bearing_friction", "follower_bearing_radius", "driver_bearing_torque"),
     ),
-    "Air": ("driver_drag", "follower_drag"),
+    "Air, spring and start": (
+        *("driver_drag", "follower_drag", "spring_rate", "initial_speed", "engagements"),
+    ),
 }
-"""Fields of the page, by the titles of their groups."""
+"""Fields of the page, by the titles of their groups; the page opens the first two."""
 COMPUTED = tuple(name for names in GROUPS.values() for name in names)
 """Numbers of a design that the page computes with, by the names of studies."""
 _MOST = {"slots": 40, "engagements": 1000}  # figures that the page computes while one drags
 _MOST_OF = {"ratio": 1e3, "length": 1e3, "inertia": 1e6, "drag": 1e6}
 _ANY = 1e9  # greatest value of a number of another kind
-_START = {"slots": 4, "driver_inertia": 3.39e-7, "follower_inertia": 5.65e-6, "torque": 0.0113}
-"""Values of the numbers without a default where an address leaves them out."""
 _SIZE = "crank_radius"  # the length to which the other ones are compared
+_START = {"slots": 4, "driver_inertia": 3.39e-7, "follower_inertia": 5.65e-6, "torque": 0.0113}
+_START |= {_SIZE: 0.02}  # the motion of thin pins does not depend on it, only their force
+"""Values of the numbers without a default where a design or an address leaves them out."""
 _FIGURES = {
     "period": "Period",
     "velocity_mean": "Mean velocity",
@@ -97,7 +99,7 @@ def _field(entry: Setting) -> dict[str, Any]:
         "default": _START.get(entry.name, entry.default),
         "section": entry.section,
         "key": entry.key,
-        "optional": entry.default is None and not entry.required,
+        "optional": entry.default is None and not entry.required and entry.name not in _START,
         "needs": _SIZE if entry.unit == "length" and entry.name != _SIZE else "",
     }
 

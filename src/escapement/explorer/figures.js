@@ -114,7 +114,7 @@ export function figuresOf({ design, scene, chain, status }, limits, w, out) {
     reversal_angles: events.filter(({ kind }) => kind === "reversal").map(({ theta }) => theta),
     acceleration_max: driver / clock ** 2, follower_acceleration_max: follower / clock ** 2,
     contact_moment_max: moment * design.torque,
-    contact_force_max: design.crank_radius ? (force * design.torque) / design.crank_radius : null,
+    contact_force_max: (force * design.torque) / design.crank_radius,
   };
   figures.rise_time = riseTime(first.out.events, figures, clock);
   if (Number.isNaN(figures.rise_time)) {

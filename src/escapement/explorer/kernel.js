@@ -70,10 +70,16 @@ function offered(design, scene) {
     entry: -scene.exit, cell: scene.cell, at: (t) => stateAt(motion, t),
     samples: () => samples(motion), events: () => eventsOf(motion),
     next: (speeds) => handoffMap(motion, speeds) };
-  let drawn = null;
-  Object.defineProperty(motion, "drawn", { get: () => (drawn ??= bodiesOf(scene)) });
+  Object.defineProperty(motion, "drawn", { get: () => {
+    const key = [scene.slots, scene.pins, scene.sigma, scene.r_p].join();
+    if (key !== shape.key) shape = { key, ...bodiesOf(scene) };
+    return shape;
+  } });
   return motion;
 }
+
+// the bodies depend only on these numbers, so they stay while friction or torque is dragged
+let shape = { key: "" };
 
 /** Follower angle at a driver angle from the first dead centre, locked in dwells. */
 export function lockedAngle(wheel, theta) {
@@ -93,7 +99,7 @@ function stateOf(motion, run, x) {
     theta: theta + run.engagement * scene.cell, theta_dot: v, theta_ddot: a, side: free * run.s,
     phi: lockedAngle(scene, theta) + run.engagement * scene.step, phi_dot: at.g * v,
     phi_ddot: at.g * a + at.dg * v * v, contact_moment: ((free * X) / J) * design.torque,
-    contact_force: design.crank_radius ? ((free * X) / (J * h)) * (design.torque / design.crank_radius) : null,
+    contact_force: ((free * X) / (J * h)) * (design.torque / design.crank_radius),
   };
 }
 

@@ -53,13 +53,12 @@ export function sceneOf(design) {
   const wheel = wheelOf(design);
   const { torque, follower_inertia: follower, friction: mu, crank_radius: crank } = design;
   const journal = (body) =>
-    (design[`${body}_bearing_friction`] * design[`${body}_bearing_radius`] * Math.hypot(1, mu))
-    / (crank || 1);
+    (design[`${body}_bearing_friction`] * design[`${body}_bearing_radius`] * Math.hypot(1, mu)) / crank;
   return {
     ...wheel, mu, rho: design.driver_inertia / follower, load: design.load_torque / torque,
     bearing: design.driver_bearing_torque / torque, rate: design.spring_rate / torque,
     c_d: design.driver_drag / follower, c_f: design.follower_drag / follower,
-    r_p: design.pin_radius / (crank || 1), b_d: journal("driver"), b_f: journal("follower"),
+    r_p: design.pin_radius / crank, b_d: journal("driver"), b_f: journal("follower"),
     clock: Math.sqrt(follower / torque),
   };
 }
@@ -127,7 +126,8 @@ function frictionLimit(scene, behind) {
   const found = ends.slice(1).map((end, i) => nearest(scene, ends[i], end));
   const radius = Math.min(pose(scene, 0).R, pose(scene, scene.exit).R);
   const lever = nearness(radius, scene.r_p, scene.b_f / Math.hypot(1, scene.mu));
-  const { value, theta } = [...found, { value: lever, theta: 0 }]
+  // where the lever vanishes the pin jams at no angle of its own
+  const { value, theta } = [...found, { value: lever, theta: NaN }]
     .reduce((one, two) => (two.value > one.value ? two : one));
   return { friction: value > 0 ? 1 / value : Infinity, theta };
 }

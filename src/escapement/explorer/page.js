@@ -4,7 +4,7 @@ import { simulate, samples, stateAt } from "./kernel.js";
 import { frictionLimits } from "./law.js";
 import { NUMBERS, checkDesign } from "./rules.js";
 import { drawCharts } from "./charts.js";
-import { byId, data, digits, element } from "./dom.js";
+import { byId, data, digits, element, shown, signed, unitOf, units } from "./dom.js";
 import { asFragment, asToml, fromFragment, fromToml } from "./design.js";
 import { Fields } from "./fields.js";
 import { Picture } from "./picture.js";
@@ -20,18 +20,18 @@ let events = [];
 let kept = null;
 let time = 0;
 let playing = false;
-let { units } = data;
 const picture = new Picture(byId("picture"));
 const plots = Object.fromEntries(["velocity", "moment", "phase", "map"].map((id) => [id, new Plot(byId(id))]));
-const fields = new Fields(byId("fields"), () => systems[units], {
+const fields = new Fields(byId("fields"), {
   change: (numbers, name) => change(numbers, name),
-  complain: (line) => complain(line),
+  complain: (line, name) => complain(line, fields.refuse(name)),
 });
-const shown = (value, kind) => fields.shown(value, kind);
 
-const complain = (line) => {
+/** Show a mistake at its cause: at the end of a field, of the text, or of the page's head. */
+function complain(line, cause = byId("top")) {
   byId("problem").textContent = line;
-};
+  if (line && byId("problem").parentElement !== cause) cause.append(byId("problem"));
+}
 
 /** Change some numbers of the design; if a number breaks a rule, the last good design stays. */
 function change(numbers, active = null) {
@@ -39,8 +39,7 @@ function change(numbers, active = null) {
     take(checkDesign({ ...design, ...numbers }), active);
   } catch (error) {
     if (!(error instanceof RangeError)) throw error;
-    complain(error.message);
-    if (active) fields.refuse(active);
+    complain(error.message, active ? fields.refuse(active) : undefined);
   }
 }
 
@@ -76,14 +75,14 @@ function refresh(active = null) {
   fields.refresh(design, motion.figures, active);
   const toml = byId("toml");
   if (data.fields && document.activeElement !== toml) toml.value = asToml(design);
-  report(motion, kept?.figures, shown);
+  report(motion, kept?.figures);
   draw();
   setTime(time);
 }
 
 function draw() {
   if (!plots.velocity.width) return;
-  drawCharts(plots, motion, columns, byId("shown").value, systems[units].torque, kept?.columns);
+  drawCharts(plots, motion, columns, byId("shown").value, unitOf("torque"), kept?.columns);
 }
 
 /** Show the motion at a time [s]; all that moves is driven by this function. */
@@ -115,9 +114,8 @@ function saying({ engagement, angle, theta_dot, phi_dot, side, contact_moment })
   const [front, rear] = motion.meshed ? ["the driver pushes the follower", "the driver holds the follower back"]
     : ["the pin presses on the front wall", "the pin presses on the rear wall"];
   const wall = { 1: front, "-1": rear, 0: nothing }[side];
-  const degrees = digits((angle * 180) / Math.PI, 4);
   const moment = side ? ` with ${shown(Math.abs(contact_moment), "torque")} about the follower's axis` : "";
-  return `${time.toFixed(5)} s, engagement ${engagement + 1}, ${degrees}° from dead centre: `
+  return `${time.toFixed(5)} s, engagement ${engagement + 1}, ${signed(angle)} from dead centre: `
     + `driver ${digits(theta_dot, 4)} rad/s, follower ${digits(phi_dot, 4)} rad/s; ${wall}${moment}.`;
 }
 
@@ -186,13 +184,13 @@ function save(name, text, type) {
 }
 
 /** Take a design that `read` makes; if it has a mistake, the last good design stays. */
-function takeRead(read) {
+function takeRead(read, cause) {
   try {
     take(read());
   } catch (error) {
     if (!(error instanceof URIError || error instanceof RangeError)) throw error;
     const line = error instanceof URIError ? "the address has a % sign that is not followed by two hexadecimal digits; correct it" : error.message;
-    complain(`${line}; the last good design stays`);
+    complain(`${line}; the last good design stays`, cause);
   }
 }
 
@@ -204,9 +202,9 @@ function readAddress() {
 function connectDesign() {
   fields.lay(data.groups);
   for (const name of Object.keys(systems)) byId("units").append(element("option", { value: name, textContent: name }));
-  byId("units").value = units;
+  byId("units").value = units.system;
   byId("units").addEventListener("change", (event) => {
-    units = event.target.value;
+    units.system = event.target.value;
     refresh();
   });
   byId("keep").addEventListener("click", () => {
@@ -217,7 +215,7 @@ function connectDesign() {
     kept = null;
     refresh();
   });
-  byId("read").addEventListener("click", () => takeRead(() => fromToml(byId("toml").value)));
+  byId("read").addEventListener("click", () => takeRead(() => fromToml(byId("toml").value), byId("text")));
   byId("save").addEventListener("click", () => save("design.toml", byId("toml").value, "application/toml"));
   addEventListener("hashchange", readAddress);
   addEventListener("message", (event) => {
@@ -260,11 +258,18 @@ function connect() {
     });
   }
   const measure = () => {
+    picture.measure();
     Object.values(plots).forEach((plot) => plot.measure());
     draw();
     setTime(time);
   };
   new ResizeObserver(measure).observe(document.body);
+  const watch = new IntersectionObserver((entries) => {
+    for (const { target, isIntersecting } of entries) plots[target.id].seen = isIntersecting;
+    draw();
+    setTime(time);
+  });
+  for (const plot of Object.values(plots)) watch.observe(plot.figure);
   matchMedia("(prefers-color-scheme: dark)").addEventListener("change", measure);
   for (const [id, words] of Object.entries({ velocity: "velocities over time", moment: "contact moment over time",
     phase: "driver velocity over its angle", map: "handoff map" })) {

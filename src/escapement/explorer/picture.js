@@ -1,5 +1,7 @@
 /** The mechanism to scale, as SVG: laid out once for its bodies, then turned. */
 
+import { byId, signed } from "./dom.js";
+
 const NAMESPACE = "http://www.w3.org/2000/svg";
 const DEGREES = 180 / Math.PI;
 
@@ -17,7 +19,6 @@ export function placeOf(vectors, theta) {
 export class Picture {
   constructor(svg) {
     this.svg = svg;
-    this.key = "";
   }
 
   add(parent, name, attributes) {
@@ -27,15 +28,26 @@ export class Picture {
     return element;
   }
 
+  /** Give words in the picture a size that can be read. */
+  measure() {
+    const { width, height } = this.svg.viewBox.baseVal ?? { width: 1, height: 1 };
+    const scale = Math.min(this.svg.clientWidth / width, this.svg.clientHeight / height);
+    this.svg.style.setProperty("--letters", `${Math.max(0.085 * this.half, 12 / scale)}px`);
+  }
+
   /** Lay out the bodies of a motion; `drawn` is described in `bodies.py`. */
-  layOut({ drawn, figures }) {
+  layOut({ drawn, figures, design }) {
     this.svg.style.display = drawn ? "" : "none";
     this.drawn = drawn;
     if (!drawn) return;
-    if (drawn.key === undefined || drawn.key !== this.key) this.draw(drawn);
-    this.key = drawn.key;
+    if (drawn !== this.shape) this.draw(drawn);
+    this.shape = drawn;
     this.jamAngle = drawn.contact ? figures.critical_angle : NaN;
-    this.jam.style.display = Number.isFinite(this.jamAngle) ? "" : "none";
+    const jams = Number.isFinite(this.jamAngle);
+    this.jam.style.display = jams ? "" : "none";
+    const would = design.friction >= figures.critical_friction ? "jams" : "would jam";
+    this.jamText.textContent = `${would} here, ${signed(this.jamAngle)}`;
+    byId("legend").lastElementChild.hidden = !jams;
     this.marked = -1;
   }
 
@@ -60,7 +72,7 @@ export class Picture {
     this.jamText.setAttribute("y", -edge + (y > 0 ? -0.03 : 0.12) * this.half);
   }
 
-  draw({ bodies, box, later }) {
+  draw({ bodies, box, contact, later }) {
     const { svg } = this;
     const [left, right, low, high] = box;
     [...svg.children].filter((child) => child.tagName === "g").forEach((child) => child.remove());
@@ -69,7 +81,7 @@ export class Picture {
     const room = 0.15 * half;
     svg.setAttribute("viewBox", `${left - room} ${-high - 1.6 * room} `
       + `${right - left + 2 * room} ${high - low + 3.2 * room}`);
-    svg.style.setProperty("--letters", `${0.085 * half}px`);
+    this.measure();
     const up = this.add(svg, "g", { transform: "scale(1,-1)" });
     this.parts = bodies.map(({ name, path, at, turn }) => ({ at, turn,
       element: this.add(up, "path", { d: path, class: name.replace(/-\d+$/, ""), "fill-rule": "evenodd" }) }));
@@ -80,8 +92,10 @@ export class Picture {
     this.jam = this.add(svg, "g", { class: "jam" });
     this.jamLine = this.add(this.jam, "path", { transform: "scale(1,-1)", fill: "none" });
     this.jamText = this.add(this.jam, "text", { "text-anchor": "middle" });
-    this.jamText.textContent = "jams here first";
     this.force = this.add(up, "path", { class: "force" });
+    for (const item of byId("legend").children) {
+      item.hidden = !svg.querySelector(`.${item.dataset.of}`) || (item.dataset.of === "force" && !contact);
+    }
     // parts that take time to compute are added after the picture is shown
     clearTimeout(this.later);
     this.later = setTimeout(() => later?.(([name, path]) =>

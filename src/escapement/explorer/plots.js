@@ -17,8 +17,9 @@ const label = (value, digits) =>
     ? value.toExponential(1).replace("e", "e") : value.toFixed(digits);
 
 export class Plot {
-  /** figure: an element with two canvases. */
+  /** figure: an element with two canvases. Nothing is drawn while it is out of view. */
   constructor(figure) {
+    this.seen = true;
     [this.lower, this.upper] = figure.querySelectorAll("canvas");
     this.figure = figure;
   }
@@ -43,6 +44,7 @@ export class Plot {
   /** Axes between two corners, with their words. */
   axes([x0, x1], [y0, y1], xLabel, yLabel) {
     Object.assign(this, { x0, x1: x1 > x0 ? x1 : x0 + 1, y0, y1: y1 > y0 ? y1 : y0 + 1 });
+    if (!this.seen) return;
     const pen = this.lower.getContext("2d");
     pen.clearRect(0, 0, this.width, this.height);
     pen.lineWidth = 1;
@@ -88,8 +90,9 @@ export class Plot {
   }
 
   /** Draw within the axes. */
-  within(draw, canvas = this.lower) {
-    const pen = canvas.getContext("2d");
+  within(draw) {
+    if (!this.seen) return;
+    const pen = this.lower.getContext("2d");
     pen.save();
     pen.beginPath();
     pen.rect(PAD.left, PAD.top, this.width - PAD.left - PAD.right, this.height - PAD.top - PAD.bottom);

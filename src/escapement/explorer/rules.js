@@ -1,6 +1,6 @@
 /** The rules for the numbers of a design. */
 
-import { data } from "./dom.js";
+import { data, shown } from "./dom.js";
 import { mostPins, pose, wheelOf } from "./law.js";
 
 /** The numbers of a design and their rules, as `fields.py` has them; none where a motion is played. */
@@ -11,6 +11,8 @@ export const otherwise = (name) => NUMBERS[name].default ?? (NUMBERS[name].truth
 const refuse = (name, rule, value, remedy) => {
   throw new RangeError(`${name} must be ${rule}, got ${value}; ${remedy}`);
 };
+/** A number of a design in the units in use. */
+const told = (name, value) => shown(value, NUMBERS[name].unit);
 
 /** A number of a design that keeps the rule of its own; another one gives a RangeError. */
 function checkNumber(name, value) {
@@ -24,10 +26,9 @@ function checkNumber(name, value) {
     refuse(name, "a finite number", value, "give a number");
   }
   if (whole && !Number.isInteger(value)) refuse(name, "a whole number", value, "round it");
-  if (value < least || value > most) {
-    refuse(name, `from ${least} to ${most}`, value, "choose a value in this range");
-  }
-  if (above && !(value > least)) refuse(name, `greater than ${least}`, value, "give its size");
+  if (above && !(value > least)) refuse(name, `greater than ${least}`, told(name, value), "give its size");
+  if (value < least) refuse(name, `${told(name, least)} or more`, told(name, value), "choose a greater value");
+  if (value > most) refuse(name, `at most ${told(name, most)}`, told(name, value), "choose a smaller value");
 }
 
 /** A design with its defaults filled in; a number that breaks its rule gives a RangeError. */
@@ -47,16 +48,16 @@ export function checkDesign(given) {
     refuse("pins", `at most ${most} with ${slots} slots`, design.pins, "choose fewer pins");
   }
   for (const [name, { needs }] of Object.entries(NUMBERS)) {
-    if (needs && design[name] > 0 && design[needs] === null) {
-      refuse(name, "0 without a crank radius", design[name], "give the crank radius too");
+    if (needs && design[name] > 0 && !(given[needs] > 0)) {
+      refuse(name, "0 without a crank radius", told(name, design[name]), "give the crank radius too");
     }
   }
   const wheel = wheelOf(design);
   const widest = design.crank_radius * Math.sin(Math.PI / slots)
     * Math.min(pose(wheel, 0).R, pose(wheel, wheel.exit).R);
   if (design.pin_radius > 0 && !(design.pin_radius < widest)) {
-    refuse("pin_radius", `less than ${Number(widest.toPrecision(6))} m, where neighbouring slots meet`,
-      design.pin_radius, "choose a thinner pin");
+    refuse("pin_radius", `less than ${told("pin_radius", widest)}, where neighbouring slots meet`,
+      told("pin_radius", design.pin_radius), "choose a thinner pin");
   }
   return design;
 }
