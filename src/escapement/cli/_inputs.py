@@ -4,7 +4,6 @@ A command gives the numbers of what it made, such as an escapement, with their d
 else was typed is added from its arguments. Nobody then takes inches for metres unnoticed.
 """
 
-import math
 from collections.abc import Iterable
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
@@ -97,16 +96,3 @@ def of_plan(plan: "StudyPlan") -> Iterable[Input]:
         for name in along:
             values = plan.parameters[name].to_si(along[name])
             yield name, shortened(values.tolist()), unit_kind(name)
-
-
-def of_requirement(requirement: Any) -> Iterable[Input]:
-    """The numbers of a requirement for a timer, and its bounds, of which None is no bound."""
-    from escapement.inverse_design.requirement import BOUNDS, NUMBERS, RANGES
-
-    for name, entry in (NUMBERS | RANGES).items():
-        if (value := getattr(requirement, name)) is not None:
-            yield name, value, entry.unit
-    yield "internal", "any" if requirement.internal is None else requirement.internal, "ratio"
-    yield "objectives", ", ".join(requirement.objectives), "ratio"
-    for name, ends in requirement.bounds.items():
-        yield f"{name}_bounds", [x if math.isfinite(x) else None for x in ends], BOUNDS[name].unit

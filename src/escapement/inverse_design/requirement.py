@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -14,6 +14,7 @@ from escapement.base.quantity import Quantity, declared
 from escapement.base.text import Shown
 from escapement.base.toml_file import read_toml
 from escapement.model.escapement import Escapement
+from escapement.model.inputs import Input
 
 Range = tuple[float, float]
 _NUMBER = "give a number, or [low, high]"
@@ -158,6 +159,17 @@ class Requirement(Shown):
         values["objectives"] = tuple(
             validate.choice("objectives", name, OBJECTIVES) for name in self.objectives
         )
+
+    def inputs(self) -> Iterator[Input]:
+        """Its numbers and its bounds, of which None is no bound."""
+        for name, entry in (NUMBERS | RANGES).items():
+            if (value := getattr(self, name)) is not None:
+                yield name, value, entry.unit
+        yield "internal", "any" if self.internal is None else self.internal, "ratio"
+        yield "objectives", ", ".join(self.objectives), "ratio"
+        for name, ends in self.bounds.items():
+            shown = [x if math.isfinite(x) else None for x in ends]
+            yield f"{name}_bounds", shown, BOUNDS[name].unit
 
 
 def _ends(entry: Quantity, label: str, given: Any) -> Range:
