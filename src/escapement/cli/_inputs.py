@@ -69,7 +69,8 @@ def print_inputs(inputs: Iterable[Input], system: str) -> None:
         shown = "" if isinstance(value, str) else unit
         if shown and printed(kind, other) != unit:
             shown += f" = {show(in_words(in_units(value, kind, other)))} {printed(kind, other)}"
-        if shown and system == SYSTEMS[2] and name.endswith(_ROUND):
+        single = isinstance(number, int | float)
+        if shown and single and system == SYSTEMS[2] and name.endswith(_ROUND):
             shown += f", diameter {show(2.0 * number)} {unit}"
         rows.append((words(name), number, shown))
     if rows:

@@ -7,7 +7,7 @@ from escapement.base.records import Record
 from escapement.base.results import Result
 from escapement.base.spoken import on_drawing
 from escapement.inverse_design.requirement import BOUNDS
-from escapement.inverse_design.timer_search import FOIL, Design, Designs
+from escapement.inverse_design.timer_search import FOIL, Designs
 from escapement.mechanisms import Geneva
 from escapement.model.escapement import Escapement
 
@@ -19,20 +19,22 @@ _DECIDES = ("scatter", "jam_margin", "pressure_max", "driver_thickness", "follow
 """Figures that decide between designs, which tables show even if nobody asked for them."""
 RESULTS = {
     name: Result(entry.unit) for name, entry in {**declared(Geneva), **declared(Escapement)}.items()
-    if name in _CHOSEN
 } | {name: Result(entry.unit, entry.long_name) for name, entry in BOUNDS.items()}  # fmt: skip
 
 
-def _line(one: Design) -> dict[str, Any]:
-    """The chosen numbers of a design, and its figures, in SI."""
-    given = one.timer.mechanism.settings | one.timer.settings
-    chosen = {name: given[name] for name in _CHOSEN}
-    return chosen | one.values | {"can_be_cut": one.can_be_cut}
+def _lines(found: Designs) -> list[dict[str, Any]]:
+    """The chosen numbers of every design, and its figures, in SI."""
+    lines, names = [], (*_CHOSEN, *found.requirement.losses)
+    for one in found.designs:
+        given = one.timer.mechanism.settings | one.timer.settings
+        chosen = {name: given[name] for name in names}
+        lines.append(chosen | one.values | {"can_be_cut": one.can_be_cut})
+    return lines
 
 
 def record_of(found: Designs) -> Record:
     """Every number of every design."""
-    lines = [_line(one) for one in found.designs]
+    lines = _lines(found)
     message = f"{len(lines)} designs, from {found.tried} points tried" if lines else found.message
     if foil := sum(not line["can_be_cut"] for line in lines):
         thin = f"a disc or a wall is thinner than {on_drawing(FOIL)}"
@@ -43,6 +45,7 @@ def record_of(found: Designs) -> Record:
 def short_record_of(found: Designs) -> Record:
     """The numbers by which a reader chooses: sizes, objectives, bounds and what decides."""
     asked = found.requirement
-    names = dict.fromkeys((*_SHORT, *asked.objectives, *asked.bounds, *_DECIDES, "can_be_cut"))
-    lines = [{name: line[name] for name in names} for line in map(_line, found.designs)]
+    figures = *asked.objectives, *asked.bounds, *_DECIDES, "can_be_cut"
+    names = dict.fromkeys((*_SHORT, *asked.losses, *figures))
+    lines = [{name: line[name] for name in names} for line in _lines(found)]
     return Record({"designs": lines}, RESULTS)
