@@ -26,8 +26,10 @@ def of_wheel(wheel, requirement, points):
     names = ("inertia_ratio", "crank_radius", "torque")
     axes = [np.geomspace(*getattr(requirement, name), points) for name in names]
     ratios, radii, torques = (x.reshape(-1) for x in np.meshgrid(*axes, indexing="ij"))
-    table = np.repeat(wheel.exact(axes[0]), points**2, axis=0)
-    return wheel.in_si(table, (ratios, radii, torques))
+    table = np.repeat(wheel.exact({"driver_inertia": axes[0]}), points**2, axis=0)
+    inertias = torques * (wheel.period / np.exp(table[:, 0])) ** 2
+    numbers = ratios, radii, torques, inertias
+    return wheel.in_si(table, dict(zip((*names, "follower_inertia"), numbers, strict=True)))
 
 
 def main():

@@ -3,6 +3,7 @@
 import json
 import math
 import re
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -10,6 +11,7 @@ import pytest
 
 import escapement as esc
 from escapement.cli import main
+from escapement.inverse_design import timer_search
 from escapement.inverse_design.front import spread_out, undominated
 from escapement.inverse_design.similarity import UnitWheel
 from escapement.outlines.parts import parts_of
@@ -82,7 +84,9 @@ def test_what_is_promised_is_simulated_by_the_other_engine(thirty):
 def test_figures_scale_by_similarity():
     requirement = esc.Requirement(period=0.05, torque=0.01)
     wheel = UnitWheel(requirement, 4, False)
-    found = wheel.in_si(wheel.exact([0.2])[0], (0.2, 0.02, 0.01))
+    numbers = {"inertia_ratio": 0.2, "crank_radius": 0.02, "torque": 0.01}
+    found = wheel.values({name: np.array([x]) for name, x in numbers.items()}, exact=True)
+    found = {name: x.item() for name, x in found.items()}
     timer = esc.Escapement(
         esc.Geneva(4, crank_radius=0.02, pin_radius=0.001),
         esc.Inertia(found["driver_inertia"], found["follower_inertia"]),
@@ -92,6 +96,68 @@ def test_figures_scale_by_similarity():
     figures = esc.terminal(timer)
     assert figures.period == pytest.approx(0.05, rel=1e-12)
     assert found["rise_time_98"] == pytest.approx(figures.rise_time_98, rel=1e-9)
+
+
+LOSSY = {
+    "period": 0.04, "torque": (0.005, 0.05), "slots": (4, 5, 6), "internal": False,
+    "roller_radius": (0.001, 0.0015, 0.002), "driver_drag": 1e-10, "follower_drag": (0.0, 1e-8),
+    "driver_bearing_torque": 2e-4, "driver_bearing_radius": 0.001, "driver_bearing_friction": 0.1,
+    "follower_bearing_radius": (0.001, 0.002), "follower_bearing_friction": 0.1,
+    "driver_thickness": 0.003, "follower_thickness": (0.001, 0.002, 0.003),
+}  # fmt: skip
+
+
+def test_rollers_vanes_bearings_and_sheets_are_searched(monkeypatch):
+    """Each number lies in its range or list; period, scatter and discs are found another way."""
+    monkeypatch.setattr(timer_search, "_SLOW", 5)
+    monkeypatch.setattr(timer_search, "_SLOW_STEPS", 5)
+    found = esc.design(esc.Requirement(**LOSSY), count=2).designs
+    assert found
+    for one in found:
+        timer, wheel, values = one.timer, one.timer.mechanism, one.values
+        for name, asked in LOSSY.items():
+            if name in ("period", "internal"):
+                continue
+            value = {**timer.settings, **wheel.settings, **values}[name]
+            ends = asked if isinstance(asked, tuple) else (asked, asked)
+            assert value == pytest.approx(min(ends, key=lambda x: abs(x - value))) or (
+                len(ends) == 2 and ends[0] <= value <= ends[1]
+            ), name
+        periods = [
+            esc.terminal(replace(timer, friction=mu), engine="ivp").period
+            for mu in (0.25, 0.30, 0.35)
+        ]
+        assert periods[1] == pytest.approx(0.04, rel=1e-7)
+        assert values["scatter"] == pytest.approx(0.5 * np.ptp(periods) / periods[1], rel=1e-5)
+        parts = {part.name: part for part in parts_of(wheel)}
+        thick = values["follower_thickness"]
+        assert parts["follower"].inertia(thick, 7850.0) == pytest.approx(timer.inertia.follower)
+        driver = sum(
+            parts[n].inertia(0.003, 7850.0) for n in ("driver", "locking-disc") if n in parts
+        )
+        assert driver == pytest.approx(timer.inertia.driver)
+
+
+def test_where_the_torque_is_given_the_crank_radius_follows_from_a_sheet():
+    task = {"period": 0.04, "torque": 0.02, "slots": 4, "internal": False}
+    sheet = dict.fromkeys(("driver_thickness", "follower_thickness"), 0.003)
+    (one,) = esc.design(esc.Requirement(**task, **sheet), count=1).designs
+    assert one.timer.torque == 0.02
+    assert esc.terminal(one.timer).period == pytest.approx(0.04, rel=1e-9)
+    part = {part.name: part for part in parts_of(one.mechanism)}["follower"]
+    assert part.inertia(0.003, 7850.0) == pytest.approx(one.timer.inertia.follower)
+    crank = one.mechanism.crank_radius
+    beyond = esc.design(esc.Requirement(**task, **sheet, crank_radius=(0.5 * crank, 0.9 * crank)))
+    assert beyond.message.startswith(f"crank_radius must be at most {0.9 * crank:.6g} m, and the")
+
+
+def test_a_run_with_vanes_takes_its_time():
+    requirement = esc.Requirement(
+        total_time=2.0, turns=10, torque=(0.005, 0.02), slots=6, internal=False, torque_lost=0.2,
+        follower_drag=2e-8, inertia_ratio=0.1, crank_radius=0.02,
+    )  # fmt: skip
+    (one,) = esc.design(requirement, count=1).designs
+    assert esc.rundown(one.timer, turns=10).time_of(10) == pytest.approx(2.0, rel=1e-9)
 
 
 @pytest.mark.parametrize(("bounds", "told"), [
@@ -156,6 +222,9 @@ def test_the_command_prints_designs(capsys, tmp_path):
     ("period = 1\ntorque = 1\nslots = [2, 3]\n", "at least 3, got 2; give a number in this range"),
     ("period = 1\ntorque = 1\nslots = 7.9\n", "a whole number of at least 3, got 7.9"),
     ("period = 1\ntorque = 1\nslots = [3, 6.5]\n", "whole number of at least 3, got 6.5"),
+    ("period = 1\ntorque = 1\nfriction = [0.1, 0.2, 0.3]\n", "friction must be a number or two"),
+    ("period = 1\ntorque = 1\nroller_radius = [1]\n", "a number, two ends or a longer list"),
+    ("period = 1\ntorque = 1\ndriver_bearing_radius = 1\n", "left out without driver_bearing_f"),
     ("torque = 1\n", "period must be given, or total_time"),
     ("period = 1\ntorque = [2, 1]\n", "torque must be [low, high]"),
     ('period = 1\ntorque = "5 N"\n', "torque must be in N m"),

@@ -238,6 +238,12 @@ WISH = {
     "objectives": ["scatter", "contact_force_max"], "internal": False,
 }  # fmt: skip
 RUN_DOWN = {"total_time": 5.0, "turns": 20.0, "torque_lost": 0.1, "torque": [0.01, 0.02]}
+LOSSES = {
+    "driver_thickness": 0.003, "follower_thickness": [0.001, 0.003], "roller_radius": 0.0012,
+    "driver_drag": 1e-10, "follower_drag": 1e-9, "driver_bearing_torque": 1e-4,
+    "driver_bearing_radius": 0.001, "driver_bearing_friction": 0.1,
+    "follower_bearing_radius": 0.001, "follower_bearing_friction": 0.1,
+}  # fmt: skip
 MOST = "scatter", "contact_force_max", "size", "mass", "rise_time_98"
 BOTH = "driver_inertia", "follower_inertia", "driver_thickness", "follower_thickness"
 BOUNDS = {
@@ -250,7 +256,8 @@ BOUNDS = {
 def results_of_wish(path):
     """What `design` finds, with fewer points and steps than it has by itself."""
     found = esc.design(load_requirement(path)[0], count=4)
-    return {"values": [one.values for one in found.designs], "message": found.message}
+    values = [one.values | {"torque": one.timer.torque} for one in found.designs]
+    return {"values": values, "message": found.message}
 
 
 @pytest.fixture
@@ -264,6 +271,8 @@ def test_every_number_of_a_wish_acts_or_is_refused(short_search):
     check(WISH, results_of_wish)
     without = {name: x for name, x in WISH.items() if name != "period"} | {"slots": 4}
     check(without | RUN_DOWN, results_of_wish, tried={*RUN_DOWN})
+    lossy = {"slots": 4, "inertia_ratio": [0.01, 10.0], "torque": [0.001, 0.1]} | LOSSES
+    check(WISH | lossy, results_of_wish, tried={*LOSSES})
 
 
 def test_every_bound_of_a_wish_excludes_designs(short_search):

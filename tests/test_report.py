@@ -1,6 +1,8 @@
 """The report of a design: one HTML file."""
 
+import json
 import re
+from dataclasses import replace
 from html.parser import HTMLParser
 from pathlib import Path
 
@@ -141,3 +143,25 @@ def test_a_report_gives_lists_in_both_systems(command):
         "<td>0.01, 0.02 N m</td><td>0.0885075, 0.177015 in-lbf</td>",
     ):
         assert row in text
+
+
+def test_a_report_of_designs_has_the_wish_the_front_and_the_run(tmp_path):
+    """Run times at both ends of the friction, and the table of what decides, found another way."""
+    path, wish = tmp_path / "design.html", tmp_path / "wish.toml"
+    task = {"total_time": 2.0, "turns": 10.0, "torque": 0.01, "slots": 6, "internal": False}
+    wish.write_text("\n".join(f"{name} = {json.dumps(value)}" for name, value in task.items()))
+    assert main(["design", str(wish), "--count", "1", "--report", str(path)]) == 0
+    page = Page(path.read_text(encoding="utf-8"))
+    assert page.open == []
+    assert page.headings == [
+        "Timers for a requirement", "What is asked for", "The designs", "The design",
+        "What it does", "Over the range of friction", "Drawing and velocities",
+        "How it runs down", "What is assumed",
+    ]  # fmt: skip
+    (one,) = esc.design(esc.Requirement(**task), count=1).designs
+    for friction in (0.25, 0.35):
+        run = esc.rundown(replace(one.timer, friction=friction), turns=10)
+        assert f"{run.end_time:.6g}" in page.texts
+    for name in ("scatter", "jam_margin", "driver_thickness", "follower_thickness", "pressure_max"):
+        assert f"{one.values[name]:.6g}" in page.texts
+    assert f"{esc.parts_of(one.mechanism)[0].wall.width:.6g}" in page.texts

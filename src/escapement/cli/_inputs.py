@@ -4,7 +4,6 @@ A command gives the numbers of what it made, such as an escapement, with their d
 else was typed is added from its arguments. Nobody then takes inches for metres unnoticed.
 """
 
-import math
 from collections.abc import Iterable
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
@@ -70,7 +69,8 @@ def print_inputs(inputs: Iterable[Input], system: str) -> None:
         shown = "" if isinstance(value, str) else unit
         if shown and printed(kind, other) != unit:
             shown += f" = {show(in_words(in_units(value, kind, other)))} {printed(kind, other)}"
-        if shown and system == SYSTEMS[2] and name.endswith(_ROUND):
+        single = isinstance(number, int | float)
+        if shown and single and system == SYSTEMS[2] and name.endswith(_ROUND):
             shown += f", diameter {show(2.0 * number)} {unit}"
         rows.append((words(name), number, shown))
     if rows:
@@ -97,16 +97,3 @@ def of_plan(plan: "StudyPlan") -> Iterable[Input]:
         for name in along:
             values = plan.parameters[name].to_si(along[name])
             yield name, shortened(values.tolist()), unit_kind(name)
-
-
-def of_requirement(requirement: Any) -> Iterable[Input]:
-    """The numbers of a requirement for a timer, and its bounds, of which None is no bound."""
-    from escapement.inverse_design.requirement import BOUNDS, NUMBERS, RANGES
-
-    for name, entry in (NUMBERS | RANGES).items():
-        if (value := getattr(requirement, name)) is not None:
-            yield name, value, entry.unit
-    yield "internal", "any" if requirement.internal is None else requirement.internal, "ratio"
-    yield "objectives", ", ".join(requirement.objectives), "ratio"
-    for name, ends in requirement.bounds.items():
-        yield f"{name}_bounds", [x if math.isfinite(x) else None for x in ends], BOUNDS[name].unit

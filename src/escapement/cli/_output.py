@@ -195,13 +195,11 @@ def picture(plot: Callable[[Any], Content]) -> Content:
     return plot(esc.plots)
 
 
-def page_of(
-    escapement: Any, budget: Any = None, speed: float = 0.0, title: str = "", date: str = ""
-) -> str:
-    """A report of a design; `speed` is that of the driver at the first pin entry [rad/s]."""
+def page_of(escapement: Any, budget: Any = None, **how: Any) -> str:
+    """A report of a design; `how` has the other arguments of `reports.page`."""
     from escapement.reports import page
 
-    return page(escapement, budget, title, speed, date)
+    return page(escapement, budget, **how)
 
 
 def moving(path: Path | None, motion: Any, still: Callable[[Any], Content]) -> Any:

@@ -6,20 +6,13 @@ from typing import Any
 import escapement as esc
 from escapement.base.records import Record
 from escapement.base.results import Result
-from escapement.base.spoken import on_drawing
 from escapement.base.text import as_csv
 from escapement.base.toml_file import read_toml
-from escapement.cli import SOME_FAILED, _arguments, _inputs, _output
+from escapement.cli import SOME_FAILED, _arguments, _output
 from escapement.cli._arguments import Arguments, Parser, UsageError
 from escapement.model.inputs import Input
 
 UNITS = "units of the printed figures (default: those of the wish)"
-_CHOSEN = {
-    name: Result(kind) for name, kind in {
-        "slots": "ratio", "pins": "ratio", "internal": "ratio", "crank_radius": "length",
-        "pin_radius": "length", "torque": "torque", "friction": "ratio", "spring_rate": "rate",
-    }.items()
-}  # fmt: skip
 
 
 def configure(parser: Parser) -> None:
@@ -36,37 +29,27 @@ def configure(parser: Parser) -> None:
 
 def execute(args: Arguments) -> int:
     """Search, write and draw what was asked for, print the designs."""
-    from escapement.inverse_design.requirement import BOUNDS, load_requirement
-    from escapement.inverse_design.timer_search import FOIL
+    from escapement.inverse_design.design_record import record_of, short_record_of
+    from escapement.inverse_design.requirement import load_requirement
     from escapement.study.subject import DRIVE
 
     _output.speak_as(args, args.wish, "wish")
     if read_toml(args.wish, "wish").get("study") == DRIVE.name:
         return _design_drives(args)
-    requirement = load_requirement(args.wish)[0]
-    found = esc.design(requirement, count=args.count or 40)
-    known = [*_inputs.of_requirement(requirement), ("count", args.count or 40, "ratio")]
-    results = _CHOSEN | {name: Result(entry.unit) for name, entry in BOUNDS.items()}
-    lines = [_line(one) for one in found.designs]
-    if not lines:
-        _output.tell(args, {"designs": [], "message": found.message}, known, lambda: None)
+    found = esc.design(load_requirement(args.wish)[0], count=args.count or 40)
+    known = [*found.requirement.inputs(), ("count", args.count or 40, "ratio")]
+    record = record_of(found)
+    if not (lines := record.values["designs"]):
+        _output.tell(args, record, known, lambda: None)
         return SOME_FAILED
+    first = found.designs[0].timer
     _output.save(
         args,
         lambda: as_csv([[*lines[0]], *([*line.values()] for line in lines)]),
         lambda plots: plots.plot_designs(found),
-        lambda: _output.page_of(found.designs[0].timer),
+        lambda: _output.page_of(first, title="Timers for a requirement", designs=found),
     )
-    message = f"{len(lines)} designs, from {found.tried} points tried"
-    if foil := sum(not one.can_be_cut for one in found.designs):
-        thin = f"a disc or a wall is thinner than {on_drawing(FOIL)}"
-        message += f"; {foil} of them cannot be cut: {thin}"
-    wanted = dict.fromkeys((*requirement.objectives, *requirement.bounds))
-    chosen = "slots", "internal", "crank_radius", "torque", "driver_inertia", "follower_inertia"
-    names = (*chosen, *wanted, "can_be_cut")
-    short = Record({"designs": [{name: line[name] for name in names} for line in lines]}, results)
-    record = Record({"designs": lines, "message": message}, results)
-    _output.tell(args, record, known, lambda: short.show(args.units))
+    _output.tell(args, record, known, lambda: short_record_of(found).show(args.units))
     return 0
 
 
@@ -96,10 +79,3 @@ def _design_drives(args: Arguments) -> int:
     record = Record({"designs": lines, "message": message}, results | dict(DRIVE.figures))
     _output.tell(args, record, known)
     return 0
-
-
-def _line(one: "esc.Design") -> dict[str, Any]:
-    """The chosen numbers of a design, and its figures, in SI."""
-    given = one.timer.mechanism.settings | one.timer.settings
-    chosen = {name: given[name] for name in _CHOSEN}
-    return chosen | one.values | {"can_be_cut": one.can_be_cut}

@@ -139,7 +139,7 @@ def _save(motion: "esc.Motion", args: Arguments, speed: float) -> None:
     else:
         write = partial(partial, _write, motion, args)
         draw = _output.moving(args.plot, motion, lambda plots: plots.plot_velocities(motion))
-    _output.save(args, write, draw, lambda: _output.page_of(motion.escapement, speed=speed))
+    _output.save(args, write, draw, lambda: _output.page_of(motion.escapement, initial_speed=speed))
 
 
 def _write(motion: "esc.Motion", args: Arguments) -> None:

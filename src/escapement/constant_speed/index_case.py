@@ -24,14 +24,11 @@ def _length(what: str, **rule: Any) -> dict[str, Any]:
     return quantity(what, "length", remedy="give the length", **rule)
 
 
-def refuse_with_curve(clearance: Any, locking_radius: Any) -> None:
+def refuse_with_curve(locking_radius: Any) -> None:
     """Refuse what a load that changes with the angle leaves without a formula."""
-    for name, value, remedy in (
-        ("clearance", clearance, "leave it out; simulate computes motions with clearance"),
-        ("locking_radius", locking_radius, "give a constant load_torque"),
-    ):
-        if np.any(value):
-            raise validate.fail(name, "0 with a load that changes", value, remedy)
+    if np.any(locking_radius):
+        rule, remedy = "0 with a load that changes", "give a constant load_torque"
+        raise validate.fail("locking_radius", rule, locking_radius, remedy)
 
 
 @dataclass(frozen=True, repr=False)
@@ -100,7 +97,7 @@ class IndexCase(Case):
         refuse_idle(self)
         wheel: Any = self.mechanism
         if self.load_curve is not None:
-            refuse_with_curve(wheel.clearance, self.locking_radius)
+            refuse_with_curve(self.locking_radius)
         if not wheel.takes_clearance and self.locking_radius:
             rule = "0 for a mechanism that is not a Geneva wheel"
             raise validate.fail("locking_radius", rule, self.locking_radius, "leave it out")

@@ -16,7 +16,8 @@ from escapement.constant_speed.row_kernel import GIVEN, KNOCK, RINGING, fill_row
 from escapement.dynamics.needs import CONSTANT, NO_CURVE, NUMBERS
 from escapement.mechanisms.path import smooth_intervals, writeable
 from escapement.mechanisms.protocol import FloatArray, Mechanism, dwell_angle
-from escapement.model.load_cells import in_a_round, load_cells
+from escapement.model.load_cells import in_a_round, load_cells, over_follower
+from escapement.model.load_curve import steps_of
 from escapement.model.natural import natural
 from escapement.model.scene import Scene, packed
 
@@ -60,11 +61,14 @@ class IndexRows(IndexLoads):
         path = writeable(self.mechanism.path)
         edges = smooth_intervals(path, self.mechanism.breaks)
         torque, dwell = np.array(CONSTANT), dwell_angle(self.mechanism)
-        curve, units = np.array(NO_CURVE), np.broadcast_to(self.inertial, count).astype(float)
+        curve = over = np.array(NO_CURVE)
+        units = np.broadcast_to(self.inertial, count).astype(float)
         if (load := every["load_curve"]) is not None:
             cells = load_cells(load, self.mechanism)
             curve = in_a_round([(cell.edges, cell.numbers) for cell in cells])
+            step = float(self.mechanism.follower_step)
+            over = over_follower(load, steps_of(load, abs(step)), step)
         shared = Scene(path, edges, dwell, torque, 0.0, curve, *rows[0, :GIVEN].tolist())
         table = np.tile([*np.full(KNOCK, np.nan), *NO_KNOCK, *NO_RINGING], (count, 1))
-        fill_rows(packed(shared), self.half, rows, units, table)
+        fill_rows(packed(shared), self.half, rows, units, over, table)
         return table.T

@@ -24,6 +24,7 @@ from escapement.constant_speed.cycle_figures import (
 from escapement.constant_speed.index_case import IndexCase
 from escapement.constant_speed.index_loads import IndexLoads
 from escapement.constant_speed.knock import NO_KNOCK, Knock, knock
+from escapement.constant_speed.load_knock import knock_over_angle
 from escapement.constant_speed.ringing import NO_RINGING, Ringing, deflections, ringing
 from escapement.mechanisms.protocol import FloatArray, Mechanism
 from escapement.model.escapement import Escapement, Inertia
@@ -77,14 +78,26 @@ class IndexingDrive(IndexLoads, IndexCase):
 
         There is one for each index after which the load repeats.
         """
-        inertia = Inertia(self.follower_inertia, self.follower_inertia)
-        return self._escapement(inertia, self.inertial).scenes
+        wheel: Any = self.mechanism
+        # torque is that of pins on their walls, on which a load is one over the driver angle
+        tight = (
+            wheel
+            if self.load_curve is None or not wheel.clearance
+            else replace(wheel, clearance=0.0)
+        )
+        return self._escapement(tight, self._unit, self.inertial).scenes
 
-    def _escapement(self, inertia: Inertia, torque: float | Motor, **others: Any) -> Escapement:
+    @property
+    def _unit(self) -> Inertia:
+        return Inertia(self.follower_inertia, self.follower_inertia)
+
+    def _escapement(
+        self, mechanism: Mechanism, inertia: Inertia, torque: float | Motor, **others: Any
+    ) -> Escapement:
         """An escapement with the numbers of the drive."""
         numbers = {name: getattr(self, name) for name in RESISTING if getattr(self, name)}
         return Escapement(
-            self.mechanism, inertia, torque=torque, friction=self.friction,
+            mechanism, inertia, torque=torque, friction=self.friction,
             load_torque=self.load_torque, load_curve=self.load_curve, **numbers, **others,
         )  # fmt: skip
 
@@ -123,7 +136,8 @@ class IndexingDrive(IndexLoads, IndexCase):
                 raise validate.fail("gearbox efficiency", rule, gearbox.efficiency, remedy)
             gearbox = replace(gearbox, efficiency=self.efficiency)
         train = {} if gearbox == Train(1.0) else {"barrel": gearbox}
-        return self._escapement(Inertia(driver_inertia, self.follower_inertia), motor, **train)
+        inertia = Inertia(driver_inertia, self.follower_inertia)
+        return self._escapement(self.mechanism, inertia, motor, **train)
 
     @property
     def _scene(self) -> Scene:
@@ -174,6 +188,9 @@ class IndexingDrive(IndexLoads, IndexCase):
         if not clearance:
             return NO_KNOCK
         half = 0.5 * clearance / self.lengths["crank_radius"]
+        if self.load_curve is not None:
+            loose = self._escapement(self.mechanism, self._unit, self.inertial).scene
+            return Knock(*knock_over_angle(packed(loose), half, self.indexes))
         found: Knock = knock(scene.path.numbers, half, scene.load, scene.edges[0], scene.edges[-1])
         return found
 

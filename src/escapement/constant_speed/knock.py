@@ -81,7 +81,7 @@ def _turned(path, start, end):
 
 
 @inner_jit
-def _lead(path, c, theta):
+def lead_at(path, c, theta):
     """a = asin(c/R), a' and a'' at a driver angle, and g, g' and R there."""
     numbers = path.numbers
     g, u, dg, radius = pose_at(path, theta)
@@ -112,23 +112,23 @@ def knock(numbers, c, load, entry, exit_):
     path, nan = Path(False, numbers), np.nan
     first = _entry(path, c, entry, exit_)
     if np.isnan(first):
-        return _landed(nan, nan, nan, nan, NOWHERE)
-    _a, slope, _bend, g, _dg, radius = _lead(path, c, first)
+        return landed(nan, nan, nan, nan, NOWHERE)
+    _a, slope, _bend, g, _dg, radius = lead_at(path, c, first)
     speed, start = g - slope, _lift_off(path, c, load, first, exit_)
     wall, at = NOWHERE, nan
     if not np.isnan(start):
         wall, at = _landing(path, c, load, start, exit_)
     if wall == NOWHERE:
-        return _landed(first, speed, radius, start, NOWHERE)
-    _a, slope, _bend, g, _dg, _radius = _lead(path, c, start)
+        return landed(first, speed, radius, start, NOWHERE)
+    _a, slope, _bend, g, _dg, _radius = lead_at(path, c, start)
     flying = max(g - slope - load * (at - start), 0.0)
-    _a, slope, _bend, g, _dg, radius_at = _lead(path, c, at)
+    _a, slope, _bend, g, _dg, radius_at = lead_at(path, c, at)
     met = abs(flying - (g - wall * slope))
-    return _landed(first, speed, radius, start, wall, reversal=(at, met, radius_at))
+    return landed(first, speed, radius, start, wall, reversal=(at, met, radius_at))
 
 
 @inner_jit
-def _landed(first, speed, radius, start, wall, reversal=(np.nan, np.nan, np.nan)):
+def landed(first, speed, radius, start, wall, reversal=(np.nan, np.nan, np.nan)):
     """The impacts, of which the last ones may not happen."""
     at, met, radius_at = reversal
     return Knock(
@@ -146,10 +146,10 @@ def _entry(path, c, entry, exit_):
         low = entry + (exit_ - entry) * (i / _STEPS) ** 2
         high = entry + (exit_ - entry) * ((i + 1) / _STEPS) ** 2
         after = turned + _turned(path, low, high)
-        if after >= _lead(path, c, high)[0]:
+        if after >= lead_at(path, c, high)[0]:
             start, theta = low, high
             for _ in range(_HALVINGS):
-                lead, slope, _bend, g, _dg, _radius = _lead(path, c, theta)
+                lead, slope, _bend, g, _dg, _radius = lead_at(path, c, theta)
                 value = turned + _turned(path, start, theta) - lead
                 guess, low, high = newton_in_bracket(theta, value, g - slope, low, high, True)
                 step = abs(guess - theta)
@@ -166,12 +166,12 @@ def _lift_off(path, c, load, start, exit_):
     """Driver angle at which the front wall is left: phi_+'' + load becomes negative."""
     step = (exit_ - start) / _STEPS
     for i in range(_STEPS + 1):
-        _a, _slope, bend, _g, dg, _radius = _lead(path, c, start + i * step)
+        _a, _slope, bend, _g, dg, _radius = lead_at(path, c, start + i * step)
         if dg - bend + load < 0.0:
             low, high = start + max(i - 1, 0) * step, start + i * step
             for _ in range(_HALVINGS):
                 middle = 0.5 * (low + high)
-                _a, _slope, bend, _g, dg, _radius = _lead(path, c, middle)
+                _a, _slope, bend, _g, dg, _radius = lead_at(path, c, middle)
                 if dg - bend + load < 0.0:
                     high = middle
                 else:
@@ -183,7 +183,7 @@ def _lift_off(path, c, load, start, exit_):
 @inner_jit
 def _landing(path, c, load, start, exit_):
     """The wall that the follower meets first after it has left the front wall, and where."""
-    a, slope, _bend, g, _dg, _radius = _lead(path, c, start)
+    a, slope, _bend, g, _dg, _radius = lead_at(path, c, start)
     flight = FlightStart(start, -a, g - slope, load)
     turned = 0.0
     for i in range(_STEPS):
@@ -221,12 +221,12 @@ def _gap(path, c, theta, turned, flight, wall):
     # the load stops the follower, and then holds it
     time = min(time, flight.speed / flight.load) if flight.load > 0.0 else time
     follower = flight.angle + (flight.speed - 0.5 * flight.load * time) * time
-    return wall * (follower - turned + wall * _lead(path, c, theta)[0])
+    return wall * (follower - turned + wall * lead_at(path, c, theta)[0])
 
 
 @inner_jit
 def _closing(path, c, theta, flight, wall):
     """Derivative of `_gap` by the driver angle."""
-    _a, slope, _bend, g, _dg, _radius = _lead(path, c, theta)
+    _a, slope, _bend, g, _dg, _radius = lead_at(path, c, theta)
     speed = max(flight.speed - flight.load * (theta - flight.start), 0.0)
     return wall * (speed - g) + slope

@@ -4,9 +4,10 @@ import numpy as np
 
 from escapement.constant_speed.cycle_figures import CycleFigures, figures_of, join_steps
 from escapement.constant_speed.knock import Knock, knock
+from escapement.constant_speed.load_knock import hardest_knock
 from escapement.constant_speed.ringing import ringing
 from escapement.dynamics.law import scene_of, scene_with
-from escapement.dynamics.load import cell_of_round, has_load_curve
+from escapement.dynamics.load import cell_of_round, has_load_curve, in_torque_units
 from escapement.dynamics.needs import NUMBERS
 from escapement.mechanisms.path import EDGES, PIECES
 from escapement.mechanisms.slotted import slide_edges
@@ -22,7 +23,7 @@ RINGING = KNOCK + len(Knock._fields)
 
 
 @jit(allocates=True)
-def fill_rows(packed, half, numbers, units, table):
+def fill_rows(packed, half, numbers, units, over, table):
     """Fill a row of `table` with the figures, the impacts and the ringing of every drive.
 
     Parameters
@@ -32,6 +33,7 @@ def fill_rows(packed, half, numbers, units, table):
     half : driver angle where the first half of the engagement ends.
     numbers : shape (n, k): numbers of each scene, and what the columns above name.
     units : unit of torque of each scene [N m].
+    over : the load over the follower angle, in N m; idle without one.
     table : shape (n, m): the fields of `CycleFigures`, `Knock` and `Ringing`.
     """
     shared = scene_of(packed)
@@ -56,6 +58,9 @@ def fill_rows(packed, half, numbers, units, table):
         found[:KNOCK] = join_steps(steps, exit_ - entry + shared.dwell)
         if row[HALF_CLEARANCE] > 0.0:
             blows = knock(scene.path.numbers, row[HALF_CLEARANCE], scene.load, entry, exit_)
+            if has_load_curve(shared):
+                step = altered(scene, "load_curve", in_torque_units(over, units[i]))
+                blows = hardest_knock(step, row[HALF_CLEARANCE], count)
             _put(found, KNOCK, blows)
         if row[SWING] > 0.0:
             _put(found, RINGING, ringing(scene.path, edges, row[SWING], row[DAMPING]))

@@ -136,3 +136,12 @@ def load_knot(phi, sense, driver_angle, scene):
     turned = _turned(driver_angle, scene)
     lap, k = _lap_and_knot(phi + turned + sense * KNOT_GAP, curve)
     return lap + curve[k + 1 if sense > 0.0 else k] - turned
+
+
+@inner_jit(allocates=True)
+def in_torque_units(curve, unit):
+    """A load over the follower angle in another unit of torque."""
+    found = curve.copy()
+    found[MOMENT] /= unit
+    found[KNOTS + (len(curve) - KNOTS) // 2 :] /= unit
+    return found

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import warnings
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from scipy.optimize import minimize
@@ -16,24 +16,24 @@ from escapement.base.spoken import as_spoken
 from escapement.base.text import Shown
 from escapement.engines.run_down import rundown
 from escapement.inverse_design.front import spread_out, undominated
-from escapement.inverse_design.requirement import BOUNDS, Requirement
+from escapement.inverse_design.requirement import BOUNDS, RANGES, Requirement
 from escapement.inverse_design.similarity import UnitWheel, Values, wheels_for
-from escapement.mechanisms import Geneva
 from escapement.mechanisms.protocol import FloatArray, Mechanism
-from escapement.model.escapement import Escapement, Inertia
+from escapement.model.escapement import Escapement
 
 SAMPLE = 11
 """Two to this power is the number of points that are tried for each wheel."""
 _MARGIN = 3e-3
 """Relative margin to the bounds before a design is computed exactly."""
-_STEPS = 150
-"""Number of steps that improve one design."""
+_STEPS, _FIRST_STEP = 150, 0.1
+"""Number of steps that improve one design, and the first of them as share of a range."""
 FOIL = 1e-4
 """Discs and walls that are thinner than this cannot be cut [m]."""
-_VARIED = ("inertia_ratio", "crank_radius", "torque")
+_SLOW, _SLOW_STEPS = 7, 40
+"""The same as `SAMPLE` and `_STEPS` for designs with losses, which are not interpolated."""
+_CORRECTIONS, _ON_TIME = 8, 1e-11
+"""Greatest number of corrections of a whole run, and the relative error that needs none."""
 _THICK = ("driver_thickness", "follower_thickness")
-_OF_INERTIA = ("driver_inertia", "follower_inertia", "mass", *_THICK)
-"""Figures that are proportional to the inertias."""
 
 
 @dataclass(frozen=True, repr=False)
@@ -85,9 +85,9 @@ class Designs(Shown):
 def design(requirement: Requirement, *, count: int = 40, seed: int = 0) -> Designs:
     """Find the timers that satisfy a requirement, none of them better in everything than another.
 
-    Every wheel that the requirement allows is evaluated at a Sobol' sequence of inertia ratios,
-    crank radii and torques. The points that satisfy the bounds and are not dominated are improved
-    and then simulated. The follower's inertia follows from the period, by similarity.
+    Every wheel that the requirement allows is evaluated at a Sobol' sequence of the numbers that
+    are searched. The points that satisfy the bounds and are not dominated are improved and then
+    simulated. The follower's inertia, or else torque or crank radius, follows from the period.
 
     Parameters
     ----------
@@ -103,8 +103,7 @@ def design(requirement: Requirement, *, count: int = 40, seed: int = 0) -> Desig
         If no design satisfies all bounds, its message names the bound that prevents it, and by
         how much.
 
-    Validity: escapements without a load, with pins of the requirement's width and without
-    losses other than friction in the slots.
+    Validity: escapements without a load, with pins of the requirement's width.
     """
     wheels = wheels_for(requirement)
     if not wheels:
@@ -115,7 +114,8 @@ def design(requirement: Requirement, *, count: int = 40, seed: int = 0) -> Desig
     points = _points(requirement, seed)
     tables = [_values(wheel, points) for wheel in wheels]
     tried = len(points) * len(wheels)
-    values = {name: np.concatenate([table[name] for table in tables]) for name in BOUNDS}
+    names = {**BOUNDS, **requirement.limits}
+    values = {name: np.concatenate([table[name] for table in tables]) for name in names}
     good = np.flatnonzero(misses(values, requirement, _MARGIN).sum(axis=0) == 0.0)
     if not good.size:
         return Designs(requirement, (), tried, _reason(values, requirement))
@@ -136,31 +136,40 @@ def design(requirement: Requirement, *, count: int = 40, seed: int = 0) -> Desig
     return Designs(requirement, tuple(best), tried, "done")
 
 
-def _ends(requirement: Requirement) -> FloatArray:
-    """Logarithms of the ends of the ranges, shape (3, 2)."""
-    return np.log([getattr(requirement, name) for name in _VARIED])
-
-
 def _points(requirement: Requirement, seed: int) -> FloatArray:
-    """Points to try: logarithms of the varied numbers."""
-    low, high = _ends(requirement).T
-    shares = qmc.Sobol(len(_VARIED), seed=seed).random_base2(SAMPLE)
-    points: FloatArray = low + shares * (high - low)
+    """Points to try: shares of the ranges and lists that are searched."""
+    size = min(SAMPLE, _SLOW) if requirement.losses else SAMPLE
+    points: FloatArray = qmc.Sobol(len(requirement.searched), seed=seed).random_base2(size)
     return points
 
 
+def _chosen(requirement: Requirement, points: FloatArray) -> Values:
+    """The numbers at points."""
+    found = {}
+    for (name, values), share in zip(requirement.searched.items(), points.T, strict=True):
+        low, high = values[0], values[-1]
+        if len(values) > 2:
+            found[name] = np.array(values)[
+                np.minimum(share * len(values), len(values) - 1).astype(int)
+            ]
+        elif low > 0.0:
+            found[name] = low * (high / low) ** share
+        else:
+            found[name] = share * high
+    return found
+
+
 def _values(wheel: UnitWheel, points: FloatArray) -> Values:
-    """Figures in SI at points of a wheel, interpolated; NaN beyond the ratios at which it moves."""
-    assert wheel.curves is not None
-    table = wheel.curves(points[:, 0], extrapolate=False)
-    ratio, radius, torque = np.exp(points.T)
-    return wheel.in_si(table, (ratio, radius, torque))
+    """Figures in SI at points of a wheel; NaN where it does not move."""
+    count = len(points)
+    found = wheel.values(_chosen(wheel.requirement, points))
+    return {name: np.broadcast_to(x, count) for name, x in found.items()}
 
 
 def misses(values: Values, requirement: Requirement, margin: float = 0.0) -> FloatArray:
     """By how much each bound is missed, as a logarithm, infinite if there is no figure."""
     rows = []
-    for name, (low, high) in requirement.bounds.items():
+    for name, (low, high) in requirement.limits.items():
         x = np.asarray(values[name], dtype=float)
         if name == "jam_margin":
             rows.append(np.maximum(0.0, np.maximum(low - x, x - high) + margin))
@@ -175,10 +184,10 @@ def misses(values: Values, requirement: Requirement, margin: float = 0.0) -> Flo
 
 def _reason(values: Values, requirement: Requirement) -> str:
     """The bound that prevents a requirement, and by how much."""
-    missed, names = misses(values, requirement), list(requirement.bounds)
+    missed, limits = misses(values, requirement), [*requirement.limits.items()]
 
     def told(i: int, case: int) -> str:
-        return _bound_text(names[i], requirement.bounds[names[i]], float(values[names[i]][case]))
+        return _bound_text(*limits[i], float(values[limits[i][0]][case]))
 
     is_missed = missed > 0.0
     # of each bound how far it is missed where it is the only one
@@ -194,7 +203,7 @@ def _reason(values: Values, requirement: Requirement) -> str:
 
 def _bound_text(name: str, bound: tuple[float, float], reached: float) -> str:
     """A bound that is missed, and the value that the nearest design reaches."""
-    kind, (low, high) = BOUNDS[name].unit, bound
+    kind, (low, high) = (BOUNDS | RANGES)[name].unit, bound
     rule, limit = ("at most", high) if reached > high else ("at least", low)
     best = "least" if reached > high else "greatest"
     return (
@@ -206,8 +215,7 @@ def _bound_text(name: str, bound: tuple[float, float], reached: float) -> str:
 def _polished(wheel: UnitWheel, point: FloatArray) -> FloatArray:
     """A nearby point that is better in every objective, within all bounds."""
     requirement = wheel.requirement
-    low, high = _ends(requirement).T
-    free = high > low
+    free = np.array([len(x) == 2 and x[0] < x[1] for x in requirement.searched.values()])
     if not free.any():
         return point
 
@@ -221,45 +229,45 @@ def _polished(wheel: UnitWheel, point: FloatArray) -> FloatArray:
     start = costs(point[free])
 
     def worst(x: FloatArray) -> float:
-        gained = costs(np.clip(x, low[free], high[free])) - start
+        gained = costs(np.clip(x, 0.0, 1.0)) - start
         value = float(gained.max() + 0.01 * gained.sum())
         return value if math.isfinite(value) else 1e6
 
-    limits = list(zip(low[free], high[free], strict=True))
-    options = {"maxfev": _STEPS, "xatol": 1e-4, "fatol": 1e-6}
-    found = minimize(worst, point[free], method="Nelder-Mead", bounds=limits, options=options)
+    first, size = point[free], int(free.sum())
+    inwards = np.where(first < 0.5, _FIRST_STEP, -_FIRST_STEP)
+    options = {
+        "maxfev": min(_STEPS, _SLOW_STEPS) if requirement.losses else _STEPS,
+        "xatol": 1e-5, "fatol": 1e-6,
+        "initial_simplex": np.vstack([first, first + np.diag(inwards)]),
+    }  # fmt: skip
+    found = minimize(
+        worst, first, method="Nelder-Mead", bounds=[(0.0, 1.0)] * size, options=options
+    )
     better = point.copy()
     if found.fun < 0.0:
-        better[free] = np.clip(found.x, low[free], high[free])
+        better[free] = np.clip(found.x, 0.0, 1.0)
     return better
 
 
 def _made(wheel: UnitWheel, point: FloatArray) -> Design | None:
     """The design at a point, simulated; None where it misses a bound after all."""
-    requirement, (ratio, radius, torque) = wheel.requirement, np.exp(point).tolist()
-    found = wheel.in_si(wheel.exact([ratio])[0], (ratio, radius, torque))
-    turns, total = requirement.turns, requirement.total_time
-    timer = Escapement(
-        Geneva(
-            wheel.slots, internal=wheel.internal, crank_radius=radius,
-            pin_radius=requirement.pin * radius,
-        ),
-        Inertia(found["driver_inertia"], found["follower_inertia"]),
-        torque=torque,
-        friction=0.5 * sum(requirement.friction),
-        spring_rate=requirement.torque_lost * torque / (2.0 * math.pi * turns) if turns else 0.0,
-    )  # fmt: skip
-    if turns is not None and total is not None:
+    requirement, chosen, slower = wheel.requirement, _chosen(wheel.requirement, point[None]), 1.0
+    for _ in range(_CORRECTIONS):
+        found = wheel.values(chosen, exact=True, slower=slower)
+        numbers = {name: np.asarray(x).item() for name, x in found.items()}
+        if not math.isfinite(numbers["scatter"]):
+            return None
+        timer = wheel.timer(numbers)
+        if requirement.turns is None or requirement.total_time is None:
+            break
         try:
-            share = (total / rundown(timer, turns=turns).time_of(turns)) ** 2
+            run = rundown(timer, turns=requirement.turns).time_of(requirement.turns)
         except InvalidValue:
             return None  # it stops on the way
-        found["rise_time_98"] *= math.sqrt(share)
-        found |= {name: found[name] * share for name in _OF_INERTIA}
-        # a thicker disc has longer pins
-        found["pressure_max"] /= math.sqrt(share)
-        inertia = Inertia(found["driver_inertia"], found["follower_inertia"])
-        timer = replace(timer, inertia=inertia)
-    values = {name: float(x) for name, x in found.items()}
-    missed = misses({name: np.array([x]) for name, x in values.items()}, requirement)
+        share = requirement.total_time / run
+        if abs(share - 1.0) < _ON_TIME:
+            break
+        slower *= share
+    missed = misses({name: np.array([x]) for name, x in numbers.items()}, requirement)
+    values = {name: numbers[name] for name in BOUNDS}
     return Design(timer, values) if missed.max(initial=0.0) == 0.0 else None

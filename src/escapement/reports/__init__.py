@@ -14,9 +14,12 @@ from escapement.dynamics.figure_record import record_of
 from escapement.engines import simulate as simulation
 from escapement.engines.run_down import rundown
 from escapement.model.escapement import Escapement
+from escapement.model.inputs import inputs_of
 from escapement.reports import sections
+from escapement.reports.of_requirement import of_friction, of_requirement
 
 if TYPE_CHECKING:
+    from escapement.inverse_design.timer_search import Designs
     from escapement.tolerance.tolerance_budget import Budget
 
 _ENGAGEMENTS = 20
@@ -63,29 +66,45 @@ def report(
         raise validate.fail("escapement", "an Escapement", escapement, "see escapement.Escapement")
     file_format(path, REPORTS)
     check_target(path, force)
-    text = page(escapement, budget, title, initial_speed)
+    text = page(escapement, budget, title=title, initial_speed=initial_speed)
     write_file(path, [text.encode()], force)
 
 
 def page(
-    escapement: Escapement, budget: Budget | None, title: str, initial_speed: float, date: str = ""
+    escapement: Escapement,
+    budget: Budget | None = None,
+    *,
+    title: str = "",
+    initial_speed: float = 0.0,
+    date: str = "",
+    designs: Designs | None = None,
 ) -> str:
-    """The text of a report; arguments as in `report`, and the date of the design."""
+    """The text of a report.
+
+    Arguments are those of `report`, the date of the design, and the designs of which it is the
+    first.
+    """
     name = title or f"A {escapement.mechanism.kind} escapement"
     figures = simulation.terminal(escapement, initial_speed=initial_speed)
     motion = simulation.simulate(escapement, _ENGAGEMENTS, initial_speed=initial_speed)
     parts = [sections.paragraph(date)] if date else []
-    parts += [sections.section("The design", sections.of_inputs(escapement, initial_speed))]
+    if designs is not None:
+        parts += of_requirement(designs)
+    inputs = [*inputs_of(escapement), ("initial_speed", initial_speed, "speed")]
+    parts.append(sections.section("The design", sections.of_inputs(inputs)))
     text = sections.paragraph(f"The figures of the terminal cycle: {figures.message}.")
     if figures.status is Status.OK:
         text += sections.of_record(record_of(figures, escapement))
     parts.append(sections.section("What it does", text))
+    if designs is not None:
+        parts.append(of_friction(designs))
     if motion.end_time > 0.0:
         drawn = sections.of_pictures(escapement, motion)
         parts.append(sections.section("Drawing and velocities", drawn))
     curve = escapement.curve
-    if curve is not None and not curve.periodic and curve.torque[-1] == 0.0:
-        run = rundown(escapement, initial_speed=initial_speed)
+    asked = designs and designs.requirement.turns
+    if asked or (curve is not None and not curve.periodic and curve.torque[-1] == 0.0):
+        run = rundown(escapement, turns=asked or None, initial_speed=initial_speed)
         text = sections.paragraph(
             f"{run.message[0].upper()}{run.message[1:]}."
         ) + sections.of_rundown(run)

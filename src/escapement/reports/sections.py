@@ -5,11 +5,13 @@ from __future__ import annotations
 import html
 import tempfile
 from collections.abc import Callable, Iterable, Sequence
+from contextlib import suppress
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from escapement import plots
+from escapement.base.errors import InvalidValue
 from escapement.base.records import Record, Table, in_units
 from escapement.base.spoken import spoken
 from escapement.base.text import show, words
@@ -17,7 +19,11 @@ from escapement.base.units import SYSTEMS, printed
 from escapement.dynamics.motion import Motion
 from escapement.engines.run_down import RUNDOWN
 from escapement.model.escapement import Escapement
-from escapement.model.inputs import in_words, inputs_of
+from escapement.model.inputs import Input, in_words
+from escapement.outlines.fits import Fits
+from escapement.outlines.part_files import motion_check
+from escapement.outlines.part_record import record_of as sizes_of
+from escapement.outlines.parts import parts_of
 from escapement.reports.assumptions import ALWAYS, left_out
 from escapement.tolerance.intervals import per_cent
 from escapement.tolerance.scatter_record import permitted_table, tables_of
@@ -57,10 +63,10 @@ def picture(make: Callable[[], Any], caption: str) -> str:
     return f'<figure role=img aria-label="{html.escape(caption, quote=True)}">{drawn}</figure>'
 
 
-def of_inputs(escapement: Escapement, initial_speed: float) -> str:
-    """What the design consists of, in all systems of units."""
+def of_inputs(inputs: Iterable[Input]) -> str:
+    """What went in, in all systems of units."""
     rows = []
-    for name, value, kind in [*inputs_of(escapement), ("initial_speed", initial_speed, "speed")]:
+    for name, value, kind in inputs:
         names = [name.replace("_", " ")]
         for system in SYSTEMS:
             shown = show(in_words(in_units(value, kind, system)))
@@ -121,7 +127,11 @@ def of_rundown(run: Rundown) -> str:
 
 def of_pictures(escapement: Escapement, motion: Motion) -> str:
     """The mechanism to scale, and the velocities from the start."""
-    drawn = picture(lambda: plots.plot_mechanism(escapement.mechanism), "The mechanism to scale")
+    wheel: Any = escapement.mechanism
+    drawn = picture(lambda: plots.plot_mechanism(wheel), "The mechanism to scale")
+    with suppress(InvalidValue):  # it has no size, or no parts that could be drawn
+        gaps, parts = motion_check(wheel), parts_of(wheel)
+        drawn += of_record(sizes_of(wheel, Fits(), parts, gaps, {}).without("kind", "least_gaps"))
     caption = "Driver and follower velocity from the start"
     return drawn + picture(lambda: plots.plot_velocities(motion), caption)
 

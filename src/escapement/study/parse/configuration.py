@@ -155,8 +155,7 @@ def _check_drives(plan: StudyPlan) -> None:
             "leave them out"
         )
     if plan.fixed_si.get("load_curve") is not None:
-        clearance = plan.every("clearance") if "clearance" in plan.parameters else 0.0
-        refuse_with_curve(clearance, plan.every("locking_radius"))
+        refuse_with_curve(plan.every("locking_radius"))
 
 
 def _replaces(name: str, forms: Mapping[str, Any]) -> bool:

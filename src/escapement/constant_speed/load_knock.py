@@ -1,0 +1,198 @@
+"""Impacts of a pin in a slot with clearance under a load that changes with the follower's angle.
+
+In the units of `knock` the follower moves between its walls by
+
+    phi'' = -(curve(phi) + load sign(phi'))
+
+which is integrated by Nystrom's method of the fourth order. A follower that stops is held where the
+curve is not above the constant load. On a wall s it has phi_s'', and leaves where the moment that
+this needs has changed its sign.
+"""
+
+import numpy as np
+
+from escapement.constant_speed.knock import FRONT, NOWHERE, REAR, landed, lead_at
+from escapement.dynamics.law import scene_of
+from escapement.dynamics.load import load_over
+from escapement.dynamics.torque import cell_of
+from escapement.mechanisms.slotted import angle_in_slot
+from escapement.numerics.jit import inner_jit, jit
+from escapement.numerics.roots import newton_in_bracket
+
+_STEPS = 64  # between two angles, in which a first impact is looked for
+_STRIDES = 16  # of a step, over which the motion is integrated
+_OPENING = 8  # steps in which the gap to the wall that was left is not yet looked at
+_TRIED = 512  # driver angles at which the moment on a wall is looked at
+_HALVINGS = 50  # until a zero is known to rounding
+_FOUND = 1e-15  # rad, how exactly an impact is known
+
+
+@inner_jit
+def _curve(phi, begin, scene):
+    """The load that changes, at a follower angle of the cell that begins at a driver angle."""
+    return load_over(phi, 0.0, begin, scene)[0]
+
+
+@inner_jit
+def _stride(phi, speed, time, sense, begin, scene):
+    """Angle and speed after a time in which the follower does not stop."""
+    held = sense * scene.load
+    first = -_curve(phi, begin, scene) - held
+    middle = phi + 0.5 * time * (speed + 0.25 * time * first)
+    second = -_curve(middle, begin, scene) - held
+    last = -_curve(phi + time * (speed + 0.5 * time * second), begin, scene) - held
+    angle = phi + time * (speed + time * (first + 2.0 * second) / 6.0)
+    return angle, speed + time * (first + 4.0 * second + last) / 6.0
+
+
+@inner_jit
+def _started(phi, begin, scene):
+    """Sense in which the curve moves a follower at rest; 0 where the constant load holds it."""
+    pushed = -_curve(phi, begin, scene)
+    return np.sign(pushed) if abs(pushed) > scene.load else 0.0
+
+
+@inner_jit
+def _moved(phi, speed, time, begin, scene):
+    """Angle and speed of the free follower after a time."""
+    part = time / _STRIDES
+    for _ in range(_STRIDES):
+        sense = np.sign(speed) if speed != 0.0 else _started(phi, begin, scene)
+        if sense == 0.0:
+            return phi, 0.0
+        angle, after = _stride(phi, speed, part, sense, begin, scene)
+        if scene.load > 0.0 and sense * after < 0.0:
+            low, high = 0.0, part
+            for _ in range(_HALVINGS):
+                middle = 0.5 * (low + high)
+                if sense * _stride(phi, speed, middle, sense, begin, scene)[1] < 0.0:
+                    high = middle
+                else:
+                    low = middle
+            phi = _stride(phi, speed, low, sense, begin, scene)[0]
+            sense = _started(phi, begin, scene)
+            angle, after = phi, 0.0
+            if sense != 0.0:
+                angle, after = _stride(phi, 0.0, part - low, sense, begin, scene)
+        phi, speed = angle, after
+    return phi, speed
+
+
+@inner_jit
+def _flight(start, phi, speed, left, c, begin, scene):
+    """The wall that a free follower meets first, where, and its speed there.
+
+    left : the wall that it has left, `NOWHERE` at the entry.
+    """
+    path, exit_ = scene.path, scene.edges[-1]
+    for i in range(_STEPS):
+        # the way is short if the clearance is small, so the steps grow from its beginning
+        low = start + (exit_ - start) * (i / _STEPS) ** 3
+        high = start + (exit_ - start) * ((i + 1) / _STEPS) ** 3
+        angle, after = _moved(phi, speed, high - low, begin, scene)
+        for wall in (REAR, FRONT):
+            lead = lead_at(path, c, high)[0]
+            gap = wall * (angle - angle_in_slot(path, high)) + lead
+            if gap > 0.0 or (wall == left and i < _OPENING):
+                continue
+            origin, theta = low, high
+            for _ in range(_HALVINGS):
+                angle, after = _moved(phi, speed, theta - origin, begin, scene)
+                lead, slope, _bend, g, _dg, _radius = lead_at(path, c, theta)
+                gap = wall * (angle - angle_in_slot(path, theta)) + lead
+                closing = wall * (after - g) + slope
+                guess, low, high = newton_in_bracket(theta, gap, closing, low, high, False)
+                step = abs(guess - theta)
+                theta = guess
+                if step <= _FOUND:
+                    break
+            return wall, theta, after
+        phi, speed = angle, after
+    return NOWHERE, np.nan, np.nan
+
+
+@inner_jit
+def _pressed(theta, wall, c, begin, scene):
+    """Moment by which a wall carries the follower that moves with it; below zero it does not."""
+    lead, slope, bend, g, dg, _radius = lead_at(scene.path, c, theta)
+    phi = angle_in_slot(scene.path, theta) - wall * lead
+    held = scene.load * np.sign(g - wall * slope)
+    return wall * (dg - wall * bend + _curve(phi, begin, scene) + held)
+
+
+@inner_jit
+def _leaves(start, wall, c, begin, scene):
+    """Driver angle at which the follower leaves a wall; NaN if it does not before the exit."""
+    step = (scene.edges[-1] - start) / _TRIED
+    for i in range(_TRIED + 1):
+        if _pressed(start + i * step, wall, c, begin, scene) < 0.0:
+            low, high = start + max(i - 1, 0) * step, start + i * step
+            for _ in range(_HALVINGS):
+                middle = 0.5 * (low + high)
+                if _pressed(middle, wall, c, begin, scene) < 0.0:
+                    high = middle
+                else:
+                    low = middle
+            return high
+    return np.nan
+
+
+@inner_jit
+def _of_index(c, begin, scene):
+    """The impacts of the index that begins at a driver angle, as `knock` has them."""
+    path, entry = scene.path, scene.edges[0]
+    wall, first, speed = _flight(entry, angle_in_slot(path, entry), 0.0, NOWHERE, c, begin, scene)
+    if wall == NOWHERE:
+        return landed(np.nan, np.nan, np.nan, np.nan, NOWHERE)
+    _lead, slope, _bend, g, _dg, radius = lead_at(path, c, first)
+    met, start = abs(speed - (g - wall * slope)), _leaves(first, wall, c, begin, scene)
+    if np.isnan(start):
+        return landed(first, met, radius, start, NOWHERE)
+    lead, slope, _bend, g, _dg, _radius = lead_at(path, c, start)
+    phi = angle_in_slot(path, start) - wall * lead
+    other, at, speed = _flight(start, phi, g - wall * slope, wall, c, begin, scene)
+    if other == NOWHERE:
+        return landed(first, met, radius, start, NOWHERE)
+    _lead, slope, _bend, g, _dg, there = lead_at(path, c, at)
+    last = abs(speed - (g - other * slope))
+    return landed(first, met, radius, start, other, reversal=(at, last, there))
+
+
+@jit(allocates=True)
+def knock_over_angle(packed, c, count):
+    """The hardest impacts of the indexes after which a load over the follower angle repeats.
+
+    Parameters
+    ----------
+    packed : of a scene with clearance, in the units of `knock`, as `model.scene.packed` makes it.
+    c : half the clearance, in crank radii; > 0.
+    count : number of indexes.
+
+    Returns
+    -------
+    Knock
+        The entry is that of the index with the hardest one, and so are the reversal and what is
+        before it. Angles count from the first dead centre.
+    """
+    return hardest_knock(scene_of(packed), c, count)
+
+
+@inner_jit
+def hardest_knock(scene, c, count):
+    """As `knock_over_angle`, of a scene."""
+    best = _of_index(c, 0.0, scene)
+    for k in range(1, count):
+        begin = k * cell_of(scene)
+        found = _of_index(c, begin, scene)
+        if found.entry_speed > best.entry_speed or np.isnan(best.entry_speed):
+            entry = found.entry_angle + begin, found.entry_speed, found.entry_distance
+        else:
+            entry = best.entry_angle, best.entry_speed, best.entry_distance
+        if found.reversal_speed > best.reversal_speed or np.isnan(best.reversal_speed):
+            back = found.reversal_angle + begin, found.reversal_speed, found.reversal_distance
+            start, wall = found.lift_off + begin, found.wall
+        else:
+            back = best.reversal_angle, best.reversal_speed, best.reversal_distance
+            start, wall = best.lift_off, best.wall
+        best = landed(entry[0], entry[1], entry[2], start, wall, reversal=back)
+    return best
