@@ -20,13 +20,10 @@ from escapement.plots.style import (
     LABEL_SIZE,
     LIGHT_GREY,
     LOOKS,
-    ONE_COLUMN,
     SMALL_SIZE,
     TWO_COLUMN,
     VERMILLION,
     dress,
-    legend_above,
-    new_axes,
     new_figure,
     number_text,
 )
@@ -117,23 +114,6 @@ def tolerance():
     panels[0].set_ylabel("Measured relative error")
     above(figure, panels[0], 5)
     return figure
-
-
-def order():
-    """Error of solve_ivp's methods against a fixed step."""
-    axes = new_axes(ONE_COLUMN, 3.0)
-    for ((method, slope), rows), look in zip(
-        grouped(table("order"), "method", "order"), LOOKS, strict=False
-    ):
-        steps, error = columns(list(rows), "steps a cell", "error")
-        axes.loglog(
-            steps, error, look.marker, ls=look.linestyle, color=look.color, ms=4,
-            label=f"{method}: {slope:.1f}",
-        )  # fmt: skip
-    axes.set_xlabel("Steps in an engagement")
-    axes.set_ylabel("Relative error")
-    legend_above(axes, 3, title="observed order")
-    return axes.figure
 
 
 def painleve():

@@ -2,11 +2,10 @@
 
     python benchmarks/tolerance.py [--cases 1000] [--only NAME ...]
 
-Four studies compare the engines with the Taylor integrator of `independent`. Each writes a CSV
+Three studies compare the engines with the Taylor integrator of `independent`. Each writes a CSV
 file to benchmarks/results; `figures.py` draws them:
 
     tolerance     error of random cases over the tolerance, both engines
-    order         observed order of solve_ivp's methods with a fixed step
     painleve      error and run time as friction approaches the Painleve limit
     long_run      drift of time and energy over a million engagements
 """
@@ -99,41 +98,6 @@ def study_tolerance(options):
     write("tolerance", head, rows)
 
 
-def study_order(_options):
-    """Order of solve_ivp's methods by regression of error on step.
-
-    The error is the root of the mean square over eight initial speeds, because the error of a
-    single motion changes its sign at some steps and is small there by chance.
-    """
-    problems = [
-        Problem(4, 4, False, 1.0, 0.2, 0.0, float(speed), 1e-9, 0.1)
-        for speed in np.linspace(0.5, 2.0, 8)
-    ]
-    truths = [exact(independent.case_of(*p.physics[:6]), p.speed**2) for p in problems]
-    rows = []
-    for method, parts in (
-        ("RK23", 2 ** np.arange(6, 12)),
-        ("RK45", 2 ** np.arange(5, 10)),
-        ("DOP853", np.array([32, 40, 50, 64, 80, 100])),
-    ):
-        errors = [
-            np.sqrt(
-                np.mean(
-                    [
-                        error_of(p, "ivp", 0.9, t, method=method, max_step=t[0] / n, atol=1e6) ** 2
-                        for p, t in zip(problems, truths, strict=True)
-                    ]
-                )
-            )
-            for n in parts
-        ]
-        order = -np.polyfit(np.log(parts), np.log(errors), 1)[0]
-        rows += [
-            [method, int(n), float(e), float(order)] for n, e in zip(parts, errors, strict=True)
-        ]
-    write("order", ["method", "steps a cell", "error", "order"], rows)
-
-
 def study_painleve(_options):
     """Error and run time against the distance to the limit."""
     rows = []
@@ -201,7 +165,7 @@ def study_long_run(_options):
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--cases", type=int, default=1000, help="of the tolerance study")
-    names = ("tolerance", "order", "painleve", "long_run")
+    names = ("tolerance", "painleve", "long_run")
     parser.add_argument("--only", nargs="+", choices=names, default=names)
     options = parser.parse_args()
     for name in options.only:

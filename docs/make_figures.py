@@ -22,7 +22,7 @@ HERE = Path(__file__).resolve().parent
 DPI = 200
 COLOURS = 192  # a palette of so many colours keeps the files small without a visible difference
 FILM_COLOURS = 64
-ACCURACY = ("work_precision", "tolerance", "order", "painleve", "long_run", "conditioning")
+ACCURACY = ("work_precision", "tolerance", "painleve", "long_run", "conditioning")
 
 _PAGES = (
     *("motions", "studies", "drives", "gears", "effects", "imperfect", "rundown", "tolerances"),

@@ -3,10 +3,8 @@
 from dataclasses import replace
 
 import numpy as np
-import pytest
 
 import escapement as esc
-from both_engines import agree
 
 WHEEL = esc.Geneva(4, crank_radius=0.01, pin_radius=5e-4)
 TIMER = esc.Escapement(
@@ -33,12 +31,3 @@ def test_a_minimum_just_before_a_change_of_sliding_is_found():
         close = np.abs(extrema.time - change[0]) < 0.02 * motion.end_time
         pairs += np.count_nonzero(close) > 1
     assert pairs > 0
-
-
-def test_a_maximum_behind_the_reversal_of_a_spent_spring_is_found():
-    timer = esc.Escapement(
-        esc.Geneva(12, 2), esc.Inertia(1.2222e-6, 1.35e-7), torque=0.08135, spring_rate=0.0015876,
-        friction=13.6, follower_drag=2.671e-9,
-    )  # fmt: skip
-    one, two = (motion.extrema for motion in agree(timer, 20, rtol=1e-10))
-    assert one.theta == pytest.approx(two.theta, abs=1e-6)

@@ -5,41 +5,11 @@ import pytest
 from scipy.integrate import solve_ivp
 
 import escapement as esc
-from both_engines import agree
 from elliptical_tools import PAPER
 from escapement.base.units import INCH_POUND
 
 INERTIA = esc.Inertia(driver=3e-6 * INCH_POUND, follower=50e-6 * INCH_POUND)
 TORQUE = 0.1 * INCH_POUND
-
-
-def between_stops(motion, drive):
-    """Reversals inside the cells: without a load the force vanishes at the stops as well."""
-    place = motion.reversals.theta / drive.cell_angle + 0.5
-    return place[np.abs(place - np.rint(place)) > 1e-9]
-
-
-@pytest.mark.parametrize(("ratio", "efficiency", "load"), [(16 / 9, 0.9, 0.0), (3.0, 0.8, 0.1)])
-def test_both_engines_agree(ratio, efficiency, load):
-    timer = esc.Escapement(
-        esc.EllipticalPlanetary(ratio, 1.0), INERTIA, TORQUE,
-        efficiency=efficiency, load_torque=load * TORQUE,
-    )  # fmt: skip
-    fast, slow = agree(timer, 5, events=False, rtol=1e-10)
-    np.testing.assert_allclose(
-        between_stops(fast, timer.mechanism), between_stops(slow, timer.mechanism), atol=1e-8
-    )
-    ours, theirs = esc.terminal(timer), esc.terminal(timer, engine="ivp", rtol=1e-8)
-    for name in ("velocity_max", "velocity_min", "period", "rise_time", "contact_moment_max"):
-        assert getattr(ours, name) == pytest.approx(getattr(theirs, name), rel=1e-7), name
-
-
-def test_a_heavy_driver_passes_its_stops():
-    """The force all but vanishes at a stop: its sign there must not be rounding."""
-    timer = esc.Escapement(
-        esc.EllipticalPlanetary(1.65, 1.0), esc.Inertia(242.0, 1.0), 1.0, efficiency=0.84
-    )
-    agree(timer, 3, events=False)
 
 
 def test_a_motion_integrated_with_nothing_of_ours():

@@ -15,33 +15,6 @@ BOTH = ("energy", "ivp")
 NO_TERMINAL = Status.NO_TERMINAL
 
 
-SCENES = {
-    "four pins": (drive(crank_radius=0.02), 0.0),
-    "six pins, slow to settle": (drive(3, 6, 0.6, 0.05, crank_radius=1.0), 0.0),
-    "one pin, from above": (drive(8, 1, 0.5, 0.4, 0.05, crank_radius=0.02), 40.0),
-    "internal": (drive(5, 1, 0.3, 0.2, internal=True, crank_radius=0.02), 0.0),
-    "light driver": (drive(4, 4, 0.004, 0.0031, crank_radius=0.02), 0.0),
-}
-
-
-@pytest.mark.parametrize(
-    ("scene", "speed"),
-    [
-        *(SCENES[name] for name in ("four pins", "one pin, from above", "internal")),
-        # an extremum on a handoff belongs to both of its engagements
-        (drive(4, 1, 3.848446, 0.877957, internal=True, crank_radius=0.02), 0.0),
-        (drive(5, 1, 7.400645, 3.32557, 0.001549, internal=True, crank_radius=1.0), 0.0),
-        # a start far too fast
-        (drive(4, 4, 1.949, 0.1, 0.0154, crank_radius=1.0), 1262.2),
-    ],
-)
-def test_both_engines_give_the_same_figures(scene, speed):
-    fast, judge = (esc.terminal(scene, engine=e, initial_speed=speed).as_dict() for e in BOTH)
-    for figure, value in judge.items():
-        if figure not in ("contraction", "energy_residual", "message"):
-            assert fast[figure] == pytest.approx(value, rel=1e-8, nan_ok=True), figure
-
-
 def test_terminal_figures_keep_the_tolerance_where_little_is_lost():
     """An engagement that hardly contracts magnifies the error of the map it is the root of."""
     scene = drive(rho=1.0, mu=1e-4)

@@ -3,18 +3,10 @@
 import numpy as np
 import pytest
 
-from both_engines import agree
-from escapement import Escapement, GearDriven, Inertia, critical_friction, simulate, sweep, terminal
+from escapement import Escapement, GearDriven, Inertia, critical_friction, simulate, sweep
 from escapement.base.errors import InvalidValue
 from escapement.base.status import Status
 from escapement.constant_speed import drive_torque
-
-
-def test_a_wheel_whose_g_is_rounded_below_zero_starts_from_rest():
-    wheel = GearDriven(24, 0, "epicycloid", pins=2)
-    inertia = Inertia(0.8560442686544377, 1.0)
-    agree(Escapement(wheel, inertia, 1.0, 0.03787595660111593), 2, rtol=1e-9)
-
 
 DRIVES = [
     GearDriven(12, 5, "epicycloid", pins=6),
@@ -24,19 +16,6 @@ DRIVES = [
     GearDriven(8, "1/2", "epicycloid", pins=2),
     GearDriven(9, 5, "pericycloid", pins=2),
 ]
-
-
-@pytest.mark.parametrize("wheel", DRIVES, ids=lambda wheel: f"{wheel.stations} {wheel.curve}")
-def test_both_engines_agree(wheel):
-    inertia = Inertia(3.4e-6, 5.6e-6)
-    limit = critical_friction(wheel, inertia)
-    drive = Escapement(wheel, inertia, 0.0113, friction=0.6 * limit, load_torque=5e-4)
-    fast, slow = terminal(drive), terminal(drive, engine="ivp", rtol=1e-9)
-    for name in ("velocity_max", "velocity_min", "period", "rise_time"):
-        assert getattr(fast, name) == pytest.approx(getattr(slow, name), rel=1e-8)
-    one, _ = agree(drive, 6, rtol=1e-9)
-    ends = one.at(np.array([one.handoff_times[-1]]))
-    assert ends.phi[0] == pytest.approx(5.5 * wheel.follower_step, abs=1e-9)
 
 
 @pytest.mark.parametrize(("n", "m"), [(12, "3999/1000"), (72, "33999/1000"), (100, "47999/1000")])

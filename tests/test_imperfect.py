@@ -156,24 +156,6 @@ def test_impulse_and_energy_of_every_blow_balance():
     assert seen > 100
 
 
-SHARED = ("period", "velocity_max", "velocity_min", "blow_max", "rise_time", "settling_time")
-
-
-def test_engines_agree():
-    wheel = imperfect(np.random.default_rng(5), 5, 1e-3)
-    drive = esc.Escapement(wheel, INERTIA, 0.10 * INCH_POUND, 0.2)
-    fast, slow = (esc.terminal(drive, engine=e, initial_speed=20.0) for e in ("energy", "ivp"))
-    assert "strike" in fast.motion.handoffs.kind
-    np.testing.assert_allclose(fast.beats, slow.beats, rtol=1e-9)
-    for name in SHARED:
-        assert getattr(fast, name) == pytest.approx(getattr(slow, name), rel=1e-9), name
-    for name in ("rise_time_63", "rise_time_98"):  # they are differences of speeds
-        assert getattr(fast, name) == pytest.approx(getattr(slow, name), rel=1e-6), name
-    pairs = [(one.motion.extrema.theta, one.motion.extrema.theta_dot) for one in (fast, slow)]
-    np.testing.assert_allclose(*pairs, rtol=1e-9)
-    assert fast.contraction == pytest.approx(slow.contraction, abs=1e-6)
-
-
 # of each error of 1e-6: the relative change of the mean period per unit
 SLOPES = [
     ({"centre_distance_error": 1e-6 * CENTRES}, -3.238),
@@ -284,10 +266,6 @@ def test_a_pin_that_misses_its_slot_is_named(errors, words):
     for ask in (lambda: esc.critical_friction(own.mechanism, own.inertia), lambda: own.scenes):
         with pytest.raises(esc.errors.InvalidValue, match=words):
             ask()
-
-
-def late():
-    return esc.Geneva(4, pin_angle_errors=(1e-3, 0, 0, 0))
 
 
 def test_a_sample_draws_each_pin_and_slot_alone(tmp_path):

@@ -9,7 +9,6 @@ import pytest
 import escapement as esc
 from escapement.base.status import Status
 from escapement.dynamics.law import left_by_impact
-from escapement.dynamics.painleve import friction_limits
 from escapement.mechanisms.slotted import pose_at
 from imperfect_bodies import hand_over
 from planets import Planet, Touch, by_power
@@ -128,20 +127,6 @@ def test_the_law_and_the_blow_follow_from_the_power_that_is_lost(curve):
         left = own.driver / (own.driver + own.follower * g * (g + lost / lever))
         edges = np.array([start, scene.edges[-1]])
         assert left_by_impact(scene._replace(edges=edges)) == pytest.approx(float(left), rel=1e-12)
-
-
-def test_engines_agree():
-    wheel = imperfect(np.random.default_rng(3), *CURVES[2])
-    drive = esc.Escapement(wheel, esc.Inertia(5e-6, 5e-6), 0.01, 0.0)
-    friction = 0.5 * min(*friction_limits(drive), 0.8)
-    drive = esc.Escapement(wheel, drive.inertia, 0.01, friction)
-    fast, slow = (esc.terminal(drive, engine=e, initial_speed=20.0) for e in ("energy", "ivp"))
-    assert fast.status is slow.status is Status.OK
-    assert len(fast.beats) == len(wheel.pairs) > 1
-    np.testing.assert_allclose(fast.beats, slow.beats, rtol=1e-9)
-    for name in ("period", "velocity_max", "velocity_min", "blow_max"):
-        assert getattr(fast, name) == pytest.approx(getattr(slow, name), rel=1e-9), name
-    assert abs(fast.energy_residual) < 1e-12
 
 
 def test_a_pin_that_misses_its_slot_ends_in_a_status():

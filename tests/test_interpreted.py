@@ -61,7 +61,7 @@ def test_a_first_answer_needs_no_compiling(tmp_path):
 @pytest.mark.parametrize(
     "call",
     [
-        *("terminal(timer)", "simulate(timer).reversals", "simulate(timer, 2, engine='ivp')"),
+        *("terminal(timer)", "simulate(timer, 2).reversals", "simulate(timer, 1, engine='ivp')"),
         *("terminal(uneven)", "simulate(loose, 2)", "critical_friction(wheel, timer.inertia)"),
         *("index(wheel, 6.0, follower_inertia=0.4).torque_max", "rundown(wound, turns=1)"),
     ],
@@ -81,13 +81,12 @@ def test_any_call_may_be_the_first(tmp_path, call):
     assert not list(tmp_path.rglob("*.nb?"))
 
 
-def test_nothing_is_said_where_silence_is_asked_for(tmp_path):
-    assert ask(RUN, tmp_path, ESCAPEMENT_QUIET="1")[1] == ""
-
-
 def test_interpreted_and_compiled_results_agree(tmp_path):
+    """And nothing is said where silence is asked for."""
     code = SCENES + "import json\nprint(json.dumps(list(results())))"
-    interpreted = json.loads(ask(["-c", code], tmp_path)[0])
+    printed, said = ask(["-c", code], tmp_path, ESCAPEMENT_QUIET="1")
+    interpreted = json.loads(printed)
+    assert said == ""
     assert not list(tmp_path.rglob("*.nb?"))
     names = {}
     exec(SCENES, names)
@@ -122,28 +121,26 @@ def one_more(x):
 def count_up(memory, zero):
     for _ in range(20):
         memory[0] = one_more(memory[0])
-    return memory[0] / zero
+    return 25.0 / zero
 
-memory = np.array([5.0])
-print(count_up(memory, %s), memory[0], interpreted.interprets())
+for zero in (2.0, 0.0):
+    memory = np.array([5.0])
+    print(count_up(memory, zero), memory[0], interpreted.interprets())
 """
 
 
 @pytest.mark.parametrize(
-    ("patience", "zero", "told"),
+    ("patience", "told"),
     [
-        (100, "2.0", "12.5 25.0 True"),
-        (10, "2.0", "12.5 25.0 False"),  # its patience ends within the call
-        (100, "0.0", "inf 25.0 False"),  # NumPy's numbers give infinity, Python's are refused
+        # NumPy's numbers give infinity, and Python's are refused
+        (100, ["12.5 25.0 True", "inf 25.0 False"]),
+        (10, ["12.5 25.0 False", "inf 25.0 False"]),  # its patience ends within the call
     ],
 )
-def test_a_call_is_repeated_from_its_start_when_it_is_compiled(tmp_path, patience, zero, told):
-    code = CHANGE % (patience, zero)
-    if told.startswith("inf"):
-        code = code.replace("memory[0] / zero", "1.0 / zero")
+def test_a_call_is_repeated_from_its_start_when_it_is_compiled(tmp_path, patience, told):
     file = tmp_path / "toy.py"
-    file.write_text(code)
-    assert ask([str(file)], tmp_path / "cache")[0].strip() == told
+    file.write_text(CHANGE % patience)
+    assert ask([str(file)], tmp_path / "cache")[0].splitlines() == told
 
 
 def test_what_is_inlined_is_inlined_after_the_change_over(tmp_path):

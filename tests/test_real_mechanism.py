@@ -124,19 +124,3 @@ def test_a_pin_with_width_parts_the_limits_of_existence_and_of_uniqueness():
         assert "a second motion is possible" in outcome.message
     beyond = esc.terminal(timer({"pin_radius": 0.05 * CRANK}, friction=0.43))
     assert beyond.status is Status.PAINLEVE
-
-
-def geared(**numbers):
-    wheel = esc.GearDriven(6, "1/2", fixed_radius=CRANK)
-    return esc.Escapement(wheel, INERTIA, torque=TORQUE, **numbers)
-
-
-def meshed(**numbers):
-    drive = esc.EllipticalPlanetary(0.02, 0.01)
-    return esc.Escapement(drive, INERTIA, torque=TORQUE, efficiency=0.9, **numbers)
-
-
-@pytest.mark.parametrize("make", [geared, meshed])
-def test_drag_and_bearing_torque_suit_every_mechanism(make):
-    real = make(driver_bearing_torque=0.1 * TORQUE, **DRAG | OIL)
-    agree(real, 2, events=make is geared)

@@ -9,7 +9,6 @@ import numpy as np
 import pytest
 
 import escapement as esc
-from both_engines import agree
 from escapement.base.errors import InvalidValue
 from escapement.base.status import Status
 from escapement.base.units import INCH, INCH_POUND
@@ -182,18 +181,3 @@ def test_a_motion_file_keeps_reactions_and_losses(slots, tmp_path):
     assert old.ledger.friction == again.ledger.friction
     assert math.isfinite(old.ledger.residual)
     np.testing.assert_array_equal(old.at(grid).theta, found.theta)
-
-
-def test_drag_holds_a_light_driver_at_its_final_speed_in_the_dwell():
-    light = esc.Inertia(1.3e-8, 5.65e-6)
-    timer = replace(everything(slots=5, friction=0.05), inertia=light)
-    fast, slow = (esc.terminal(timer, engine=name) for name in ("energy", "ivp"))
-    assert fast.period == pytest.approx(slow.period, rel=1e-8)
-    assert fast.contraction == pytest.approx(0.0, abs=1e-9)
-
-
-def test_a_stop_in_oil_is_found_where_the_other_engine_finds_it():
-    timer = everything(friction=0.1, load_torque=0.7 * TORQUE)
-    fast, slow = agree(timer, 20, rtol=1e-8)
-    assert fast.status is esc.terminal(timer).status is Status.STALL
-    assert fast.message == slow.message

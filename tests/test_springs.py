@@ -18,7 +18,7 @@ from escapement.base.errors import InputFileError
 from escapement.base.status import Status
 from escapement.base.units import INCH_POUND
 from random_drives import drives, very_few
-from test_real_mechanism import TORQUE, everything, timer
+from test_real_mechanism import TORQUE, timer
 
 TURN = 2.0 * math.pi
 WOUND = timer(spring_rate=0.02 * TORQUE / TURN)
@@ -62,12 +62,6 @@ def curves(draw):
 def test_engines_agree_on_random_springs_and_curves(real, fall, curve):
     agree(replace(real, spring_rate=fall / real.mechanism.cell_angle), 5)
     agree(replace(real, torque=curve), 5)
-
-
-@pytest.mark.parametrize("slots", [4, 5])  # with five slots there is a dwell
-def test_every_effect_goes_with_a_spring(slots):
-    rate = 0.2 * TORQUE / esc.Geneva(slots).cell_angle
-    agree(everything(slots=slots, friction=0.2, spring_rate=rate), 4)
 
 
 @pytest.mark.parametrize("slots", [4, 5])

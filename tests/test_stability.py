@@ -95,7 +95,7 @@ def test_two_reversals_that_merge():
 
 
 @pytest.mark.parametrize("internal", [False, True])
-@pytest.mark.parametrize("slots", [3, 5, 12, 13, 15, 16, 20, 22, 38, 49, 65, 94, 164, 333, 1000])
+@pytest.mark.parametrize("slots", [3, 5, 12, 13, 22, 49, 94, 333, 1000])
 def test_start_from_rest_is_a_start_on_the_reversal(slots, internal):
     """There the contact moment is zero but for the rounding error of pin entry."""
     friction = 0.3 * limit(slots, 1, rho=0.5, internal=internal)
@@ -115,19 +115,19 @@ def test_start_on_an_extremum_of_the_speed(change):
     assert inner[0] == inner[1]
 
 
-@pytest.mark.parametrize("speed", [1e-300, 1e-100, 1e-30, 1e-12, 1e-8, 1e-6, 1e-4, 1e-3, 1e-2, 0.1])
+@pytest.mark.parametrize("speed", [1e-300, 1e-30, 1e-8, 1e-4, 1e-2])
 @pytest.mark.parametrize("model", [drive(), drive(20, 2, rho=0.01, mu=0.5), drive(5, 3, rho=40.0)])
 def test_start_from_almost_rest(model, speed):
     judge = run(model, "ivp", speed=speed, rtol=1e-12)
     assert (judge.status, turns(judge)) == (Status.OK, turns(run(model, speed=speed)))
     exact = numbers(judge)
-    for rtol in (1e-4, 1e-6, 1e-8, 1e-10, 1e-12):
+    for rtol in (1e-4, 1e-8, 1e-12):
         found = run(model, rtol=rtol, speed=speed)
         allowed = 10.0 * rtol + 1e-11
         np.testing.assert_allclose(numbers(found), exact, rtol=allowed)
 
 
-@pytest.mark.parametrize("rtol", [1e-4, 1e-7, 1e-10, 1e-12])
+@pytest.mark.parametrize("rtol", [1e-4, 1e-8, 1e-12])
 @pytest.mark.parametrize(
     ("model", "speed"),
     [
@@ -202,7 +202,7 @@ def test_extremes(name):
     assert figures.period == pytest.approx(again.end_time, rel=1e-10)
 
 
-@pytest.mark.parametrize("share", [0.99, 0.9999, 0.999999])
+@pytest.mark.parametrize("share", [0.99, 0.999999])
 @pytest.mark.parametrize(("slots", "rho"), [(3, 0.6), (4, 0.06), (6, 0.075), (9, 1e-3), (4, 30.0)])
 def test_just_below_the_painleve_limit(slots, rho, share):
     model = drive(slots, rho=rho, mu=share * limit(slots, rho=rho))
@@ -215,7 +215,7 @@ def test_just_below_the_painleve_limit(slots, rho, share):
 # what the drive can carry
 
 
-@pytest.mark.parametrize("share", [0.5, 0.9, 0.999, 1.0, 1.001, 1.1, 10.0, 1e6])
+@pytest.mark.parametrize("share", [0.5, 0.999, 1.0, 1.001, 10.0, 1e6])
 @pytest.mark.parametrize(
     ("slots", "pins", "mu", "internal"),
     [(4, 4, 0.0, 0), (4, 4, 0.3, 0), (3, 2, 0.2, 0), (7, 1, 0.1, 0), (5, 1, 0.2, 1)],

@@ -127,11 +127,3 @@ def test_a_reversal_at_the_very_start_is_one(seed):
     motion, _ = agree(timer, 2)
     assert motion.reversals.theta[0] == timer.mechanism.breaks[0]
     assert np.isfinite(motion.reversals.time).all()
-
-
-@pytest.mark.parametrize(("noise_deg", "seed"), [(0.5, 2), (0.5, 3), (0.1, 6), (0.01, 3)])
-def test_a_follower_that_seems_to_turn_back_a_little_moves(noise_deg, seed):
-    """Noise makes g change its sign beside a stop, and with it the sense of what is lost."""
-    table = measured(noise_deg, seed)
-    assert table.transmission(np.linspace(*table.breaks, 2000)).g.min() < 0.0
-    assert agree(moved_by(table), 2, rtol=1e-9, events=False)[0].status is Status.OK
