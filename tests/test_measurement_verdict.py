@@ -15,8 +15,8 @@ from scipy import stats
 
 import escapement as esc
 from escapement.measurement import error_columns, finding
-from escapement.measurement.changes import _chance_of_greatest, far_out
 from escapement.measurement.noise import noise_of, rounding_bias
+from escapement.measurement.normal_equations import _chance_of_greatest, far_out
 from measurement_tools import DEG
 
 WHEEL = esc.Geneva(4, pins=1)

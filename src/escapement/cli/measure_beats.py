@@ -52,7 +52,7 @@ def concern(args: Arguments) -> bool:
 
 def execute(args: Arguments) -> int:
     """Print rate, beat error and stability, and what a model says of the beats."""
-    from escapement.measurement.beat_record import record_of_beats
+    from escapement.measurement.measurement_record import record_of_beats
     from escapement.measurement.recording import is_recording
 
     names = [] if args.fit in (None, "none") else [name.strip() for name in args.fit.split(",")]

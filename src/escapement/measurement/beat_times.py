@@ -1,23 +1,30 @@
 """Times of beats, from a recording of their sound or from a text file."""
 
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from escapement.base import validate
+from escapement.base.columns import wrong_unit
 from escapement.base.errors import InputFileError, InvalidValue
 from escapement.base.files import AnyPath, write_file
+from escapement.base.headings import TIMES, name_and_unit
+from escapement.base.lines import BrokenLine
 from escapement.base.text import Shown, csv_lines
-from escapement.measurement.beat_files import read_times
+from escapement.base.text_table import Content, Layout, read_table
 from escapement.measurement.onsets import Onsets, find_onsets
 from escapement.measurement.recording import is_recording, read_recording
-from escapement.measurement.rhythm import FEWEST, find_rhythm
+from escapement.measurement.rhythm import FEWEST, Rhythm, find_rhythm
 from escapement.mechanisms.protocol import FloatArray
 
 HOUR = 3600.0
 _SAVED = "time [s],half_width [s],loudness"
+_INTERVALS = ("interval", "intervals", "beat", "beats", "duration", "durations", "period")
+_INSTANTS = ("time", "times", "t", "timestamp", "onset", "onsets")
+_CONTENT = Content("file of beats", "times", "a column of times, or of intervals", single=True)
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -150,10 +157,8 @@ def read_beats(
         nan = np.full(times.size, np.nan)
         found = Onsets(times, 0.0 * times, nan, 0.0 * times, np.isfinite(times))
         duration, rate = float(np.nanmax(times)) if times.size else 0.0, np.nan
-    if run_up:
-        return _every(found, duration, rate, path)
     try:
-        rhythm = find_rhythm(found, expected)
+        rhythm = _every(found) if run_up else find_rhythm(found, expected)
     except InvalidValue as error:
         what = "recording" if is_recording(path) else "file"
         raise InputFileError(f"{what} {path} must hold beats: {error}") from None
@@ -169,16 +174,15 @@ def read_beats(
     )  # fmt: skip
 
 
-def _every(found: Onsets, duration: float, rate: float, path: AnyPath) -> BeatTimes:
+def _every(found: Onsets) -> Rhythm:
     """Each sure sound as a beat."""
     sure = np.flatnonzero(found.sure)
     if sure.size < FEWEST:
-        raise InputFileError(
-            f"{path} must hold {FEWEST} beats or more, got {sure.size}; record from the release on"
+        raise InvalidValue(
+            f"a run-up must have {FEWEST} beats or more, got {sure.size}; record from the release "
+            "on"
         )
-    columns = found.times[sure], found.half_widths[sure], found.loudness[sure]
-    period = float(np.mean(np.diff(columns[0])))
-    return BeatTimes(*columns, np.empty(0), period, 1, duration, rate)
+    return Rhythm(sure, np.empty(0, int), float(np.mean(np.diff(found.times[sure]))), 1)
 
 
 def write_beats(beats: BeatTimes, path: AnyPath, *, force: bool = False) -> None:
@@ -192,3 +196,64 @@ def write_beats(beats: BeatTimes, path: AnyPath, *, force: bool = False) -> None
     heard = beats.heard
     columns = [values[heard] for values in (beats.times, beats.half_widths, beats.loudness)]
     write_file(path, [(_SAVED + "\n").encode(), csv_lines(columns)], force)
+
+
+def read_times(path: AnyPath, time_unit: str | None = None) -> FloatArray:
+    """Instants of beats [s], in turn.
+
+    Parameters
+    ----------
+    path : path
+        Text as `read_table` reads it, with a column of instants, or of intervals. It is the one
+        named time or interval, else the only one. Numbers that increase throughout are instants,
+        unless the heading says otherwise.
+    time_unit : str, optional
+        A key of `headings.TIMES`. Default: as in the heading, else seconds.
+
+    Raises
+    ------
+    MissingInput, InputFileError
+        When there is no such file, or it holds no times.
+    InvalidValue
+        For an unknown unit.
+    """
+    if time_unit is not None:
+        validate.choice("time_unit", time_unit, tuple(TIMES))
+    table = read_table(path, _CONTENT, partial(_find_layout, time_unit=time_unit))
+    intervals, instants = table.columns
+    if instants is not None:
+        found = instants[np.isfinite(instants)]
+        back = np.flatnonzero(np.diff(found) <= 0.0)
+        if not back.size:
+            return np.asarray(found)
+        if intervals is None:
+            raise InputFileError(
+                f"file of beats {path} must have times that increase, got "
+                f"{found[back[0] + 1]:g} s after {found[back[0]]:g} s; sort them, or name the "
+                "column interval"
+            )
+    steps = np.asarray(intervals)
+    wrong = np.flatnonzero(~(steps > 0.0))
+    if wrong.size:
+        raise InputFileError(
+            f"{path}, line {table.line[wrong[0]]} must have an interval greater than 0, got "
+            f"{steps[wrong[0]]:g} s; give times of the beats instead"
+        )
+    return np.concatenate([[0.0], np.cumsum(steps)])
+
+
+def _find_layout(
+    fields: list[str], names: list[str], header: bool, time_unit: str | None
+) -> Layout:
+    """The column of intervals and that of instants, which are one if no heading tells which."""
+    named = [name_and_unit(name) for name in names] if header else [("", None)]
+    usual = [i for i, (name, _) in enumerate(named) if name in (*_INSTANTS, *_INTERVALS, "")]
+    if not usual and len(fields) > 1:
+        raise BrokenLine("have one column called time or interval", "rename the column of times")
+    index = usual[0] if usual else 0
+    name, stated = named[index]
+    unit = time_unit or stated or "s"
+    if unit not in TIMES:
+        raise wrong_unit(unit, timed=True)
+    indices = (None if name in _INSTANTS else index, None if name in _INTERVALS else index)
+    return Layout(indices, (unit, unit), (TIMES[unit], TIMES[unit]))

@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from escapement.base import validate
-from escapement.measurement.backlash import with_backlash
+from escapement.measurement.error_columns import with_backlash
 from escapement.measurement.positions import position
 from escapement.measurement.readings import FARTHEST, LEAST_SAMPLES, TURN, WITHIN, Readings
 from escapement.mechanisms.protocol import FloatArray, Mechanism, checked

@@ -1,15 +1,140 @@
-"""The columns of the search for errors: what each cause does to the errors at each sample."""
+"""The columns of the search for errors: what each cause does to the errors at each sample.
 
+A slot whose angle is wrong moves the follower while a pin is in it, and in the dwell behind it. A
+pin whose angle is wrong acts as an error of the input. Each part is compared with the mean of the
+others.
+
+A shaft with a free play w is pushed at either end of it and stays in between: it lags by w/2
+behind what drives it, in either sense, and crosses over after each reversal.
+"""
+
+import math
 from collections.abc import Iterator
+from fractions import Fraction
+from itertools import accumulate
 from typing import NamedTuple
 
 import numpy as np
 
+from escapement.base.lazy import Lazy
 from escapement.measurement.findings import ORDERS, Key
-from escapement.measurement.normal_equations import PHASE, Indices, NormalEquations
-from escapement.measurement.readings import blocks
-from escapement.measurement.slot_errors import Parts
-from escapement.mechanisms.protocol import FloatArray
+from escapement.measurement.normal_equations import PHASE, Fitted, Indices, NormalEquations, log_of
+from escapement.measurement.readings import TURN, blocks
+from escapement.mechanisms.protocol import FloatArray, Mechanism
+
+special = Lazy("scipy.special")
+_ENGAGED = 10  # the width is fitted if so many samples are at either end of the backlash
+_ROOM = (
+    0.1  # the first estimate is at most this share of the travel, so that the backlash is crossed
+)
+_WIDE = 4.0  # a backlash is narrower than this many standard deviations of errors that it causes
+
+
+def with_backlash(angle: FloatArray, width: float) -> FloatArray:
+    """Angle of a shaft that is driven through a free play, beginning in its middle [rad]."""
+    half_width = 0.5 * width
+    followed = accumulate(
+        angle.tolist(), lambda at, end: min(max(at, end - half_width), end + half_width)
+    )
+    return np.array([*followed])
+
+
+def lag(angle: FloatArray, width: float) -> FloatArray:
+    """By how much a shaft leads, as a share of its free play, -1/2 to 1/2, shape (n,) [-]."""
+    return np.asarray((with_backlash(angle, width) - angle) / width)
+
+
+def first_engaged(share: FloatArray) -> int | None:
+    """First sample at which a shaft is at an end of its backlash; before it the side is unknown.
+
+    None if there are too few samples at both ends to fit the width.
+    """
+    ends = share > 0.499, share < -0.499
+    if min(map(np.count_nonzero, ends)) < _ENGAGED:
+        return None
+    return int(min(map(np.argmax, ends)))
+
+
+def first_widths(
+    driver: FloatArray, follower: FloatArray, slope: FloatArray, errors: FloatArray
+) -> tuple[dict[str, float], int]:
+    """For each shaft that turns both ways, a first estimate of its backlash, rather too wide [rad].
+
+    Also returned is the first sample at which the side of each backlash is known.
+    """
+    found, start = {}, 0
+    through = math.sqrt(float(np.mean(slope**2)))
+    for name, angle, rate in (("input", driver, through), ("output", follower, 1.0)):
+        width = _ROOM * float(np.ptp(angle))
+        width = min(_WIDE * float(errors.std()) / rate, width) if rate > 0.0 else width
+        first = first_engaged(lag(angle, width)) if width > 0.0 else None
+        if first is not None:
+            found[name], start = width, max(start, first)
+    return found, start
+
+
+_MOST = 64  # parts of a shaft
+
+
+class Parts(NamedTuple):
+    """Which part of a shaft is engaged at each sample: 0, 1, .. below `size`.
+
+    engaged : which part, shape (n,).
+    numbers : number of each part, counted from that of the first sample on, shape (size,).
+    """
+
+    engaged: np.ndarray
+    numbers: np.ndarray
+
+    @property
+    def size(self) -> int:
+        """How many parts were seen."""
+        return len(self.numbers)
+
+    def columns(self, part: slice) -> Iterator[FloatArray]:
+        """Columns whose coefficients are errors that add up to zero; the last one follows."""
+        index = self.engaged[part]
+        last = (index == self.size - 1).astype(float)
+        for number in range(self.size - 1):
+            yield (index == number) - last
+
+
+def parts_met(mechanism: Mechanism, driver: FloatArray) -> dict[str, Parts]:
+    """The pins and slots of a mechanism that has several, by their shaft."""
+    cells = np.floor((driver - mechanism.breaks[0]) / mechanism.cell_angle).astype(int)
+    angles = {"input": mechanism.cell_angle, "output": abs(mechanism.follower_step)}
+    found = {}
+    for shaft, angle in angles.items():
+        share = Fraction(angle / TURN).limit_denominator(_MOST)
+        if share.numerator != 1 or abs(float(share) * TURN - angle) > 1e-9:
+            continue
+        since = np.mod(cells - cells[0], share.denominator)
+        numbers, index = np.unique(since, return_inverse=True)
+        if numbers.size > 1:
+            found[shaft] = Parts(index, numbers + 1)
+    return found
+
+
+def worst_part(fitted: Fitted, parts: Parts) -> tuple[int, float, float, float]:
+    """Number of the worst part, its size and standard error, and the logarithm of its p-value."""
+    count = parts.size
+    # each part less the mean of the others, from errors that add up to zero
+    contrasts = np.vstack([np.eye(count - 1), -np.ones(count - 1)]) * (count / (count - 1))
+    sizes = contrasts @ fitted.values
+    errors = np.sqrt(np.einsum("ij,jk,ik->i", contrasts, fitted.covariance, contrasts))
+    worst = int(np.argmax(np.abs(sizes) / errors))
+    height = abs(sizes[worst]) / errors[worst]
+    # two parts differ from each other by the same
+    tried = count if count > 2 else 1
+    p_value = min(1.0, 2.0 * tried * float(special.stdtr(fitted.freedom, -height)))
+    alone = fitted._replace(explained=height**2 * fitted.variance)
+    return (
+        int(parts.numbers[worst]),
+        float(sizes[worst]),
+        float(errors[worst]),
+        log_of(p_value, alone),
+    )
+
 
 _EDGES = 10_000  # a change is looked for behind as many samples
 

@@ -12,26 +12,14 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from escapement.measurement.backlash import first_widths, lag
-from escapement.measurement.changes import Candidate, best_change, far_out
-from escapement.measurement.error_columns import Columns, Step
+from escapement.measurement import error_columns, findings, normal_equations
+from escapement.measurement.error_columns import Step
 from escapement.measurement.estimate import SURE, correlation
-from escapement.measurement.findings import (
-    DOUBT,
-    ORDERS,
-    Backlash,
-    Change,
-    Found,
-    Glitch,
-    Key,
-    ShaftError,
-    SlotError,
-)
+from escapement.measurement.findings import DOUBT, ORDERS, Found, Key
 from escapement.measurement.noise import noise_of, rounding_of
-from escapement.measurement.normal_equations import Fitted, Indices, NormalEquations
+from escapement.measurement.normal_equations import Candidate, Fitted, Indices, NormalEquations
 from escapement.measurement.positions import position, slope
 from escapement.measurement.readings import TURN
-from escapement.measurement.slot_errors import parts_met, worst_part
 from escapement.mechanisms.protocol import FloatArray, Mechanism
 
 # the width of a backlash changes its column in the fit; it converges in so many fits. Before, the
@@ -129,20 +117,18 @@ class _Search:
         self.theory = sense * position(mechanism, driver)
         self._at(np.zeros_like(driver))
         self.rounding = rounding_of(driver, steps)
-        self.backlash_widths, start = first_widths(driver, self.follower, self.slope, errors)
+        self.backlash_widths, start = error_columns.first_widths(
+            driver, self.follower, self.slope, errors
+        )
         self.counted = np.arange(errors.size) >= start
         self.noise = noise_of(errors, self.slope, steps)
         self.scale = self.counted / self.noise.deviation(self.slope)
         cell, step = mechanism.cell_angle, abs(mechanism.follower_step)
-        cells = float(np.ptp(driver)) / cell
-        self.turns = {
-            "input": float(np.ptp(driver)) / TURN,
-            "output": float(np.ptp(self.follower)) / TURN,
-            "cell": cells,
-        }
+        travels = np.ptp(driver) / TURN, np.ptp(self.follower) / TURN, np.ptp(driver) / cell
+        self.turns = dict(zip(("input", "output", "cell"), map(float, travels), strict=True))
         # a shaft made a full turn if one mean step after the last sample completes it
         least = (1.0 - 1e-9) * (errors.size - 1) / errors.size
-        self.enough = cells >= CELLS * least
+        self.enough = self.turns["cell"] >= CELLS * least
         self.judged = [n for n, turns in self.turns.items() if self.enough or turns >= least]
         self.limits = {"input": 0.5 * cell, "output": 0.5 * step, "cell": 0.5 * step}
 
@@ -158,18 +144,17 @@ class _Search:
         self.fits += 1
         cells = self.true * (TURN / self.mechanism.cell_angle)
         angles = {"input": self.true, "output": self.follower, "cell": cells}
-        lags = {name: lag(angles[name], width) for name, width in self.backlash_widths.items()}
-        self.parts = parts_met(self.mechanism, self.true) if self.enough else {}
-        columns = Columns(angles, self.slope, self.parts, lags, self.rest, self.scale)
-        self.indices = {
-            key: indices
-            for key, indices in columns.indices().items()
-            if key[0] in self.judged or key[1] not in ORDERS
+        lags = {
+            name: error_columns.lag(angles[name], width)
+            for name, width in self.backlash_widths.items()
         }
+        self.parts = error_columns.parts_met(self.mechanism, self.true) if self.enough else {}
+        columns = error_columns.Columns(angles, self.slope, self.parts, lags, self.rest, self.scale)
+        every = columns.indices().items()
+        self.indices = {k: x for k, x in every if k[0] in self.judged or k[1] not in ORDERS}
         self.certain = certain = self._selected(columns.sums(self.steps_found))
-        self.steps_found = [
-            Step(change.shaft, certain.sample(change)) for change in certain.changes.values()
-        ]
+        changes = certain.changes.values()
+        self.steps_found = [Step(change.shaft, certain.sample(change)) for change in changes]
         self.coefficients = certain.sums.coefficients(certain.indices)
         self.caused = columns.caused(self.coefficients, self.steps_found)
         self.left = self.rest - self.caused["output"] - self.slope * self.caused["input"]
@@ -189,10 +174,9 @@ class _Search:
         if far or (same and not self.certain.indices):
             return False
         self.scale = self.next_scale
-        for index, (indices, step) in enumerate(
-            zip(self.certain.changes, self.steps_found, strict=True)
-        ):
-            self.steps_found[index] = self._located(float(self.coefficients[indices[0]]), step)
+        for index, indices in enumerate(self.certain.changes):
+            size = float(self.coefficients[indices[0]])
+            self.steps_found[index] = self._located(size, self.steps_found[index])
         self._at(self.caused["input"])
         return True
 
@@ -220,7 +204,7 @@ class _Search:
         counted = np.flatnonzero(self.counted)
         # one count of each encoder is no reading far out
         count = self.steps[1] + self.steps[0] * np.abs(self.slope)
-        far, chances = far_out((self.left / deviation)[counted], DOUBT)
+        far, chances = normal_equations.far_out((self.left / deviation)[counted], DOUBT)
         some = np.abs(self.left[counted[far]]) > count[counted[far]]
         far, chances = far[some], chances[some]
         self.glitches = dict(zip(counted[far].tolist(), chances.tolist(), strict=True))
@@ -241,7 +225,9 @@ class _Search:
             # of the latter has converged
             early = self.fits < _FITS and lags & {*found.indices}
             look = self.enough and indices not in lags and not early
-            found.next_change = change = best_change(found.sums, found.indices) if look else None
+            found.next_change = change = (
+                normal_equations.best_change(found.sums, found.indices) if look else None
+            )
             if change and self._may_be_rounding(change.shaft, change.fitted):
                 if change.log_p < _LOG_DOUBT:
                     found.rounded.add(("change", found.sample(change)))
@@ -269,7 +255,7 @@ class _Search:
                 continue
             log_p, searched = fitted.log_p, math.log(waves)
             if kind == "parts":
-                log_p, searched = worst_part(fitted, self.parts[name])[-1], 0.0
+                log_p, searched = error_columns.worst_part(fitted, self.parts[name])[-1], 0.0
             if not self._may_be_rounding(name, fitted):
                 yield log_p + searched, indices
             elif log_p < _LOG_DOUBT:
@@ -300,32 +286,32 @@ class _Search:
         size = float(np.hypot(*values)) if values.size == 2 else float(values[0])
         along, p_value = values / size, math.exp(fitted.log_p)
         error = math.sqrt(float(along @ fitted.covariance @ along))
-        return (
-            (size, error, p_value) if abs(size) < self.limits[key[0]] else (*_UNKNOWN[:2], p_value)
-        )
+        known = abs(size) < self.limits[key[0]]
+        return (size, error, p_value) if known else (*_UNKNOWN[:2], p_value)
 
     def found(self, line: np.ndarray) -> Found:
         """What was found at last."""
         weighted, kept = self.left * self.next_scale, self.next_scale > 0.0
+        waves = [
+            findings.ShaftError(name, order, *self._size((name, order)), turns)
+            for name, turns in self.turns.items()
+            for order in ORDERS
+        ]
+        far = sorted(self.glitches.items())
         rounded = {
             (name, int(line[int(kind) - 1])) if name == "change" else (name, kind)
             for name, kind in self.certain.rounded
         }
         hidden = self.rounding.explains("output", self.slope, self.scale, self.noise)
         return Found(
-            shaft_errors=tuple(
-                ShaftError(name, order, *self._size((name, order)), turns)
-                for name, turns in self.turns.items()
-                for order in ORDERS
-            ),
+            shaft_errors=tuple(waves),
             backlash=tuple(
-                Backlash(name, *self._size((name, "lag"))) for name in self.backlash_widths
+                findings.Backlash(name, *self._size((name, "lag"))) for name in self.backlash_widths
             ),
             slot_errors=tuple(self._worst_parts()),
             changes=tuple(self._changes(line)),
             glitches=tuple(
-                Glitch(int(line[at]), float(self.left[at]), p)
-                for at, p in sorted(self.glitches.items())
+                findings.Glitch(int(line[at]), float(self.left[at]), p) for at, p in far
             ),
             rounded=frozenset(rounded),
             hidden=math.sqrt(2.0 * hidden / float(self.scale @ self.scale)),
@@ -334,30 +320,26 @@ class _Search:
             rest_autocorrelation=correlation(weighted),
         )
 
-    def _worst_parts(self) -> Iterator[SlotError]:
+    def _worst_parts(self) -> Iterator[findings.SlotError]:
         """The worst slot and the worst pin, where several were seen."""
         for name, parts in self.parts.items():
             if (fitted := self._fitted((name, "parts"))) is not None:
-                index, angle, error, log_p = worst_part(fitted, parts)
+                index, angle, error, log_p = error_columns.worst_part(fitted, parts)
                 if abs(angle) >= self.limits[name]:
                     angle = error = math.nan
-                yield SlotError(name, index, parts.size, angle, error, math.exp(log_p))
+                yield findings.SlotError(name, index, parts.size, angle, error, math.exp(log_p))
 
-    def _changes(self, line: np.ndarray) -> Iterator[Change]:
+    def _changes(self, line: np.ndarray) -> Iterator[findings.Change]:
         """Changes that are certain, and the next one if noise hardly causes it."""
-        certain = self.certain
-        found = [
-            (change, certain.sums.fitted(indices, certain.indices))
-            for indices, change in certain.changes.items()
-        ]
+        certain, found = self.certain, []
+        for indices, change in certain.changes.items():
+            if fitted := certain.sums.fitted(indices, certain.indices):
+                found.append((change, fitted))
         if (last := certain.next_change) is not None and last.log_p < _LOG_DOUBT:
             found.append((last, last.fitted))
-        limits = {"input": self.mechanism.cell_angle, "output": abs(self.mechanism.follower_step)}
         for change, fitted in sorted(found, key=lambda one: certain.sample(one[0])):
-            if fitted is None:
-                continue
             size, error = float(fitted.values[0]), math.sqrt(float(fitted.covariance[0, 0]))
             # a slip of a whole cell shows nothing, so a greater one is a fit that does not tell it
-            told = (size, error) if abs(size) < limits[change.shaft] else _UNKNOWN[:2]
+            told = (size, error) if abs(size) < 2.0 * self.limits[change.shaft] else _UNKNOWN[:2]
             before = int(line[certain.sample(change) - 1])
-            yield Change(change.shaft, before, *told, math.exp(change.log_p))
+            yield findings.Change(change.shaft, before, *told, math.exp(change.log_p))

@@ -1,9 +1,17 @@
-"""What is reported of a measurement, and of a measured motion."""
+"""What is reported of a measurement, of a measured motion, and of beats."""
 
 import math
 from typing import Any
 
 import numpy as np
+
+from escapement.base.records import Record
+from escapement.base.results import Result
+from escapement.base.units import SYSTEMS
+from escapement.measurement.beat_times import BeatTimes
+from escapement.measurement.beats import BeatFit
+from escapement.measurement.estimate import Estimate, Fit
+from escapement.measurement.timekeeping import Timekeeping
 
 TESTS = "chi_squared", "chi_squared_published", "anderson_darling"
 """Tests of normality, by JSON key."""
@@ -16,6 +24,19 @@ _ANGLES = {
 """Attributes that are angles [rad], which are reported in degrees under a key with "_deg"."""
 _ERRORS = "shaft_errors", "slot_errors", "backlash", "changes", "glitches"
 """Errors with a cause."""
+RESULTS = dict.fromkeys(
+    ("duration", "beat_error", "scatter", "release_time", "noise", "time", "late", "late_interval"),
+    Result("time"),
+) | {
+    "period": Result("time", "mean time of a beat"),
+    "beats_per_hour": Result(label="beats an hour", digits=8),
+    "beats_per_hour_interval": Result(label="interval", digits=8),
+    "rate": Result(label="rate [s/d]"),
+    "rate_interval": Result(label="interval [s/d]"),
+    "beat_error_interval": Result("time", label="interval"),
+    "drift": Result(label="drift [s/d in an hour]"),
+    "drift_interval": Result(label="interval [s/d in an hour]"),
+}
 
 
 def record_of(result: Any, fit: Any, units: str) -> dict[str, Any]:
@@ -39,24 +60,19 @@ def record_of(result: Any, fit: Any, units: str) -> dict[str, Any]:
     if result is not None:
         record |= _of_positions(result)
     if fit is not None:
-        record["motion"] = _of_motion(fit, units)
+        apart = fit.speeds - fit.computed_speeds
+        record["motion"] = {
+            "samples": fit.time.size,
+            "release_time": fit.start,
+            "fitted": fit.record(units),
+            **_attributes(fit, "confidence", "noise", "autocorrelation", "p_value"),
+            "speed_max": float(fit.speeds.max()),
+            "speed_max_computed": float(fit.computed_speeds.max()),
+            "speed_deviation": float(np.sqrt(np.mean(apart**2))),
+            "message": fit.message,
+        }
     messages = dict.fromkeys(one.message for one in found if one.message)
     return record | {"message": "; ".join(messages)}
-
-
-def _of_motion(fit: Any, units: str) -> dict[str, Any]:
-    """What is reported of a `MotionFit`, by JSON key, in the user's units."""
-    apart = fit.speeds - fit.computed_speeds
-    return {
-        "samples": fit.time.size,
-        "release_time": fit.start,
-        "fitted": fit.record(units),
-        **_attributes(fit, "confidence", "noise", "autocorrelation", "p_value"),
-        "speed_max": float(fit.speeds.max()),
-        "speed_max_computed": float(fit.computed_speeds.max()),
-        "speed_deviation": float(np.sqrt(np.mean(apart**2))),
-        "message": fit.message,
-    }
 
 
 def _of_positions(result: Any) -> dict[str, Any]:
@@ -103,3 +119,64 @@ def _attributes(owner: Any, *names: str) -> dict[str, Any]:
         else:
             found[name] = value
     return found
+
+
+def record_of_beats(
+    beats: BeatTimes, keeping: Timekeeping | None, fit: Fit | None = None, units: str = SYSTEMS[0]
+) -> Record:
+    """All figures of beats, by JSON key.
+
+    keeping : their `timekeeping`, None in a run-up.
+    fit : that of parts, or of a run-up, if one was made.
+    units : the system of units of fitted numbers.
+    """
+    values: dict[str, Any] = {
+        "beats": int(beats.heard.size),
+        "missed": beats.missed,
+        "other_sounds": int(beats.doubles.size),
+        "sounds_of_a_beat": beats.sounds,
+        "duration": beats.duration,
+        "period": beats.period,
+    }
+    if keeping is not None:
+        values |= _of_timekeeping(keeping)
+    if fit is not None:
+        values["parts" if isinstance(fit, BeatFit) else "run_up"] = _of_fit(fit, units)
+    values["message"] = "; ".join(filter(None, [beats.message, fit.message if fit else ""]))
+    return Record(values, RESULTS)
+
+
+def _of_timekeeping(keeping: Timekeeping) -> dict[str, Any]:
+    found: dict[str, Any] = {"confidence": keeping.confidence}
+    for one in (keeping.beats_per_hour, keeping.rate, keeping.beat_error, keeping.drift):
+        if not one.doubt:
+            found |= {one.name: one.value, f"{one.name}_interval": [one.low, one.high]}
+    found |= {"scatter": keeping.scatter, "share_of_instants": keeping.jitter}
+    if len(keeping.offsets) > 2:
+        found["positions"] = [
+            {"position": k, "late": one.value, "late_interval": [one.low, one.high]}
+            for k, one in enumerate(keeping.offsets)
+        ]
+    found["allan_deviation"] = [one._asdict() for one in keeping.stability]
+    return found
+
+
+def _of_fit(fit: Any, units: str) -> dict[str, Any]:
+    """The verdict, and what was found with the ends of its intervals, angles in degrees."""
+
+    def angles(kind: str) -> list[dict[str, Any]]:
+        some: list[Estimate] = [one for one in fit.numbers if one.name.startswith(kind)]
+        return [
+            {
+                "error_deg": math.degrees(one.value),
+                "interval_deg": [math.degrees(one.low), math.degrees(one.high)],
+            }
+            for one in some
+        ]
+
+    found = {"verdict": fit.verdict.text, "good": fit.verdict.good}
+    if isinstance(fit, BeatFit):
+        parts = {"pins": angles("pin"), "slots": angles("slot")}
+        return found | {"measured_over_computed": fit.rate} | parts
+    figures = {name: getattr(fit, name) for name in ("noise", "p_value", "autocorrelation")}
+    return found | {"fitted": fit.record(units), "release_time": fit.start} | figures

@@ -232,15 +232,13 @@ def _refined(samples: NDArray[Any], spectrum: _Spectrum, rate: float, found: _Ca
     taps, first = _filter(spectrum), found.frames * (spectrum.size // 2)
     # so many neighbouring squares tell as much as one that is independent
     alike = float((np.correlate(taps, taps, "full") ** 2).sum())
-    reach, before = spectrum.size, _SILENCE * spectrum.size
-    length = 2 * spectrum.size
-    parts = [*range(0, first.size, _TICKS)]
-    every = (_Near.of(samples, taps, first[k : k + _TICKS], before, reach, length) for k in parts)
-    profile, rows = None, []
-    for near in every:
-        if profile is None:
-            profile = near.best_profile(taps, rate, found.sure[:_TICKS])
-        rows.append(near.likeliest(profile, alike))
+    profile, rows = np.empty(0), []
+    for k in range(0, first.size, _TICKS):
+        squares = _squares(samples, taps, first[k : k + _TICKS], spectrum.size)
+        if not profile.size:
+            sure = found.sure[:_TICKS]
+            profile = _best_profile(squares[sure] if sure.any() else squares, taps, rate)
+        rows.append(_likeliest(squares, profile, alike))
     shift, half, loud = (np.concatenate(column) for column in zip(*rows, strict=True))
     # a strike falls on average half a sample before the first sample that shows it
     times = (first + shift - 0.5) / rate
@@ -249,79 +247,69 @@ def _refined(samples: NDArray[Any], spectrum: _Spectrum, rate: float, found: _Ca
     return Onsets(times[order], (half / rate)[order], loud[order], often[order], found.sure[order])
 
 
-class _Near(NamedTuple):
-    """Squares of filtered samples near some candidates, in units of the noise before each.
+def _squares(
+    samples: NDArray[Any], taps: FloatArray, first: NDArray[np.int64], size: int
+) -> FloatArray:
+    """Squares of filtered samples near candidates, in units of the noise before each.
 
-    scaled : shape (n, 2 reach + length); a tick may begin in the first 2 reach + 1 of them.
+    Shape (n, 4 size): a tick may begin in the first half, at most `size` from the candidate.
     """
-
-    scaled: FloatArray
-    reach: int
-    length: int
-
-    @classmethod
-    def of(
-        cls, samples: NDArray[Any], taps: FloatArray, first: NDArray[np.int64],
-        before: int, reach: int, length: int,
-    ) -> "_Near":  # fmt: skip
-        """Those of candidates near the samples `first`."""
-        rows, start = [], before + 2 * reach + taps.size
-        for at in first.tolist():
-            low, high = at - start, at + reach + length
-            piece = samples[max(low, 0) : min(high, samples.size)].astype(float)
-            edges = max(-low, 0), max(high - samples.size, 0)
-            rows.append(np.pad(piece, edges, mode="reflect" if piece.size > max(edges) else "edge"))
-        found = signal.oaconvolve(np.array(rows), taps[None, :], axes=1)
-        squares = found[:, taps.size : start + reach + length] ** 2
-        noise = squares[:, :before].mean(axis=1, keepdims=True)
-        return cls(squares[:, before + reach :] / np.maximum(noise, 1e-300), reach, length)
-
-    def best_profile(self, taps: FloatArray, rate: float, sure: NDArray[np.bool_]) -> FloatArray:
-        """Rise of the variance over the mean tick, with the mean 1.
-
-        Ticks are laid on each other where bursts with the likeliest time of decay begin.
-        """
-        found, some = [], self if not sure.any() else self._replace(scaled=self.scaled[sure])
-        for decay in _DECAYS.tolist():
-            burst = np.exp(-np.arange(self.length) / (decay * rate))
-            profile = np.convolve(taps**2, burst)[: self.length]
-            found.append(profile / profile.mean())
-        best = max(found, key=lambda one: float(np.median(some._likelihoods(one)[0].max(axis=1))))
-        each, rise = some._likelihoods(best)
-        at = each.argmax(axis=1)[:, None] + np.arange(self.length)
-        ticks = np.take_along_axis(some.scaled, at, axis=1) - 1.0
-        mean = np.maximum(_GIVEN * np.median(rise) * best + ticks.sum(axis=0), 0.0)
-        return np.asarray(mean / mean.mean())
-
-    def _likelihoods(self, profile: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Logarithms of the likelihoods of all beginnings, and the mean rise of each tick."""
-        sums = np.cumsum(self.scaled, axis=1)
-        power = (sums[:, self.length :] - sums[:, : -self.length]).max(axis=1) / self.length
-        rise = np.maximum(power - 1.0, 0.02)
-        ratio = 1.0 + rise[:, None] * profile
-        kept, constant = 1.0 - 1.0 / ratio, np.log(ratio).sum(axis=1)
-        each = [
-            np.einsum("ij,ij->i", self.scaled[:, k : k + self.length], kept) - constant
-            for k in range(2 * self.reach + 1)
-        ]
-        return 0.5 * np.stack(each, axis=1), rise
-
-    def likeliest(
-        self, profile: FloatArray, alike: float
-    ) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Shift of the likeliest beginning, half the width of its interval, and the loudness."""
-        each, rise = self._likelihoods(profile)
-        best, grid = each.argmax(axis=1), np.arange(2 * self.reach + 1)
-        within = np.zeros((best.size, 2 * self.reach + 2))
-        chances = _chances(each, alike)
-        for row, chance, middle in zip(within, chances, best.tolist(), strict=True):
-            row[1:] = np.bincount(np.abs(grid - middle), chance, grid.size).cumsum()
-        # each sample stands for all instants within half of one
-        half = [np.interp(_LEVEL, row, [0.0, *(grid + 0.5)]) for row in within]
-        return best - self.reach, np.array(half), np.sqrt(rise)
+    rows, before = [], _SILENCE * size
+    start = before + 2 * size + taps.size
+    for at in first.tolist():
+        low, high = at - start, at + 3 * size
+        piece = samples[max(low, 0) : min(high, samples.size)].astype(float)
+        edges = max(-low, 0), max(high - samples.size, 0)
+        rows.append(np.pad(piece, edges, mode="reflect" if piece.size > max(edges) else "edge"))
+    found = signal.oaconvolve(np.array(rows), taps[None, :], axes=1)
+    squares = found[:, taps.size : start + 3 * size] ** 2
+    noise = squares[:, :before].mean(axis=1, keepdims=True)
+    return np.asarray(squares[:, before + size :] / np.maximum(noise, 1e-300))
 
 
-def _chances(each: FloatArray, alike: float) -> FloatArray:
-    """Probabilities of all beginnings, from the logarithms of their likelihoods."""
+def _best_profile(squares: FloatArray, taps: FloatArray, rate: float) -> FloatArray:
+    """Rise of the variance over the mean tick, with the mean 1.
+
+    Ticks are laid on each other where bursts with the likeliest time of decay begin.
+    """
+    found, length = [], squares.shape[1] // 2
+    for decay in _DECAYS.tolist():
+        burst = np.exp(-np.arange(length) / (decay * rate))
+        profile = np.convolve(taps**2, burst)[:length]
+        found.append(profile / profile.mean())
+    best = max(found, key=lambda one: float(np.median(_likelihoods(squares, one)[0].max(axis=1))))
+    each, rise = _likelihoods(squares, best)
+    at = each.argmax(axis=1)[:, None] + np.arange(length)
+    ticks = np.take_along_axis(squares, at, axis=1) - 1.0
+    mean = np.maximum(_GIVEN * np.median(rise) * best + ticks.sum(axis=0), 0.0)
+    return np.asarray(mean / mean.mean())
+
+
+def _likelihoods(squares: FloatArray, profile: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Logarithms of the likelihoods of all beginnings, and the mean rise of each tick."""
+    length, sums = profile.size, np.cumsum(squares, axis=1)
+    power = (sums[:, length:] - sums[:, :-length]).max(axis=1) / length
+    rise = np.maximum(power - 1.0, 0.02)
+    ratio = 1.0 + rise[:, None] * profile
+    kept, constant = 1.0 - 1.0 / ratio, np.log(ratio).sum(axis=1)
+    each = [
+        np.einsum("ij,ij->i", squares[:, k : k + length], kept) - constant
+        for k in range(length + 1)
+    ]
+    return 0.5 * np.stack(each, axis=1), rise
+
+
+def _likeliest(
+    squares: FloatArray, profile: FloatArray, alike: float
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Shift of the likeliest beginning, half the width of its interval, and the loudness."""
+    each, rise = _likelihoods(squares, profile)
+    best, grid = each.argmax(axis=1), np.arange(profile.size + 1)
     chances = np.exp((each - each.max(axis=1, keepdims=True)) / alike)
-    return np.asarray(chances / chances.sum(axis=1, keepdims=True))
+    chances /= chances.sum(axis=1, keepdims=True)
+    half = []
+    for chance, middle in zip(chances, best.tolist(), strict=True):
+        within = np.bincount(np.abs(grid - middle), chance, grid.size).cumsum()
+        # each sample stands for all instants within half of one
+        half.append(np.interp(_LEVEL, [0.0, *within], [0.0, *(grid + 0.5)]))
+    return best - profile.size // 2, np.array(half), np.sqrt(rise)

@@ -156,24 +156,18 @@ def _followed(times: FloatArray, cycle: _Cycle) -> tuple[NDArray[np.int64], Floa
 def _phase(times: FloatArray, cycle: _Cycle) -> float:
     """A time before all sounds at which a cycle begins, from the first few cycles."""
     some = times[: 8 * cycle.shares.size]
-    best, found = math.inf, float(some[0])
-    for time in some.tolist():
-        for share in cycle.shares.tolist():
-            begin = time - share * cycle.length
-            turns = (some[:, None] - begin) / cycle.length - cycle.shares
-            off = float(np.abs(turns - np.round(turns)).min(axis=1).sum())
-            if off < best - 1e-12:
-                best, found = off, begin
+    begins = (some[:, None] - cycle.shares * cycle.length).ravel()
+    turns = (some - begins[:, None])[..., None] / cycle.length - cycle.shares
+    off = np.abs(turns - np.round(turns)).min(axis=2).sum(axis=1)
+    found = float(begins[np.argmin(np.round(off, 12))])
     return found - cycle.length * (math.ceil((found - float(times[0])) / cycle.length) + 1)
 
 
 def _one_each(slots: NDArray[np.int64], apart: FloatArray) -> NDArray[np.int64]:
     """Indices of the sound of each slot, the nearest to the rhythm, in turn."""
-    found: dict[int, int] = {}
-    for i, slot in enumerate(slots.tolist()):
-        if slot >= 0 and (slot not in found or abs(apart[i]) < abs(apart[found[slot]])):
-            found[slot] = i
-    return np.array(sorted(found.values()), int)
+    order = np.lexsort((np.abs(apart), slots))
+    order = order[slots[order] >= 0]
+    return order[np.unique(slots[order], return_index=True)[1]]
 
 
 def _check(

@@ -1,8 +1,18 @@
-"""Measured beats, sorted by their pin and slot, and their mean for each pair of these."""
+"""Measured beats, sorted by their pin and slot: means of each pair of these, and their spectrum.
+
+Some of the noise of an interval between beats may be of each beat alone and adds up over the beats
+of an interval, and some may be the jitter of the instants at its ends, which neighbouring intervals
+share with opposite signs: an instant that is late makes the interval before it longer and the one
+after it shorter. Let s be the share of the variance of a beat that comes from jitter. Then an
+interval of m beats has the variance (1 - s) m + s, neighbours have the covariance -s/2, and others
+0. Since s is not known, results are means over s, weighted by the restricted likelihood. The
+covariance matrix has three diagonals, so that the effort grows with the number of intervals only.
+"""
 
 import math
 from dataclasses import dataclass, field
 from functools import cached_property
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -11,12 +21,103 @@ from escapement.base import validate
 from escapement.base.errors import InvalidValue
 from escapement.base.lazy import Lazy
 from escapement.base.text import Shown
-from escapement.measurement.interval_fit import Intervals, IntervalSolution
 from escapement.measurement.ticks import ticks_of
 from escapement.mechanisms import Geneva
 from escapement.mechanisms.protocol import FloatArray, Mechanism
 
 linalg = Lazy("scipy.linalg")
+special = Lazy("scipy.special")
+_NEGLIGIBLE = 1e-9
+
+
+class IntervalSolution(NamedTuple):
+    """Unknowns by least squares, for one share of jitter or averaged over several.
+
+    values, covariance : shapes (m,) and (m, m), the latter for noise of a beat of size 1.
+    scatter : sum of the squared residuals, made independent.
+    likelihood : logarithm of the restricted likelihood, except for a constant; NaN of an average.
+    weights : probability of each share in an average.
+    """
+
+    values: FloatArray
+    covariance: FloatArray
+    scatter: float
+    likelihood: float
+    weights: FloatArray
+
+
+class Intervals(NamedTuple):
+    """Intervals that are combinations of unknowns, apart from noise.
+
+    values : shape (n,).
+    design : shape (n, m).
+    numbers : beats of each, shape (n,).
+    joined : whether each begins where the one before it ends, bool, shape (n - 1,).
+    """
+
+    values: FloatArray
+    design: FloatArray
+    numbers: np.ndarray
+    joined: np.ndarray
+
+    @property
+    def freedom(self) -> int:
+        """Degrees of freedom that remain."""
+        return int(self.values.size - self.design.shape[1])
+
+    def _factor(self, share: float) -> FloatArray:
+        """Lower Cholesky factor of the covariance of noise of size 1, diagonal by diagonal."""
+        band = np.zeros((2, self.values.size))
+        band[0] = (1.0 - share) * self.numbers + share
+        band[1, :-1] = -0.5 * share * self.joined
+        return np.asarray(linalg.cholesky_banded(band, lower=True))
+
+    def independent(self, rest: FloatArray, share: float) -> FloatArray:
+        """Residuals, made independent."""
+        return np.asarray(linalg.solve_banded((1, 0), self._factor(share), rest))
+
+    def solution(self, share: float) -> IntervalSolution:
+        """Least squares with one share of jitter."""
+        factor = self._factor(share)
+        columns = np.column_stack([self.design, self.values])
+        white = linalg.solve_banded((1, 0), factor, columns)
+        basis, upper = np.linalg.qr(white[:, :-1])
+        along = basis.T @ white[:, -1]
+        rest = white[:, -1] - basis @ along
+        scatter, inverse = float(rest @ rest), np.linalg.inv(upper)
+        size = np.log(factor[0]).sum() + np.log(np.abs(np.diag(upper))).sum()
+        likelihood = -float(size) - 0.5 * self.freedom * math.log(scatter or 1e-300)
+        return IntervalSolution(
+            inverse @ along, inverse @ inverse.T, scatter, likelihood, np.ones(1)
+        )
+
+    def average(
+        self, shares: FloatArray, before: FloatArray | float = 1.0, gain: float = 0.0
+    ) -> IntervalSolution:
+        """The mean of the solutions with some shares, the last of which is 0.
+
+        before : probabilities of the shares before the measurement.
+        gain : of log-likelihood, that any share has to give over 0; else that share counts alone.
+        """
+        each = [self.solution(share) for share in shares.tolist()]
+        likelihoods = np.array([one.likelihood for one in each])
+        weights = before * np.exp(likelihoods - likelihoods.max())
+        if gain and likelihoods.max() - likelihoods[-1] <= gain:
+            weights = np.where(shares == 0.0, 1.0, 0.0)
+        weights = np.where(weights > _NEGLIGIBLE * weights.sum(), weights, 0.0)
+        weights /= weights.sum()
+        values = np.asarray(weights @ [one.values for one in each])
+        scatter = float(weights @ [one.scatter for one in each])
+        covariance = np.zeros((values.size, values.size))
+        for weight, one in zip(weights.tolist(), each, strict=True):
+            size = one.scatter / scatter if scatter > 0.0 else 1.0
+            covariance += weight * size * one.covariance
+            if scatter > 0.0:
+                apart = one.values - values
+                covariance += weight * self.freedom / scatter * np.outer(apart, apart)
+        return IntervalSolution(values, covariance, scatter, math.nan, weights)
+
+
 _ROOTS = np.linspace(0.0, 1.0, 21)
 SHARES = 1.0 - _ROOTS**2
 """Shares of the variance that may come from time stamps, closest where their effect is greatest."""
@@ -125,3 +226,79 @@ def rounds_of(given: ArrayLike, mechanism: Mechanism, times: bool = False) -> Ro
     # the shares are closer to each other by their square root near 1
     solution = intervals.average(SHARES, _ROOTS, 0.0 if times else _SURE)
     return Rounds(table.reshape(-1, size), faults, intervals, solution)
+
+
+class BeatLine(NamedTuple):
+    """A sinusoidal change of beats that repeats with the pattern of pins and slots.
+
+    frequency : cycles a turn of the driver [-].
+    culprit : "pins" if it repeats every turn of the driver, "slots" if it repeats every turn of
+        the follower, "pins or slots" if both, and "pairs" if neither.
+    amplitude : amplitude of the sinusoid; half the difference of the two values if beats only
+        alternate [s].
+    standard_error : standard error of the amplitude, NaN if no pair of pin and slot was measured
+        twice, so that the noise is unknown [s].
+    p_value : probability that noise alone causes this amplitude or more; NaN in the same case.
+    """
+
+    frequency: float
+    culprit: str
+    amplitude: float
+    standard_error: float
+    p_value: float
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class BeatSpectrum(Shown):
+    """Spectrum of beats.
+
+    lines : all lines that the pattern can have, except the mean, by their frequency.
+    mean : mean beat [s].
+    rounds : the measured beats; its `faults` name ticks that were missed, doubled or out of place.
+    """
+
+    lines: tuple[BeatLine, ...]
+    mean: float
+    rounds: Rounds
+
+
+def beat_spectrum(beats: ArrayLike, mechanism: Mechanism, *, times: bool = False) -> BeatSpectrum:
+    """Lines in the spectrum of measured beats, each with the parts that cause it.
+
+    Errors of pins repeat with every turn of the driver, those of slots with every turn of the
+    follower. So in cycles per turn of the driver the lines of m pins are at 1, 2, .., those of n
+    slots at m/n, 2 m/n, ..; if m and n have a common factor, some of them coincide.
+
+    Parameters
+    ----------
+    beats : array_like, shape (N,)
+        Times of the engagements in turn [s], NaN or masked where one is missing, or time stamps,
+        as for `fit_beats`, which also says what is mended.
+    mechanism : Geneva
+        The wheel.
+    times : bool
+        Whether they are time stamps.
+
+    Raises
+    ------
+    InvalidValue
+        When an argument breaks its rule.
+    """
+    rounds = rounds_of(beats, mechanism, times)
+    wheel: Any = mechanism
+    pins, size, within = wheel.pins or 1, rounds.pattern, rounds.intervals.freedom
+    # standard deviation of a beat's noise
+    noise = math.sqrt(rounds.scatter / within) if within > 0 else math.nan
+    inverse, lines = np.linalg.inv(rounds.root), []
+    for k in range(1, size // 2 + 1):
+        freedom = 1 if 2 * k == size else 2
+        weights = np.exp(-2j * np.pi * k / size * np.arange(size)) * freedom / size
+        value = complex(weights @ rounds.means)
+        along = (weights * np.exp(-1j * np.angle(value))).real
+        error = noise * float(np.linalg.norm(along @ inverse))
+        share = (abs(value) / error) ** 2 / freedom if error > 0.0 else math.nan
+        p_value = float(special.fdtrc(freedom, within, share)) if within > 0 else math.nan
+        shafts = ("pins", pins), ("slots", wheel.slots)
+        culprit = " or ".join(name for name, count in shafts if k * count % size == 0) or "pairs"
+        lines.append(BeatLine(k * pins / size, culprit, abs(value), error, p_value))
+    return BeatSpectrum(tuple(lines), float(rounds.means.mean()), rounds)

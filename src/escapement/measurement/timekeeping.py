@@ -17,7 +17,7 @@ from escapement.base.lazy import Lazy
 from escapement.base.text import Shown
 from escapement.measurement.beat_times import HOUR, BeatTimes
 from escapement.measurement.estimate import Estimate, checked_confidence, reach_of
-from escapement.measurement.interval_fit import Intervals
+from escapement.measurement.rounds import Intervals
 from escapement.mechanisms.protocol import FloatArray
 
 special = Lazy("scipy.special")
