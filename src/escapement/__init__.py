@@ -28,6 +28,33 @@ _FORMER = {
 }
 """Names of version 0.2 that go with the next release, and those that replace them."""
 
+_PICTURES = {
+    "escapement.mechanisms.protocol": ("Mechanism", "_repr_svg_", "mechanism_svg"),
+    "escapement.dynamics.motion": ("Motion", "_repr_html_", "motion_html"),
+}
+"""Classes by their homes, what a notebook asks of them, and what `plots.cells` answers."""
+
+
+def _hang_pictures():
+    """Let notebooks show mechanisms and motions, whose rooms lie below those that draw them."""
+    import sys
+
+    for home, (owner, asked, answer) in [*_PICTURES.items()]:
+        if shown := getattr(sys.modules.get(home), owner, None):
+            setattr(shown, asked, _drawn_when_shown(answer))
+            _PICTURES.pop(home, None)
+
+
+def _drawn_when_shown(answer):
+    """A method that loads what draws only when a notebook shows something."""
+
+    def show(self):
+        from importlib import import_module
+
+        return getattr(import_module("escapement.plots.cells"), answer)(self)
+
+    return show
+
 
 def __getattr__(name):
     if name in _FORMER:
@@ -44,6 +71,7 @@ def __getattr__(name):
     # names of the package itself and of its lowest room are those of modules
     is_module = home in ("escapement", "escapement.base")
     value = import_module(f"{home}.{name}") if is_module else getattr(import_module(home), name)
+    _hang_pictures()
     globals()[name] = value
     return value
 
