@@ -29,29 +29,29 @@ _FORMER = {
 """Names of version 0.2 that go with the next release, and those that replace them."""
 
 _PICTURES = {
-    "escapement.mechanisms.protocol": ("Mechanism", "_repr_svg_", "mechanism_svg"),
-    "escapement.dynamics.motion": ("Motion", "_repr_html_", "motion_html"),
+    "escapement.mechanisms.kind": ("Kind", "drawing_above"),
+    "escapement.dynamics.motion": ("Motion", "film_above"),
 }
-"""Classes by their homes, what a notebook asks of them, and what `plots.cells` answers."""
+"""Classes by their homes, and the function of `plots.cells` for what a notebook shows of them."""
 
 
 def _hang_pictures():
     """Let notebooks show mechanisms and motions, whose rooms lie below those that draw them."""
     import sys
 
-    for home, (owner, asked, answer) in [*_PICTURES.items()]:
+    for home, (owner, picture) in [*_PICTURES.items()]:
         if shown := getattr(sys.modules.get(home), owner, None):
-            setattr(shown, asked, _drawn_when_shown(answer))
+            shown._repr_html_ = _with_picture(picture, shown._repr_html_)
             _PICTURES.pop(home, None)
 
 
-def _drawn_when_shown(answer):
-    """A method that loads what draws only when a notebook shows something."""
+def _with_picture(name, table):
+    """A method that shows a picture above a table, and loads what draws when it is called."""
 
     def show(self):
         from importlib import import_module
 
-        return getattr(import_module("escapement.plots.cells"), answer)(self)
+        return getattr(import_module("escapement.plots.cells"), name)(self) + table(self)
 
     return show
 

@@ -1,4 +1,4 @@
-"""What a notebook shows for mechanisms and motions: a drawing, and a film that it plays.
+"""What a notebook shows above the table of a mechanism or a motion: a drawing, or a film.
 
 The package's `__init__` hangs these functions on to the classes, whose rooms lie below this one.
 """
@@ -9,7 +9,6 @@ from typing import cast
 from matplotlib.figure import Figure
 
 from escapement.base.errors import InvalidValue
-from escapement.base.text import Shown
 from escapement.dynamics.motion import Motion
 from escapement.explorer import film
 from escapement.mechanisms.protocol import Mechanism
@@ -22,18 +21,17 @@ _FRAME = (
 )
 
 
-def mechanism_svg(mechanism: Mechanism) -> str | None:
-    """The mechanism to scale, or its transmission; None if there is too much to draw."""
+def drawing_above(mechanism: Mechanism) -> str:
+    """The mechanism to scale, or its transmission; nothing if there is too much to draw."""
     try:
         return as_svg(cast(Figure, plot_mechanism(mechanism).figure))
     except InvalidValue:
-        return None
+        return ""
 
 
-def motion_html(motion: Motion) -> str:
-    """A film of the motion, or why there is none, above the table of its numbers."""
+def film_above(motion: Motion) -> str:
+    """A film of the motion, or why there is none."""
     try:
-        shown = _FRAME.format(html.escape(film(motion)))
+        return _FRAME.format(html.escape(film(motion)))
     except InvalidValue as error:
-        shown = f"<p>No film: {html.escape(str(error))}</p>"
-    return shown + Shown._repr_html_(motion)
+        return f"<p>No film: {html.escape(str(error))}</p>"
