@@ -114,7 +114,7 @@ def test_values_print_in_short_with_their_units(motion):
         assert part in repr(thing)
         assert len(repr(thing)) <= (600 if thing is cycle else 300)
     for thing in (motion, cycle, study):
-        assert thing._repr_html_().startswith(f"<table><caption>{type(thing).__name__}</caption>")
+        assert f"<table><caption>{type(thing).__name__}</caption>" in thing._repr_html_()
     assert "<tr><th>period</th><td>0.0439239 s</td></tr>" in cycle._repr_html_()
     every = dict.fromkeys(["driver_drag", "follower_drag", "driver_viscous", "load_torque"], 1.1e-9)
     journals = {f"{body}_bearing_friction": 0.123456 for body in ("driver", "follower")}

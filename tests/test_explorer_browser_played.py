@@ -43,6 +43,20 @@ def test_a_motion_is_played_without_any_request(browser, tmp_path, name):
         assert not page.locator("#fields").is_visible()
 
 
+def test_a_cell_of_a_notebook_plays_the_motion(browser, tmp_path):
+    motion = esc.simulate(TIMER, 5, initial_speed=2.0)
+    file = tmp_path / "cell.html"
+    file.write_text(motion._repr_html_(), encoding="utf-8")
+    page = browser.new_page(reduced_motion="reduce", viewport={"width": 900, "height": 900})
+    page.goto(file.as_uri())
+    frame = page.frame_locator("iframe")
+    told = frame.locator("#picture").evaluate("() => explorer.motion.handoff_times")
+    assert told == pytest.approx(motion.handoff_times, rel=1e-10)
+    assert frame.locator("#picture").is_visible()
+    assert not frame.locator("#fields").is_visible()
+    page.close()
+
+
 HARNESS = """<iframe hidden></iframe><div id="cell"></div><script type="module">
 const told = TOLD, heard = {};
 const model = {

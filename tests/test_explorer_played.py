@@ -1,9 +1,12 @@
 """Motions that a page plays: their pieces against the motion, bodies, files and the notebook."""
 
 import base64
+import html
 import json
 import re
+import subprocess
 import sys
+from xml.etree import ElementTree
 
 import numpy as np
 import pytest
@@ -13,6 +16,7 @@ from escapement import explorer
 from escapement.base.errors import InvalidValue, MissingPackage
 from escapement.explorer import widget
 from escapement.explorer.bodies import bodies_of
+from escapement.explorer.fields import design_of
 from escapement.explorer.played import COLUMNS, DEGREE, played
 from escapement.outlines.bodies import Disc
 from escapement.outlines.gears import EllipticalOutline, GearDrivenOutline
@@ -119,6 +123,56 @@ def test_what_cannot_be_played_is_refused():
         explorer.player(motion_of("plain", friction=0.5))
     with pytest.raises(InvalidValue, match="at most 20000 spans"):
         played(motion_of("plain", 2000))
+
+
+def data_of_cell(motion):
+    page = html.unescape(re.search(r'srcdoc="(.*?)"', motion._repr_html_(), re.DOTALL)[1])
+    return json.loads(re.search(r'id="data">(.*?)</script>', page, re.DOTALL)[1])
+
+
+def test_a_cell_plays_a_motion():
+    timer = esc.Escapement(WHEELS["dwell"], INERTIA, torque=0.0113, friction=0.05)
+    told = data_of_cell(esc.simulate(timer, 7, initial_speed=3.0))
+    assert told["design"].pop("initial_speed") == pytest.approx(3.0, rel=1e-14)
+    assert told["design"].items() <= design_of(timer, 3.0, 7).items()
+    # the page computes no part of an engagement, no gears, and no motion of another engine
+    short = esc.simulate(timer, duration=0.05)
+    assert data_of_cell(short)["motion"]["end_time"] == 0.05
+    for motion in (motion_of("gear-driven", 2), esc.simulate(timer, 2, engine="ivp")):
+        assert data_of_cell(motion)["motion"]["handoff_times"] == motion.handoff_times.tolist()
+
+
+@pytest.mark.parametrize(
+    ("motion", "reason"),
+    [
+        (lambda: motion_of("plain", friction=0.5), "motion must be longer than zero"),
+        (lambda: motion_of("gear-driven", 21), "engagements must be at most 20 in a cell, got 21"),
+    ],
+)
+def test_a_cell_without_a_film_says_why(motion, reason):
+    text = motion()._repr_html_()
+    assert reason in text
+    assert "<table>" in text
+    assert "<iframe" not in text
+
+
+@pytest.mark.parametrize("mechanism", [*WHEELS.values()], ids=[*WHEELS])
+def test_a_cell_shows_a_mechanism(mechanism):
+    text = mechanism._repr_html_()
+    drawing, table = text.split("<table>")
+    assert ElementTree.fromstring(drawing).tag.endswith("svg")
+    assert type(mechanism).__name__ in table
+    assert text == mechanism._repr_html_()
+
+
+def test_pictures_of_cells_are_loaded_when_they_are_shown():
+    code = """if True:
+        import sys, escapement as esc
+        wheel = esc.Geneva(4)
+        assert not {"matplotlib", "escapement.plots", "escapement.explorer"} & {*sys.modules}
+        assert "<svg" in wheel._repr_html_()
+    """
+    subprocess.run([sys.executable, "-c", code], check=True)
 
 
 def test_a_notebook_shows_the_page_and_its_design(monkeypatch):

@@ -28,6 +28,33 @@ _FORMER = {
 }
 """Names of version 0.2 that go with the next release, and those that replace them."""
 
+_PICTURES = {
+    "escapement.mechanisms.kind": ("Kind", "drawing_above"),
+    "escapement.dynamics.motion": ("Motion", "film_above"),
+}
+"""Classes by their homes, and the function of `plots.cells` for what a notebook shows of them."""
+
+
+def _hang_pictures():
+    """Let notebooks show mechanisms and motions, whose rooms lie below those that draw them."""
+    import sys
+
+    for home, (owner, picture) in [*_PICTURES.items()]:
+        if shown := getattr(sys.modules.get(home), owner, None):
+            shown._repr_html_ = _with_picture(picture, shown._repr_html_)
+            _PICTURES.pop(home, None)
+
+
+def _with_picture(name, table):
+    """A method that shows a picture above a table, and loads what draws when it is called."""
+
+    def show(self):
+        from importlib import import_module
+
+        return getattr(import_module("escapement.plots.cells"), name)(self) + table(self)
+
+    return show
+
 
 def __getattr__(name):
     if name in _FORMER:
@@ -44,6 +71,7 @@ def __getattr__(name):
     # names of the package itself and of its lowest room are those of modules
     is_module = home in ("escapement", "escapement.base")
     value = import_module(f"{home}.{name}") if is_module else getattr(import_module(home), name)
+    _hang_pictures()
     globals()[name] = value
     return value
 

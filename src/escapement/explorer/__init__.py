@@ -13,10 +13,12 @@ import html
 import json
 import re
 from collections.abc import Mapping
+from contextlib import suppress
 from importlib.resources import files
 from typing import Any
 
 from escapement.base import validate
+from escapement.base.errors import InvalidValue
 from escapement.base.spoken import spoken
 from escapement.base.status import Status
 from escapement.dynamics.motion import Motion
@@ -31,6 +33,7 @@ MODULES = (
 """Files of the page's script, in their order."""
 _LEAD = "Drag a number: this page computes the motion again, exactly, and sends nothing."
 _TITLES = {"explore": "Geneva escapement explorer", "play": "Motion of an escapement"}
+_MOST_STORED = 20  # engagements in a cell: each adds some 13 kB to the notebook
 _MODULE = re.compile(r"^import .*?;\n|^export (?=\w)", re.MULTILINE | re.DOTALL)
 
 
@@ -73,11 +76,39 @@ def player(motion: Motion) -> str:
         got = f"none ({motion.message})"
         raise validate.fail("motion", "longer than zero to be played", got, "change its inputs")
     record = played(motion, cycle_of(motion))
-    kind = motion.escapement.mechanism.kind
-    count = motion.handoff_times.size
+    return _filled("play", _lead_of(motion), report_table() | {"motion": record})
+
+
+def _lead_of(motion: Motion) -> str:
+    """What a page plays, in a sentence."""
+    kind, count = motion.escapement.mechanism.kind, motion.handoff_times.size
     lead = f"{count} engagements of a {kind} mechanism, as engine {motion.engine} computed them"
     text = "." if motion.status is Status.OK else f"; {motion.message}."
-    return _filled("play", html.escape(lead + text), report_table() | {"motion": record})
+    return html.escape(lead + text)
+
+
+def film(motion: Motion) -> str:
+    """The page of `player` for a cell of a notebook, which is made at once and stays small.
+
+    Where the page can compute the motion by itself, it does so; of other motions it plays those
+    of a few engagements.
+
+    Raises
+    ------
+    InvalidValue
+        If the motion has no duration, or too many engagements to be stored in a cell.
+    """
+    count = motion.handoff_times.size
+    if motion.engine == "energy" and count and motion.handoff_times[-1] == motion.end_time:
+        speed = float(motion.at(0.0).theta_dot)
+        # other mechanisms and numbers are refused, and stored below
+        with suppress(InvalidValue):
+            design = design_of(motion.escapement, speed, count)
+            return _filled("play", _lead_of(motion), table() | {"stops": [], "design": design})
+    if count > _MOST_STORED:
+        remedy = "esc.plots.explore plays it"
+        raise validate.fail("engagements", f"at most {_MOST_STORED} in a cell", count, remedy)
+    return player(motion)
 
 
 def stops() -> list[dict[str, Any]]:

@@ -227,7 +227,7 @@ function connectDesign() {
     button.addEventListener("click", () => showStop(i));
     byId("stops").append(button);
   });
-  showStop(0);
+  if (stops.length) showStop(0);
 }
 
 function connect() {
@@ -278,12 +278,12 @@ function connect() {
 }
 
 connect();
+if (document.body.matches(".play")) byId("figures").tHead.rows[0].cells[1].textContent = "Value";
 if (data.fields) {
   connectDesign();
   take(design);
   readAddress();
 } else {
-  byId("figures").tHead.rows[0].cells[1].textContent = "Value";
   show(new Played(data.motion), data.motion.design);
 }
 window.explorer = { simulate, setTime,

@@ -4,6 +4,7 @@ Functions for one panel draw into given axes, or into a new figure; nothing is s
 `save` writes a figure.
 
 - `style`, `saving`, `films`: the look of every figure, and its file
+- `cells`: what a notebook shows for a mechanism or a motion
 - `motion_plots`, `motor_panels`, `rundown_curve`, `animation`, `clearance_drawing`: motions, and
   films of them
 - `drawing`, `geneva`, `gear_driven`, `planetary`: mechanisms to scale

@@ -1,5 +1,6 @@
 """Figures and films as files, the same bytes for the same figure."""
 
+import io
 import os
 import tempfile
 from collections.abc import Iterator
@@ -68,6 +69,15 @@ def save(picture: Figure | Axes | FuncAnimation, path: str | os.PathLike[str]) -
                 figure.savefig(made, **_SETTINGS[suffix])
         content = made.read_bytes()
     files.replace_file(path, [content])
+
+
+def as_svg(figure: Figure) -> str:
+    """The text of an SVG element, the same for the same figure."""
+    content = io.StringIO()
+    with matplotlib.rc_context(_WRITING), _as_letters([figure]):
+        figure.savefig(content, format="svg", **_SETTINGS[".svg"])
+    text = content.getvalue()
+    return text[text.index("<svg") :]
 
 
 @contextmanager
