@@ -194,6 +194,7 @@ def _index(kind):
         "pin_gap": 1e-3,
         "pressure_limit": 1e8,
         "pressure_pin_radius": 1e-3,
+        "running_time": 3600,
     }
     stress |= {"pin_material": "brass", "wheel_material": "206e9,0.3"}
     found = [{**WHEELS[kind], **case, **stress, **FRICTION[kind]}]

@@ -17,7 +17,7 @@ WHEEL = {"slots": 6, "pins": 1, "crank_radius": 0.05, "clearance": 1e-4}
 NUMBERS = {
     "follower_inertia": 0.4, "load_torque": 2.0, "friction": 0.08, "pressure_pin_radius": 0.008,
     "pin_length": 0.012, "pressure_limit": 300e6, "load_frequency": 15.0, "load_damping": 0.02,
-    "locking_radius": 0.03, "locking_angle": 0.3, "locking_friction": 0.1,
+    "locking_radius": 0.03, "locking_angle": 0.3, "locking_friction": 0.1, "running_time": 3600.0,
 }  # fmt: skip
 
 

@@ -9,6 +9,7 @@ import math
 import numpy as np
 import pytest
 from scipy.integrate import quad, solve_ivp
+from scipy.optimize import minimize_scalar
 
 import escapement as esc
 from escapement.base.errors import InvalidValue
@@ -209,6 +210,37 @@ def test_stresses_by_hand():
         32 * force * 0.008 / (math.pi * diameter**3), rel=1e-12
     )
     assert drive.pin_shear_max == pytest.approx(4 * force / (math.pi * diameter**2), rel=1e-12)
+
+
+@pytest.mark.parametrize("pin", [0.0, 0.006])
+def test_pressure_times_speed_and_load_cycles_by_hand(pin):
+    """The speed of the pin's surface less that of the slot's, along the slot."""
+    drive = table_drive({"pin_radius": pin, "clearance": 0.0}, running_time=8000 * 3600.0)
+    crank, speed = 0.05, drive.speed
+    apart = crank / math.sin(math.pi / 6)
+
+    def rubbed(theta):
+        state = drive.at(theta)
+        centre = apart - crank * np.exp(-1j * theta)
+        along = centre / abs(centre)
+        touched = centre + 1j * along * pin * np.sign(state.contact_moment)
+        of_pin = 1j * speed * (apart - touched)  # the driver turns against the follower
+        sliding = (of_pin - 1j * state.phi_dot * touched) * along.conj()
+        return abs(sliding.real) * state.contact_force
+
+    grid = np.linspace(*np.array(drive.mechanism.breaks)[[0, -1]], 20_001)
+    top = grid[np.argmax(rubbed(grid))]
+    ends = (top - 1e-3, top + 1e-3)
+    options = {"xatol": 1e-9}
+    found = minimize_scalar(
+        lambda x: -rubbed(np.array(x)), bounds=ends, method="bounded", options=options
+    )
+    assert drive.rubbing_max == pytest.approx(-found.fun, rel=1e-12)
+    assert drive.pressure_speed_max == pytest.approx(-found.fun / (2 * 0.008 * 0.012), rel=1e-12)
+    assert drive.pin_load_frequency == pytest.approx(1.0, rel=1e-12)  # 60 rpm
+    assert drive.pin_loads == pytest.approx(8000 * 3600.0, rel=1e-12)
+    rolling = table_drive({"pin_radius": 0.004, "roller_radius": 0.006, "clearance": 0.0})
+    assert math.isnan(rolling.pressure_speed_max)
 
 
 def test_the_locking_disc_takes_torque_in_the_dwell():

@@ -34,11 +34,11 @@ from escapement.numerics.gauss import POINTS, N, integral, tail_of
 from escapement.numerics.jit import inner_jit, jit
 from escapement.numerics.roots import newton_in_bracket
 
-TORQUE, MOMENT, FORCE, RATIO, BEND = range(5)
+TORQUE, MOMENT, FORCE, RATIO, BEND, RUBBING = range(6)
 """Indices of what `contact_at` returns."""
 # What is searched for its greatest value, and the sign with which that is done, 0 for magnitudes.
-_SEARCHED = (TORQUE, TORQUE, MOMENT, FORCE, RATIO, BEND, BEND)
-_SIGNS = (1.0, -1.0, 0.0, 1.0, 0.0, 1.0, -1.0)
+_SEARCHED = (TORQUE, TORQUE, MOMENT, FORCE, RATIO, BEND, BEND, RUBBING)
+_SIGNS = (1.0, -1.0, 0.0, 1.0, 0.0, 1.0, -1.0, 1.0)
 _PENDING = 64  # parts that wait to be integrated
 # A part is halved until the tail of the squared torque is below this share of its greatest value.
 _RESOLVED = 1e-13
@@ -58,6 +58,7 @@ class CycleFigures(NamedTuple):
         greatest magnitudes of the moment on the follower and of the contact force, each with the
         angle that has it.
     ratio_max, bend_max : greatest magnitudes of g and g'.
+    rubbing_max : greatest product of the contact force and the sliding speed.
     bend_min, bend_exit : least g', and g' at the exit.
     reversals, last_side : number of reversals, and the wall that carries the force at the exit.
     torque_integral, square_integral : integrals of the torque and of its square.
@@ -74,6 +75,7 @@ class CycleFigures(NamedTuple):
     force_max_angle: float
     ratio_max: float
     bend_max: float
+    rubbing_max: float
     bend_min: float
     bend_exit: float
     reversals: float
@@ -92,7 +94,8 @@ _TOPS, _SIGNS_OF_TOPS = (
     _places("torque_max", "torque_min", "moment_max", "force_max"),
     (1, -1, 1, 1),
 )
-_GREATEST, _LEAST = _places("ratio_max", "bend_max"), _places("bend_min", "bend_exit", "last_side")
+_GREATEST = _places("ratio_max", "bend_max", "rubbing_max")
+_LEAST = _places("bend_min", "bend_exit", "last_side")
 _MEANS, _COUNT = (
     _places("torque_integral", "square_integral", "first_half"),
     _places("reversals")[0],
@@ -101,18 +104,20 @@ _MEANS, _COUNT = (
 
 @inner_jit
 def contact_at(theta, side, slide_sign, scene, efficiency):
-    """Torque of the drive, moment on the follower, contact force on the wall `side`, g and g'.
+    """Torque of the drive, moment on the follower, contact force on the wall `side`, g, g', and the
+    product of the force and the sliding speed.
 
     With the given side and sign of sliding they continue smoothly beyond a kink.
     """
     g, u, dg, radius = pose_at(scene.path, theta)
     load = load_at(theta, 1.0, scene)
     moment = resistance(g, dragged_slope(g, dg, scene), 1.0, 1.0, scene, load)
-    _slide, lever = grip(g, u, radius, side, scene, slide_sign)
+    slide, lever = grip(g, u, radius, side, scene, slide_sign)
     ratio = g + friction_ratio(g, u, radius, side, scene, slide_sign)
     torque = ratio * moment + scene.driver_drag + scene.driver_viscous + scene.bearing
     torque = torque / efficiency if torque >= 0.0 else torque * efficiency
-    return torque, moment, side * moment / lever, g, dg
+    force = side * moment / lever
+    return torque, moment, force, g, dg, force * slide
 
 
 @inner_jit
@@ -162,7 +167,7 @@ def figures_of(scene, edges, half, efficiency):
     """As `cycle_figures`, of a scene."""
     reversals = reversals_between(edges, scene)
     cuts = np.sort(np.concatenate((edges, reversals, np.array([half]))))
-    samples, square = np.empty((N + 2, BEND + 1)), np.empty(N)
+    samples, square = np.empty((N + 2, RUBBING + 1)), np.empty(N)
     tops, angles = np.full(len(_SIGNS), -np.inf), np.full(len(_SIGNS), np.nan)
     whole = squares = first = sizes = last_side = 0.0
     pending = np.empty((_PENDING, 2))
@@ -202,7 +207,7 @@ def figures_of(scene, edges, half, efficiency):
         torque_max=tops[0], torque_max_angle=angles[0], torque_min=-tops[1],
         torque_min_angle=angles[1], moment_max=tops[2], moment_max_angle=angles[2],
         force_max=tops[3], force_max_angle=angles[3], ratio_max=tops[4],
-        bend_max=max(tops[5], tops[6]), bend_min=-tops[6], bend_exit=bend_exit,
+        bend_max=max(tops[5], tops[6]), rubbing_max=tops[7], bend_min=-tops[6], bend_exit=bend_exit,
         reversals=float(reversals.size), last_side=last_side,
         torque_integral=whole, square_integral=squares, first_half=first,
     )  # fmt: skip
@@ -244,9 +249,7 @@ def _fill(samples, left, right, side, slide_sign, scene, efficiency):
     half = 0.5 * (right - left)
     for i in range(N + 2):
         theta = left + half * (1.0 + _point(i))
-        torque, moment, force, g, dg = contact_at(theta, side, slide_sign, scene, efficiency)
-        samples[i, TORQUE], samples[i, MOMENT], samples[i, FORCE] = torque, moment, force
-        samples[i, RATIO], samples[i, BEND] = g, dg
+        samples[i] = contact_at(theta, side, slide_sign, scene, efficiency)
 
 
 @inner_jit
@@ -286,4 +289,4 @@ def contact_states(packed, theta, efficiency, table):
     for i in range(theta.size):
         side = 1.0 if follower_moment(theta[i], scene) >= 0.0 else -1.0
         slide = sliding_sign(theta[i], side, scene)
-        table[i] = contact_at(theta[i], side, slide, scene, efficiency)
+        table[i] = contact_at(theta[i], side, slide, scene, efficiency)[:RUBBING]

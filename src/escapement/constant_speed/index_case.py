@@ -67,6 +67,10 @@ class IndexCase(Case):
         "permitted pressure between pin and slot", "pressure", group=STRESSES, needs="pin_length",
         remedy="give the pressure, 0 for none",
     ))  # fmt: skip
+    running_time: float = field(default=0.0, metadata=quantity(
+        "time for which the drive runs, for the number of load cycles", "time", group=STRESSES,
+        slotted=True, instead="efficiency", remedy="give the time, 0 for none",
+    ))  # fmt: skip
     load_frequency: float = field(default=0.0, metadata=quantity(
         "natural frequency of the load on its shaft, the wheel held", "frequency", metavar="HZ",
         group=_LOAD, remedy="give the frequency, 0 for a rigid shaft",

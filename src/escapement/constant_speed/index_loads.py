@@ -50,7 +50,28 @@ class IndexLoads(IndexTorque):
 
     @cached_property
     def _stresses(self: Any) -> dict[str, Any]:
-        return pin_stresses(self.contact_force_max, NAN, vars(self) | self.lengths)
+        numbers = vars(self) | self.lengths
+        return pin_stresses(self.contact_force_max, self.rubbing_max, numbers)
+
+    @property
+    def rubbing_max(self: Any) -> Any:
+        """Greatest product of the force on the pin and its sliding speed [W]."""
+        return self.cycle.rubbing_max * self.inertial * self.speed + 0.0 * self._length
+
+    @property
+    def pressure_speed_max(self) -> Any:
+        """Greatest mean pressure times sliding speed [W/m^2]; NaN for a roller."""
+        return self._stresses["pressure_speed_max"]
+
+    @property
+    def pin_load_frequency(self: Any) -> Any:
+        """How often each pin is loaded, once in a turn of the driver [1/s]."""
+        return self.speed / (2.0 * math.pi)
+
+    @property
+    def pin_loads(self: Any) -> Any:
+        """How often it is loaded over `running_time`."""
+        return self.pin_load_frequency * given(self.running_time)
 
     @property
     def pressure_max(self) -> Any:

@@ -35,6 +35,14 @@ def _locked(drive: Any) -> bool:
     return bool(drive.locking_radius)
 
 
+def _slides(drive: Any) -> bool:
+    return _stressed(drive) and not drive.lengths["roller_radius"]
+
+
+def _runs(drive: Any) -> bool:
+    return bool(drive.running_time)
+
+
 def _limited(drive: Any) -> bool:
     return _stressed(drive) and bool(drive.pressure_limit)
 
@@ -92,6 +100,18 @@ INDEX = {
     "pin_shear_max": Result(
         "pressure", "greatest mean shear stress of the pin", exists=_stressed, missing=_NO_PIN
     ),
+    "rubbing_max": Result(
+        "power", "greatest product of force on the pin and sliding speed", exists=_stressed,
+        missing=_NO_FORCE,
+    ),
+    "pressure_speed_max": Result(
+        "pressure_speed", "greatest mean pressure times sliding speed", exists=_slides,
+        missing=_NO_PIN,
+    ),
+    "pin_load_frequency": Result(
+        "frequency", "load cycles of each pin in a second", exists=_stressed
+    ),
+    "pin_loads": Result("ratio", "load cycles of each pin over the running time", exists=_runs),
     "entry_impact_deg": Result(
         "degrees", "where the pin meets its slot", exists=_loose, label="entry impact at"
     ),

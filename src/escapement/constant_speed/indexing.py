@@ -286,8 +286,9 @@ def index(
     **settings
         Bearings and drag as for `Escapement`; and `pressure_pin_radius`, `pin_length`, `pin_gap`
         [m], `pin_material`, `wheel_material` and `pressure_limit` [Pa] for the stresses of the
-        pin, `load_frequency` [Hz], `load_damping` and `load_tolerance` [rad] for a load on an
-        elastic shaft, `locking_radius` [m], `locking_friction` and `locking_angle` [rad].
+        pin, `running_time` [s] for its load cycles, `load_frequency` [Hz], `load_damping` and
+        `load_tolerance` [rad] for a load on an elastic shaft, `locking_radius` [m],
+        `locking_friction` and `locking_angle` [rad].
 
     Returns
     -------
