@@ -55,6 +55,7 @@ from escapement.mechanisms import CamIndexer as CamIndexer
 from escapement.mechanisms import EllipticalPlanetary as EllipticalPlanetary
 from escapement.mechanisms import GearDriven as GearDriven
 from escapement.mechanisms import Geneva as Geneva
+from escapement.mechanisms import Runaway as Runaway
 from escapement.mechanisms import Tabulated as Tabulated
 from escapement.mechanisms.from_functions import from_functions as from_functions
 from escapement.model.escapement import Escapement as Escapement

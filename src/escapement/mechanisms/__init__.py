@@ -11,6 +11,8 @@ Read `protocol` first, then `geneva`.
 - `kind`: the base of the kinds, with what files and the command line need
 - `geneva`, `gear_driven`, `elliptical_planetary`, `tabulated`, `cam_indexer`: the kinds
 - `from_functions`: a mechanism from the function of its follower angle
+- `two_bodies`, `escape_wheel`, `runaway`: the kinds whose outlines touch anywhere
+- `chains`, `features`: outlines of lines and arcs, and what a body touches another with
 - `slotted`, `table`: kernels that evaluate a pin path, and a tabulated transmission
 - `imperfect`, `pattern`: wheels with errors of their parts, and the path of every pair of pin and
   slot
@@ -29,9 +31,10 @@ if TYPE_CHECKING:
     from escapement.mechanisms.gear_driven import GearDriven
     from escapement.mechanisms.geneva import Geneva
     from escapement.mechanisms.kind import Kind
+    from escapement.mechanisms.runaway import Runaway
     from escapement.mechanisms.tabulated import Tabulated
 
-__all__ = ["CamIndexer", "EllipticalPlanetary", "GearDriven", "Geneva", "Tabulated"]
+__all__ = ["CamIndexer", "EllipticalPlanetary", "GearDriven", "Geneva", "Runaway", "Tabulated"]
 
 KINDS = {
     "geneva": "geneva:Geneva",
@@ -39,6 +42,7 @@ KINDS = {
     "elliptical-planetary": "elliptical_planetary:EllipticalPlanetary",
     "tabulated": "tabulated:Tabulated",
     "cam-indexer": "cam_indexer:CamIndexer",
+    "runaway": "runaway:Runaway",
 }
 """Module and class of each kind, by the name that files and the command line give it."""
 DEFAULT_KIND = "geneva"
