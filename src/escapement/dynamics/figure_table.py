@@ -9,7 +9,7 @@ from escapement.base.results import Result
 
 
 def _slotted(escapement: Any) -> bool:
-    return not escapement.mechanism.meshed
+    return not escapement.mechanism.meshed and escapement.mechanism.pitch is None
 
 
 def _sized(escapement: Any) -> bool:

@@ -139,7 +139,7 @@ def _restart(law, pairs, old, new, y):
         first = _opens(law, pairs, old, found.mode, y)
         if first > 0.0 and _opens(law, pairs, new, found.mode, y) > 0.0:
             return found
-    return _next(new, Ending.STANDS)
+    return _next(new, Ending.STALL)
 
 
 @inner_jit
@@ -163,9 +163,8 @@ def kinetic(law, y):
 
 
 @inner_jit
-def close(law, pairs, mode, y, pair, nose, track):
+def close(law, pairs, mode, y, new):
     """The mode behind the blow of a pair that closes, perhaps while another one is closed."""
-    new = Mode(pair=pair, nose=nose, track=track, sigma=0.0, driver_sense=0.0, follower_sense=0.0)
     before = kinetic(law, y)
     blow = _hit(law, pairs, new, y, law.restitution)
     if not blow.sound:
