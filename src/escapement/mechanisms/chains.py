@@ -4,7 +4,7 @@ import cmath
 import math
 from collections.abc import Sequence
 from itertools import pairwise
-from typing import NamedTuple
+from typing import NamedTuple, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -35,6 +35,15 @@ class Chain(NamedTuple):
         """Whether its last segment leads back to its first point."""
         return self.points.size == self.bulges.size
 
+    @classmethod
+    def of(cls, points: Sequence[complex], bulges: Sequence[float]) -> Self:
+        """The chain of lists of its points and bulges."""
+        return cls(np.array(points, dtype=complex), np.array(bulges, dtype=float))
+
+    def reversed(self) -> "Chain":
+        """A closed chain run through the other way, with the material still named on the left."""
+        return Chain(self.points[::-1], -np.roll(self.bulges[::-1], -1))
+
     def sampled(self, count: int) -> ComplexArray:
         """Points along it, `count` of each segment, its start among them."""
         shares = np.arange(count) / count
@@ -62,6 +71,15 @@ class _Segment(NamedTuple):
             return np.asarray(self.start + shares * (self.end - self.start))
         turned = np.exp(1j * self.turn * shares)
         return np.asarray(self.centre + (self.start - self.centre) * turned)
+
+
+def from_rows(rows: Sequence[Sequence[float]], unit: float) -> Chain:
+    """The chain of rows x, y, bulge, in another unit; closed if it ends where it starts."""
+    table = np.array(rows, dtype=float)
+    points, bulges = (table[:, 0] + 1j * table[:, 1]) / unit, table[:, 2]
+    if abs(points[-1] - points[0]) <= _SAME * max(np.ptp(points.real), np.ptp(points.imag)):
+        return Chain(points[:-1], bulges[:-1])
+    return Chain(points, bulges[:-1])
 
 
 def polygon(points: Sequence[complex], radius: float = 0.0) -> Chain:
@@ -164,8 +182,3 @@ def _joined(one: _Segment, two: _Segment) -> _Segment | None:
     if one.turn != 0.0 and abs(one.centre - two.centre) > _SAME * abs(one.start - one.centre):
         return None
     return _Segment(one.start, two.end, one.turn + two.turn, one.centre)
-
-
-def open_chain(points: Sequence[complex], bulges: Sequence[float]) -> Chain:
-    """An open chain from lists of its points and bulges."""
-    return Chain(np.array(points, dtype=complex), np.array(bulges, dtype=float))

@@ -157,6 +157,8 @@ class Mechanism:
     start: Any = None
     """Angles of driver and follower from which a motion starts [rad], counterclockwise; the
     follower's axis lies on the driver's x axis."""
+    wedge_friction: Any = math.inf
+    """Coefficient of friction from which on the bodies wedge each other [-]."""
 
     # what is reported, and what a study may vary
     reported: ClassVar[tuple[str, ...]] = CELL

@@ -6,11 +6,14 @@ import cmath
 import math
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar
 
+from escapement.base import validate
 from escapement.base.lazy import Lazy
 from escapement.base.quantity import Choice, quantity, setting
+from escapement.base.spoken import as_spoken
 from escapement.mechanisms.escape_wheel import EscapeWheel, length
+from escapement.mechanisms.kind import np
 from escapement.mechanisms.two_bodies import angle
 
 if TYPE_CHECKING:
@@ -19,6 +22,7 @@ else:
     chains = Lazy("escapement.mechanisms.chains")
 
 PALLETS = ("pins", "flat")
+_POSES = 101
 
 
 @dataclass(frozen=True, repr=False)
@@ -74,7 +78,7 @@ class Runaway(EscapeWheel):
     ))  # fmt: skip
     pin_radius: float = field(default=0.0, metadata=length("radius of the pins"))
     pallet_angle: float = field(default=0.0, metadata=angle(
-        "angle of a flat pallet's face to the radius", minimum=-0.5 * math.pi, maximum=0.5 * math.pi
+        "angle of a flat pallet's face to the radius", minimum=-math.inf
     ))  # fmt: skip
     pallet_length: float = field(default=0.0, metadata=length("length of a flat pallet's face"))
     pallet_thickness: float = field(default=0.0, metadata=length("thickness of a flat pallet"))
@@ -88,25 +92,68 @@ class Runaway(EscapeWheel):
     def __post_init__(self) -> None:
         self.check_fields()
         self.check_teeth()
+        self.check_span(self.span)
+        self._check_pallets()
+        _ = self.alternation
+
+    def _check_pallets(self) -> None:
+        """Refuse numbers of the other pallets, and rounded corners that meet."""
+        pins = self.pallets == PALLETS[0]
+        flat = {"pallet_angle", "pallet_length", "pallet_thickness", "corner_radius"}
+        needed = ["pin_radius"] if pins else ["pallet_length", "pallet_thickness"]
+        for name in sorted(flat if pins else {"pin_radius"}):
+            if value := getattr(self, name):
+                other = PALLETS[1] if pins else PALLETS[0]
+                raise validate.fail(
+                    name, f"0 with {self.pallets} pallets", value, f"choose {other}"
+                )
+        for name in needed:
+            if not (value := getattr(self, name)) > 0.0:
+                raise validate.fail(name, f"given with {self.pallets} pallets", value, "give it")
+        most = 0.5 * min(self.pallet_length, self.pallet_thickness)
+        if not pins and not self.corner_radius < most:
+            rule = (
+                f"less than half of the pallet's thickness and length, {as_spoken(most, 'length')}"
+            )
+            raise validate.fail(
+                "corner_radius", rule, as_spoken(self.corner_radius, "length"), "give less"
+            )
 
     @property
-    def _half_span(self) -> float:
+    def half_span(self) -> float:
         """Half of the angle between the pallets, seen from the wheel [rad]."""
-        return self.span * math.pi / self.teeth
+        return 0.5 * self.span * self.pitch
 
     @property
     def axes_distance(self) -> float:
         """Distance of the axes over the wheel's radius."""
         given = self.centre_distance
-        apart = self.pallet_radius / math.cos(self._half_span) if given is None else given
+        apart = self.pallet_radius / math.cos(self.half_span) if given is None else given
         return apart / self.wheel_radius
+
+    @cached_property
+    def wedge_friction(self) -> float:
+        """Coefficient of friction with which the force of a tooth no longer moves the verge [-]:
+        it then passes the verge's axis on the other side.
+        """
+        ends, found = self.alternation, []
+        swing = np.linspace(*ends[1::-1], _POSES + 2)[1:-1]
+        for pallet in (0, 1):
+            place, normal = self.pushed(pallet, swing)
+            arm = (place - self.axes_distance) * normal.conj()
+            found.append(np.abs(arm.imag / arm.real).min())
+        return float(min(found))
+
+    def report(self) -> dict[str, Any]:
+        """Its geometry by JSON key, in SI; angles in degrees."""
+        return super().report() | {"wedge_friction": self.wedge_friction}
 
     @cached_property
     def follower_chains(self) -> list[chains.Chain]:
         """The entry pallet and the exit pallet."""
         size, found = self.wheel_radius, []
         for side in (-1.0, 1.0):
-            radial = cmath.exp(1j * side * self._half_span)
+            radial = cmath.exp(1j * side * self.half_span)
             inner = self.pallet_radius * radial / size - self.axes_distance
             if self.pallets == PALLETS[0]:
                 found.append(chains.circle(inner, self.pin_radius / size))

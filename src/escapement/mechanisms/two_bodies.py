@@ -7,8 +7,10 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, ClassVar
 
+from escapement.base.errors import InvalidValue
 from escapement.base.lazy import Lazy
 from escapement.base.quantity import quantity
+from escapement.base.units import degrees
 from escapement.mechanisms.kind import Kind
 
 if TYPE_CHECKING:
@@ -36,6 +38,7 @@ class TwoBodies(Kind):
     """
 
     takes_clearance: ClassVar[bool] = True
+    report_units: ClassVar[dict[str, str]] = {"centre_distance": "length"}
 
     driver_start: float | None = field(
         default=None,
@@ -43,7 +46,7 @@ class TwoBodies(Kind):
         metadata=_start("driver", " (default: the middle of its free angle)"),
     )
     follower_start: float | None = field(
-        default=None, kw_only=True, metadata=_start("follower", " (default: 0)")
+        default=None, kw_only=True, metadata=_start("follower", " (default: chosen by the kind)")
     )
 
     def _shown(self) -> list[tuple[str, Any, str]]:
@@ -84,6 +87,23 @@ class TwoBodies(Kind):
     def pitch(self) -> float:
         """Driver angle after which the driver looks the same [rad]."""
         return 2.0 * math.pi / self.driver_fold
+
+    @property
+    def path(self) -> Any:
+        """There is none: InvalidValue for whatever asks for a transmission."""
+        raise InvalidValue(
+            f"mechanism must have a transmission function here, got {self.kind}, whose bodies "
+            "touch anywhere; choose a kind with slots or gears"
+        )
+
+    breaks = follower_step = path
+
+    def report(self) -> dict[str, Any]:
+        """Its geometry by JSON key, in SI; angles in degrees."""
+        found = {"pitch_deg": degrees(self.pitch)}
+        found |= {"centre_distance": self.axes_distance * self.crank_radius}
+        names = "driver_start_deg", "follower_start_deg"
+        return found | dict(zip(names, map(degrees, self.start), strict=True))
 
     @property
     def cell_angle(self) -> float:
