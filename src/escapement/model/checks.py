@@ -56,14 +56,13 @@ def check_outlines(owner: Any) -> None:
                 rule = "0 for a mechanism without outlines of both bodies"
                 raise validate.fail(name, rule, value, "choose runaway, or leave it out")
         return
-    lossy = (f"{role}_efficiency" for role, train in owner.trains.items() if train.efficiency < 1.0)
-    given = {name: getattr(owner, name) for name in ("stiffness", "pin_length") if getattr(owner, name)}
-    given |= {name: "less than 1" for name in lossy}
-    if owner.load_curve is not None:
-        given["load_curve"] = owner.load_curve
+    given = {name: getattr(owner, name) for name in ("stiffness", "pin_length", "load_curve")}
+    for role, train in owner.trains.items():
+        given[f"{role}_efficiency"] = train.efficiency if train.efficiency < 1.0 else 0.0
     for name, value in given.items():
-        rule = "left out with outlines of both bodies, which are rigid"
-        raise validate.fail(name, rule, value, "leave it out")
+        if value:
+            rule = "left out with outlines of both bodies, which no engine computes with it"
+            raise validate.fail(name, rule, value, "leave it out")
 
 
 def check_load(owner: Any) -> None:

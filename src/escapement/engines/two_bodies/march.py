@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 
 from escapement.dynamics.codes import Ending, Event
-from escapement.engines.two_bodies.change import behind_event, close, flight
+from escapement.engines.two_bodies.change import behind_event, close, contact_of, flight
 from escapement.engines.two_bodies.law import MOTION, STATE, Mode, push_at, touching
 from escapement.engines.two_bodies.step import (
     ERROR,
@@ -166,16 +166,13 @@ def _engage(law, pairs, joints, watch, notes, memory, mode, goal, end_time):
         if closed >= 0:
             touched, before = True, y[2]
             seen = watch[closed]
-            struck = Mode(
-                pair=closed, nose=seen.nose, track=seen.track, sigma=0.0, driver_sense=0.0,
-                follower_sense=0.0,
-            )  # fmt: skip
+            struck = contact_of(closed, seen.nose, seen.track)
             found = close(law, pairs, mode, y, struck)
             if notes.wanted and found.approach > 0.0:
                 _note_impact(law, pairs, notes, time, struck, y, before, found)
         elif event == HANDOFF:
             return mode, time, Ending.DONE if touched else Ending.UNDRIVEN
-        elif event == NOTHING or event == TURNS:
+        elif event in (NOTHING, TURNS):
             continue
         else:
             found = behind_event(law, pairs, mode, y, event)

@@ -46,7 +46,9 @@ def outcome(
         law = prepared(escapement).law
         if as_python(torque_after)(driver - law.begin, law)[0] <= 0.0:
             status, reason = Status.SPENT, "the mechanism stops {}: the spring is spent"
-    where = f"at a driver angle of {math.degrees(driver):.3f} degrees, in engagement {engagement + 1}"
+    where = (
+        f"at a driver angle of {math.degrees(driver):.3f} degrees, in engagement {engagement + 1}"
+    )
     return status, reason.format(where)
 
 

@@ -1,7 +1,7 @@
 """One step of a motion in one mode, and the first event within it.
 
-A step takes extrapolated midpoint rules (Gragg, Bulirsch and Stoer), of order 8 at most, and brings a kept
-contact back to a gap of zero. In a flight with constant torques it is exact.
+A step takes extrapolated midpoint rules (Gragg, Bulirsch and Stoer), of order 8 at most, and brings
+a kept contact back to a gap of zero. In a flight with constant torques it is exact.
 """
 
 from typing import NamedTuple

@@ -62,7 +62,7 @@ def _distance(one: Any, two: Any) -> float:
     if one["pair"] != two["pair"]:
         return math.inf
     speed = max(abs(one["speed"]), abs(one["turning"]))
-    return max(abs(one[name] - two[name]) for name in _NUMBERS) / float(speed)
+    return float(max(abs(one[name] - two[name]) for name in _NUMBERS) / speed)
 
 
 def _newton(escapement: Escapement, begin: np.ndarray) -> np.ndarray:
@@ -154,7 +154,8 @@ def _scattered(escapement: Escapement, base: Figures, begin: np.ndarray, rtol: f
     )
     found |= {"period": mean, "velocity_mean": escapement.mechanism.cell_angle / mean}
     message = (
-        f"the pitches do not repeat themselves: the period is the mean of {periods.size}, which lie "
-        f"between {periods.min():.9g} and {periods.max():.9g} s; all other figures are those of one"
+        f"the pitches do not repeat themselves: the period is the mean of {periods.size}, which "
+        f"lie between {periods.min():.9g} and {periods.max():.9g} s; all other figures "
+        "are those of one pitch"
     )
     return replace(base, **found, spread=scatter, status=Status.OK, message=message)

@@ -53,11 +53,11 @@ class TwoBodyTrajectory(Trajectory):
                 break
             size = int(used[0])
         rows = rows[: used[0]]
-        return rows[rows["time"] <= self._end * (1.0 + 1e-15)]
+        return np.asarray(rows[rows["time"] <= self._end * (1.0 + 1e-15)])
 
     @cached_property
     def _steps(self) -> np.ndarray:
-        return self._rows[self._rows["kind"] != Event.IMPACT]
+        return np.asarray(self._rows[self._rows["kind"] != Event.IMPACT])
 
     @cached_property
     def _firsts(self) -> np.ndarray:

@@ -110,9 +110,9 @@ def joined(pairs, joints, mode, i, nose, track):
     f_nose, k_nose = (two.nose_feature, nose) if same else (two.track_feature, track)
     f_track, k_track = (two.track_feature, track) if same else (two.nose_feature, nose)
     of_nose, of_track = joints if one.nose == 0 else (joints[1], joints[0])
-    return _meets(of_nose, one.nose_feature, f_nose, k_nose - mode.nose, one.nose_images) and _meets(
-        of_track, one.track_feature, f_track, k_track - mode.track, one.track_images
-    )
+    ahead, beside = k_nose - mode.nose, k_track - mode.track
+    meets = _meets(of_nose, one.nose_feature, f_nose, ahead, one.nose_images)
+    return meets and _meets(of_track, one.track_feature, f_track, beside, one.track_images)
 
 
 @inner_jit
