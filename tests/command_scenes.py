@@ -9,6 +9,7 @@ import math
 from contextlib import redirect_stderr, redirect_stdout
 from pathlib import Path
 
+import ezdxf
 import numpy as np
 
 import escapement as esc
@@ -18,6 +19,10 @@ from escapement.cli._arguments import parser_of
 from escapement.engines.solver import Solver
 from escapement.mechanisms import KINDS
 
+_CLOCK = {
+    **{"teeth": 30, "wheel_radius": 0.02, "tooth_depth": 0.004, "back": 35, "tip_radius": 4e-5},
+    **{"span": 7.5, "lift": 2, "drop": 1},
+}
 WHEELS = {
     "geneva": {"slots": 6, "pins": 2, "crank_radius": 0.02, "pin_radius": 0.001},
     "gear-driven": {
@@ -27,10 +32,25 @@ WHEELS = {
     "elliptical-planetary": {"sun_radius": 0.016, "planet_radius": 0.009},
     "tabulated": {"table": "cells.csv", "measured": True, "cell_angle": 120, "follower_step": 60},
     "cam-indexer": {"stations": 8, "index_angle": 120, "law": "cycloidal"},
+    "runaway": {
+        **{"teeth": 12, "wheel_radius": 0.01, "tooth_depth": 0.0022, "lead": 45, "back": 15},
+        **{"tip_radius": 1e-4, "span": 2.5, "pallet_radius": 0.0102, "pin_radius": 5e-4},
+        "centre_distance": 0.0129,
+    },
+    "deadbeat": {**_CLOCK, "lead": -8, "lock": 0.5},
+    "recoil": {**_CLOCK, "lead": -8, "lock": 0.5, "recoil_angle": 10},
+    "outlines": {"drawing": "bodies.dxf", "driver_start": 3, "follower_start": 1},
 }
+TOUCHING = ("runaway", "deadbeat", "recoil", "outlines")
+"""Kinds of two bodies that touch anywhere."""
 WITHOUT_PARTS = ("tabulated", "cam-indexer")
 """Kinds of which only the transmission is known."""
 """A mechanism of each kind."""
+FLAT = {
+    **{"teeth": 20, "tooth_depth": 0.002, "lead": -5, "back": 30, "pallets": "flat", "span": 3.5},
+    **{"pallet_angle": 45, "pallet_length": 0.002, "pallet_thickness": 8e-4},
+}
+"""A runaway with flat pallets, without its radii."""
 EXACT = {"table": "cell.csv"}
 """Another table, of one whole cell without scatter."""
 ROLLER = {"pin_radius": 0.0016, "roller_radius": 0.0018}
@@ -75,7 +95,11 @@ SIZES = {
          "pin_diameter": 0.0032, "roller_diameter": 0.0036},
     ],
     "elliptical-planetary": [{"sun_diameter": 0.032, "planet_diameter": 0.018}],
-    **{kind: [] for kind in WITHOUT_PARTS},
+    **{kind: [] for kind in (*WITHOUT_PARTS, "deadbeat", "recoil", "outlines")},
+    "runaway": [
+        {**FLAT, "wheel_diameter": 0.02, "tip_diameter": 2e-4, "pallet_diameter": 0.019,
+         "corner_diameter": 2e-4},
+    ],
 }  # fmt: skip
 """The same sizes as drawings give them."""
 
@@ -99,6 +123,8 @@ DISCS = {"thickness": 0.002, "density": 7800}
 
 def motions(kind, length, **solver):
     """Scenes in which every number of a motion acts."""
+    if kind in TOUCHING:
+        return []
     wheel, lost = WHEELS[kind], FRICTION[kind]
     base = {**wheel, **DRIVE, **lost, **length}
     scenes = [{**base, **LOSSES, **TRAINS, **solver}, {**base, **OIL}]
@@ -118,12 +144,16 @@ def motions(kind, length, **solver):
 
 
 def _run(kind):
+    if kind in TOUCHING:
+        return []
     lasting = {**WHEELS[kind], **DRIVE, **FRICTION[kind], "duration": 0.1, "tried": ["duration"]}
     ivp = [{**lasting, **IVP, "tried": SOLVER}] if kind == "geneva" else []
     return [*motions(kind, {"engagements": 2}, rtol=1e-8), lasting, *ivp]
 
 
 def _rundown(kind):
+    if kind in TOUCHING:
+        return []
     lasting = {**WHEELS[kind], **DRIVE, **FRICTION[kind], "duration": 0.1, "tried": ["duration"]}
     # compliant walls take seconds, and `run` has them
     rigid = [one for one in motions(kind, {"turns": 2}, rtol=1e-8) if "stiffness" not in one]
@@ -141,6 +171,10 @@ def _wheels(kind):
     """The mechanism, also with a roller and with errors where it can have them."""
     wheel = WHEELS[kind]
     found = [wheel]
+    if kind == "runaway":
+        flat = {"wheel_radius": 0.01, "tip_radius": 1e-4, "pallet_radius": 0.0095}
+        tried = ["pallet_angle", "pallet_length", "pallet_thickness", "corner_radius"]
+        found += [{**FLAT, **flat, "corner_radius": 1e-4, "tried": tried}]
     if kind in ERRORS:
         found += [{**wheel, **ROLLER}, {**wheel, **ERRORS[kind]}, {**wheel, **TOO_FAR}]
     return [*found, EXACT] if kind == "tabulated" else found
@@ -173,6 +207,11 @@ def _export(kind):
         built = {"dowel_radius": 1e-3, "washer_radius": 2e-3, "screw_radius": 1e-3}
         built |= {"coupon_step": 1e-4, "bore": "D", "bore_flat": 5e-4}
         scenes.append({**dwell, "clearance": 1e-4, **built, "tried": [*built]})
+    if kind in TOUCHING:
+        shafts = SHAFTS if kind != "outlines" else {"driver_shaft_radius": 0.002}
+        pins = {"pin_fit": 1e-5} if kind == "runaway" else {}
+        scenes = [{**one, **shafts, "shaft_fit": 1e-5, **DISCS} for one in _wheels(kind)]
+        return [{**scenes[0], **pins}, *scenes[1:]]
     if kind == "elliptical-planetary":
         return scenes  # its sizes are tried elsewhere: rolling the teeth takes seconds
     return [*scenes, *sized(kind, clearance=1e-4)]
@@ -184,6 +223,8 @@ def _old_name(kind):
 
 
 def _index(kind):
+    if kind in TOUCHING:
+        return []
     case = {"speed": 10, "load_torque": 0.01, "follower_inertia": 1e-4, "efficiency": 0.9}
     case |= {n: x for n, x in LOSSES.items() if n != "driver_inertia"} | _BEHIND
     rings = {"load_frequency": 7, "load_damping": 0.1, "load_tolerance": 1e-3}
@@ -210,6 +251,8 @@ def _index(kind):
 
 
 def _measure(kind):
+    if kind in TOUCHING:
+        return []
     words = {"input_column": "input_deg", "output_column": "output_deg", "angle_unit": "deg"}
     read = {"data": "readings.csv", "bins": 8, "confidence": 0.95, **words}
     zeros = {"phase": 0.1, "offset": 0.1, "resolution": 4096, "linearity": 0.001}
@@ -260,6 +303,8 @@ CHANGED = {
     **{"select": "friction=0.2", "result": "rise_time", "angle_unit": "rad", "bins": 9},
     **{"fit": "driver_inertia", "input_column": "again_deg", "output_column": "again_deg"},
     **{"indices": 8, "lobes": "1/2", "time_column": "later_s", "law": "modified-sine"},
+    **{"span": 5.5, "drawing": "other.dxf", "tooth_depth": 0.0021, "wheel_radius": 0.0101},
+    **{"wheel_diameter": 0.0201, "pallet_radius": 0.01021, "pallet_diameter": 0.0191},
     **{"pin_material": "steel", "wheel_material": "acetal", "bore": "square"},
 }
 """What an option is given instead, where a number a little greater will not do."""
@@ -280,6 +325,7 @@ ADDED = {
     **{"pin_angle_errors": "0,0.001", "crank_radius_errors": "0,1e-5", "friction": 0.25},
     **{"slot_angle_errors": "0,0,0,0,0,0.001", "slot_offsets": "0,0,0,0,0,1e-5"},
     **{"barrel_ratio": 3, "load_train_ratio": 3, "engine": "ivp", "method": "RK45"},
+    **{"pallets": "flat", "drawing": "bodies.dxf"},
     **{"least_wall": 1.0, "teeth": 25, "load_curve": "load.csv"},
 }
 """What an option is given that a scene does not have; another number is small."""
@@ -373,6 +419,9 @@ def write_inputs(command, kind):
         turned = 0.5 * angles + wave * np.sin(3.0 * angles)
         text = "".join(f"{x!r},{y!r}\n" for x, y in np.degrees([angles, turned]).T.tolist())
         Path(f"{name}.csv").write_text(text)
+    if kind == "outlines":
+        for name, size in (("bodies", 1.0), ("other", 1.1)):
+            write_bodies(f"{name}.dxf", size)
     if command == "plot":
         with redirect_stdout(io.StringIO()), redirect_stderr(io.StringIO()):
             main(["sweep", "study.toml", "--quiet"])
@@ -389,6 +438,20 @@ def write_inputs(command, kind):
     state = motion.at(times)
     noise = 1e-3 * np.random.default_rng(5).standard_normal((2, times.size))
     _write("motion.csv", times + 0.5, state.theta + noise[0], state.phi + noise[1])
+
+
+def write_bodies(path, size):
+    """A drawing of a star that turns a round pin aside."""
+    drawing = ezdxf.new(units=4)
+    space, layers = drawing.modelspace(), ({"layer": "DRIVER"}, {"layer": "FOLLOWER"})
+    radii = size * np.array([10.0, 7.0] * 6)
+    star = radii * np.exp(1j * np.pi / 6.0 * np.arange(12))
+    corners = [(z.real, z.imag) for z in star.tolist()]
+    space.add_lwpolyline(corners, close=True, dxfattribs=layers[0])
+    space.add_circle((13.0, 9.0), 1.0, dxfattribs=layers[1])
+    for centre, layer in zip(((0.0, 0.0), (13.0, 0.0)), layers, strict=True):
+        space.add_point(centre, dxfattribs=layer)
+    drawing.saveas(path)
 
 
 def _write(name, *columns):

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import escapement as esc
+from command_scenes import TOUCHING
 from escapement.base.errors import InvalidValue
 from escapement.mechanisms import KINDS
 
@@ -58,7 +59,7 @@ def integral_of_g(mechanism, theta):
 
 
 def test_every_kind_is_tried():
-    assert {mechanism.kind for mechanism in MECHANISMS} == {*KINDS}
+    assert {mechanism.kind for mechanism in MECHANISMS} == {*KINDS} - {*TOUCHING}
 
 
 @pytest.mark.parametrize("mechanism", MECHANISMS, ids=repr)

@@ -9,6 +9,7 @@ from matplotlib.path import Path
 from scipy.spatial import cKDTree
 
 import escapement as esc
+from command_scenes import TOUCHING, WHEELS, argv_of, write_inputs
 from escapement.base.errors import InvalidValue
 from escapement.base.quantity import declared
 from escapement.cli import main
@@ -247,8 +248,15 @@ SIZED = {
 
 
 @pytest.mark.parametrize("kind", KINDS)
-def test_every_kind_is_exported_or_refused_in_one_line(kind, tmp_path, capsys):
+def test_every_kind_is_exported_or_refused_in_one_line(kind, tmp_path, capsys, monkeypatch):
     path = tmp_path / "a.svg"
+    if kind in TOUCHING:
+        monkeypatch.chdir(tmp_path)
+        write_inputs("export", kind)
+        found, _ = told(capsys, *argv_of("export", kind, WHEELS[kind])[1:], "-o", str(path))
+        assert found["least_gap"] > 0.0
+        assert path.exists()
+        return
     if kind in SIZED:
         found, err = told(capsys, kind, *SIZED[kind], "-o", str(path))
         assert found["kind"] == kind

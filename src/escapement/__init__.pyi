@@ -52,10 +52,15 @@ from escapement.measurement import write_beats as write_beats
 from escapement.measurement import write_readings as write_readings
 from escapement.measurement import write_recording as write_recording
 from escapement.mechanisms import CamIndexer as CamIndexer
+from escapement.mechanisms import Deadbeat as Deadbeat
 from escapement.mechanisms import EllipticalPlanetary as EllipticalPlanetary
 from escapement.mechanisms import GearDriven as GearDriven
 from escapement.mechanisms import Geneva as Geneva
+from escapement.mechanisms import Outlines as Outlines
+from escapement.mechanisms import Recoil as Recoil
+from escapement.mechanisms import Runaway as Runaway
 from escapement.mechanisms import Tabulated as Tabulated
+from escapement.mechanisms.drawing_files import read_outlines as read_outlines
 from escapement.mechanisms.from_functions import from_functions as from_functions
 from escapement.model.escapement import Escapement as Escapement
 from escapement.model.escapement import Inertia as Inertia

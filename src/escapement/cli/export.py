@@ -16,7 +16,9 @@ from escapement.model.inputs import inputs_of_mechanism, inputs_of_settings
 from escapement.outlines.fits import Fits
 
 _NO_TEETH = ("teeth", 0, "ratio")
-_FITS = {name: entry for name, entry in declared(Fits).items() if name != "clearance"}
+_ALSO = ("clearance", "teeth")
+"""Fits whose option belongs to some kinds of mechanism, and is a fit with the others."""
+_FITS = {name: entry for name, entry in declared(Fits).items() if name not in _ALSO}
 _DISCS = {
     "thickness": Quantity(
         name="thickness", key="thickness", long_name="thickness of the parts", unit="length",
@@ -79,10 +81,12 @@ def execute(args: Arguments) -> int:
     """Check the motion, write the parts, print them and the least gaps."""
     given = numbers_of_sizes(_SIZES_OF_FITS, _arguments.typed(args, _FITS | _DIAMETERS))
     vars(args).update(dict.fromkeys(_DIAMETERS))  # the radii are told
-    if "clearance" not in kind_of(args.kind or DEFAULT_KIND).options() and args.clearance:
-        # a Geneva wheel has its own clearance, which this option sets
-        given["clearance"] = factor("length", args.units) * args.clearance
-        args.clearance = None
+    for name in _ALSO:
+        value = getattr(args, name)
+        if name not in kind_of(args.kind or DEFAULT_KIND).options() and value is not None:
+            scale = factor("length", args.units) if name == "clearance" else 1
+            given[name] = declared(Fits)[name].check(name, scale * value)
+            setattr(args, name, None)
     fits, mechanism, data = Fits(**given), _arguments.read_mechanism(args), None
     if args.output is None:
         gaps = esc.motion_check(mechanism, fits)
@@ -111,7 +115,8 @@ def execute(args: Arguments) -> int:
 def _warning(args: Arguments, mechanism: Any, fits: Fits, rows: list[dict[str, Any]]) -> str:
     """What a workshop would ask about: no clearance, thin walls, very large or small parts."""
     texts, length = list[str](), partial(as_spoken, quantity="length", figures=3)
-    if not (mechanism.meshed or mechanism.clearance or fits.clearance):
+    exact = not (mechanism.meshed or mechanism.clearance or fits.clearance)
+    if exact and not mechanism.driver_features:
         texts.append("the slots are as wide as the pins; give a --clearance to make them")
     least = _arguments.typed(args, _WALLS).get("least_wall", max(_LEAST_WALL, fits.kerf))
     said = [f"{row['part']} {length(row['wall'])}" for row in rows if row["wall"] <= least]

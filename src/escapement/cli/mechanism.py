@@ -66,7 +66,7 @@ def _found(args: Arguments) -> _output.Found:
     angle = math.radians(args.angle or 0.0)
     _output.save(args, plot=lambda plots: plots.plot_mechanism(mechanism, angle))
     try:
-        _ = mechanism.path
+        _ = mechanism.driver_features or mechanism.path
     except InvalidValue as error:
         # the geometry is reported even if no motion can be computed for it
         warnings.append(str(error))
@@ -80,7 +80,7 @@ def _found(args: Arguments) -> _output.Found:
 
 def _critical_friction(mechanism: Any, given: dict[str, float]) -> float:
     """The Painleve limit with these inertias."""
-    if mechanism.meshed:
+    if mechanism.meshed or mechanism.driver_features:
         raise UsageError(
             f"--driver-inertia must not come with a {mechanism.kind} mechanism, which has no "
             "slots and so no critical friction; leave it out"

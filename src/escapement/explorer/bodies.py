@@ -13,9 +13,12 @@ from typing import Any
 import numpy as np
 
 from escapement.mechanisms import EllipticalPlanetary, GearDriven, Geneva
+from escapement.mechanisms.escape_wheel import EscapeWheel
+from escapement.mechanisms.two_bodies import TwoBodies
 from escapement.outlines.curves import Curve, svg_point
 from escapement.outlines.gears import EllipticalOutline, GearDrivenOutline, pitch_curve
 from escapement.outlines.geneva import GenevaOutline
+from escapement.outlines.touching import PLATE, edges_of, plate
 
 Vector = tuple[complex, float]
 """A vector, and the number of its turns in one turn of the driver."""
@@ -111,6 +114,19 @@ def _(mechanism: EllipticalPlanetary) -> dict[str, Any]:
         ends = oval.corners[[0, oval.corners.size // 2]].tolist()
         found += [_body(name, [oval], at, turn), _line("axis", ends, at, turn)]
     found += [_line("carrier", [0.0, shaft[0][0]], turn=(1.0, 0.0))]
+    return _picture(found, None)
+
+
+@bodies_of.register
+def _(mechanism: TwoBodies) -> dict[str, Any]:
+    axis, found = [(complex(mechanism.axes_distance), 0.0)], []
+    if isinstance(mechanism, EscapeWheel):
+        found.append(_body("carrier", [plate(mechanism)], axis, (0.0, 1.0)))
+    driver = edges_of(mechanism.driver_chains, mechanism.driver_fold)
+    follower = edges_of(mechanism.follower_chains, mechanism.follower_fold)
+    found.append(_body("driving", driver, turn=(1.0, 0.0)))
+    found.append(_body("follower", follower, axis, (0.0, 1.0)))
+    found += [_body("shaft", [Curve.circle(0.5 * PLATE)], at) for at in ([], axis)]
     return _picture(found, None)
 
 

@@ -11,6 +11,10 @@ Read `protocol` first, then `geneva`.
 - `kind`: the base of the kinds, with what files and the command line need
 - `geneva`, `gear_driven`, `elliptical_planetary`, `tabulated`, `cam_indexer`: the kinds
 - `from_functions`: a mechanism from the function of its follower angle
+- `two_bodies`, `escape_wheel`, `runaway`, `clock_verge`, `drawn_bodies`: kinds whose outlines
+  touch anywhere
+- `alternation`: whether two pallets let one tooth after the other go by
+- `chains`, `features`: outlines of lines and arcs, and what a body touches another with
 - `slotted`, `table`: kernels that evaluate a pin path, and a tabulated transmission
 - `imperfect`, `pattern`: wheels with errors of their parts, and the path of every pair of pin and
   slot
@@ -25,13 +29,26 @@ from escapement.base.lazy import offered
 
 if TYPE_CHECKING:
     from escapement.mechanisms.cam_indexer import CamIndexer
+    from escapement.mechanisms.clock_verge import Deadbeat, Recoil
+    from escapement.mechanisms.drawn_bodies import Outlines
     from escapement.mechanisms.elliptical_planetary import EllipticalPlanetary
     from escapement.mechanisms.gear_driven import GearDriven
     from escapement.mechanisms.geneva import Geneva
     from escapement.mechanisms.kind import Kind
+    from escapement.mechanisms.runaway import Runaway
     from escapement.mechanisms.tabulated import Tabulated
 
-__all__ = ["CamIndexer", "EllipticalPlanetary", "GearDriven", "Geneva", "Tabulated"]
+__all__ = [
+    "CamIndexer",
+    "Deadbeat",
+    "EllipticalPlanetary",
+    "GearDriven",
+    "Geneva",
+    "Outlines",
+    "Recoil",
+    "Runaway",
+    "Tabulated",
+]
 
 KINDS = {
     "geneva": "geneva:Geneva",
@@ -39,6 +56,10 @@ KINDS = {
     "elliptical-planetary": "elliptical_planetary:EllipticalPlanetary",
     "tabulated": "tabulated:Tabulated",
     "cam-indexer": "cam_indexer:CamIndexer",
+    "runaway": "runaway:Runaway",
+    "deadbeat": "clock_verge:Deadbeat",
+    "recoil": "clock_verge:Recoil",
+    "outlines": "drawn_bodies:Outlines",
 }
 """Module and class of each kind, by the name that files and the command line give it."""
 DEFAULT_KIND = "geneva"

@@ -145,6 +145,21 @@ class Mechanism:
         """Standard deviations of the transmission at driver angles where there is `noise`."""
         raise NotImplementedError
 
+    # the outlines of two bodies that touch anywhere, instead of a transmission
+    driver_features: Any = None
+    """The `Features` of the driver, in units of `crank_radius`; None for other mechanisms."""
+    follower_features: Any = None
+    """Those of the follower."""
+    axes_distance: Any = None
+    """Distance of the axes in crank radii [-]."""
+    pitch: Any = None
+    """Driver angle after which the driver looks the same [rad]."""
+    start: Any = None
+    """Angles of driver and follower from which a motion starts [rad], counterclockwise; the
+    follower's axis lies on the driver's x axis."""
+    wedge_friction: Any = math.inf
+    """Coefficient of friction from which on the bodies wedge each other [-]."""
+
     # what is reported, and what a study may vary
     reported: ClassVar[tuple[str, ...]] = CELL
     """Keys of the report: names of attributes, with "_deg" at the end for angles in degrees."""

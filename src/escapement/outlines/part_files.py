@@ -12,12 +12,14 @@ from escapement.base import validate
 from escapement.base.errors import InvalidValue
 from escapement.base.files import CUTS, AnyPath, file_format, write_file
 from escapement.base.spoken import Spoken, as_spoken, on_drawing
+from escapement.mechanisms.two_bodies import TwoBodies
 from escapement.outlines.curves import Curve, svg_point
 from escapement.outlines.fits import Fits
 from escapement.outlines.interference import Nearest, least_gaps
 from escapement.outlines.parts import outline_of, parts_of
 from escapement.outlines.sheet import LAYERS, Sheet, lay_out
 from escapement.outlines.title_block import title_block
+from escapement.outlines.touching import least_gaps as touching_gaps
 
 _ROUNDING = 1e-12  # gaps of so many units of the outline are 0 except for rounding
 _TOUCH = 1e-6  # bodies that overlap by less count as touching [m]
@@ -29,7 +31,7 @@ def motion_check(mechanism: Any, fits: Fits | None = None) -> list[Nearest]:
 
     Parameters
     ----------
-    mechanism : Geneva, GearDriven or EllipticalPlanetary
+    mechanism : Mechanism
         As for `parts_of`.
     fits : Fits, optional
         As for `parts_of`.
@@ -39,15 +41,18 @@ def motion_check(mechanism: Any, fits: Fits | None = None) -> list[Nearest]:
     list of Nearest
         Gaps and points in m, the smallest gap first. Negative gaps are overlaps. The parts have
         their nominal positions: the pin in the middle of its slot, the locked wheel in the middle
-        of its clearance.
+        of its clearance. Of two pallets it is the gap of each while the wheel pushes the other.
     """
     parts_of(mechanism, fits)  # this refuses a mechanism without parts
-    outline = outline_of(mechanism, fits or Fits())
+    touching = isinstance(mechanism, TwoBodies)
+    pairs = (
+        touching_gaps(mechanism) if touching else least_gaps(outline_of(mechanism, fits or Fits()))
+    )
     # the outlines of elliptical gears are in mm
     unit = mechanism.crank_radius or 1e-3
     return [
         pair._replace(gap=unit * gap, point=unit * pair.point)
-        for pair in least_gaps(outline)
+        for pair in pairs
         for gap in (pair.gap if abs(pair.gap) > _ROUNDING else 0.0,)
     ]
 
@@ -70,7 +75,7 @@ def export(
 
     Parameters
     ----------
-    mechanism : Geneva, GearDriven or EllipticalPlanetary
+    mechanism : Mechanism
         As for `parts_of`.
     path : path
         FILE.dxf, which needs the extra `cad`, or FILE.svg.

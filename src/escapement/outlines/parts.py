@@ -13,7 +13,16 @@ import numpy as np
 from escapement.base import validate
 from escapement.base.errors import InvalidValue
 from escapement.base.spoken import as_spoken
-from escapement.mechanisms import EllipticalPlanetary, GearDriven, Geneva
+from escapement.mechanisms import (
+    Deadbeat,
+    EllipticalPlanetary,
+    GearDriven,
+    Geneva,
+    Outlines,
+    Recoil,
+    Runaway,
+)
+from escapement.mechanisms.escape_wheel import EscapeWheel
 from escapement.mechanisms.protocol import checked
 from escapement.model.escapement import Inertia
 from escapement.outlines.bores import bore, hole
@@ -26,13 +35,15 @@ from escapement.outlines.fixtures import (
     foot,
     pin_and_washer,
 )
+from escapement.outlines.gaps import outside, segments_of
 from escapement.outlines.gears import EllipticalOutline, GearDrivenOutline, pitch_curve
 from escapement.outlines.geneva import GenevaOutline
 from escapement.outlines.meshed import elliptical_teeth, toothed_gears
 from escapement.outlines.part import Part, link
+from escapement.outlines.touching import PLATE, edges_of, pallet_centres, plate
 
 _FIXTURES = "dowel_radius", "washer_radius", "screw_radius", "coupon_step"
-_UNUSED = {
+_UNUSED: dict[type, tuple[tuple[str, str], ...]] = {
     Geneva: (
         ("clearance", "a Geneva wheel, which has a clearance of its own"),
         ("teeth", "a Geneva wheel, which has none"),
@@ -46,6 +57,16 @@ _UNUSED = {
         (name, "elliptical gears, which have no slots")
         for name in ("pin_fit", "locking_radius", *_FIXTURES)
     ),
+    **{
+        kind: tuple(
+            (name, "bodies whose outlines touch anywhere")
+            for name in (
+                *("locking_radius", "clearance", "teeth", *_FIXTURES),
+                *["pin_fit"] * (kind is not Runaway),
+            )
+        )
+        for kind in (Runaway, Deadbeat, Recoil, Outlines)
+    },
 }
 """Fits that a kind of mechanism has no use for, and why."""
 _WALL = 0.07  # around pins and shafts, in the mechanism's unit of length
@@ -56,7 +77,7 @@ _SHAFT = 0.12
 def _parts(mechanism: Any, fits: Fits) -> list[Part]:
     raise InvalidValue(
         f"{mechanism.kind} has no parts that could be drawn; "
-        "choose geneva, gear-driven or elliptical-planetary"
+        "choose a kind with bodies, such as geneva or runaway"
     )
 
 
@@ -65,8 +86,8 @@ def parts_of(mechanism: Any, fits: Fits | None = None) -> tuple[Part, ...]:
 
     Parameters
     ----------
-    mechanism : Geneva, GearDriven or EllipticalPlanetary
-        The mechanism, with its size and the radius of its pins, and without errors of its parts.
+    mechanism : Mechanism
+        One with bodies, with its size and the radius of its pins, and without errors of its parts.
     fits : Fits, optional
         Default: holes with the size of their pins and shafts.
 
@@ -76,7 +97,8 @@ def parts_of(mechanism: Any, fits: Fits | None = None) -> tuple[Part, ...]:
         A Geneva wheel has "driver", "locking-disc", "follower" and "plate", and, where
         `fits` asks for them, "pin" and "washer", "base" and four times "foot", and "coupon". A
         gear-driven one has "follower", "pin-disc", "carrier", "planet" and "fixed-gear",
-        elliptical gears have "driven", "driving", "sun", "planet" and "carrier".
+        elliptical gears have "driven", "driving", "sun", "planet" and "carrier", and an escape
+        wheel has "wheel", "verge" and, unless they are pins, "entry-pallet" and "exit-pallet".
 
     Raises
     ------
@@ -246,6 +268,61 @@ def _(mechanism: EllipticalPlanetary, fits: Fits) -> list[Part]:
         for name, pitch, hole in gears
     ]
     return [*found, link("carrier", mechanism.centre_distance, *radii, fits)]
+
+
+@_parts.register
+def _(mechanism: EscapeWheel, fits: Fits) -> list[Part]:
+    size, pins = mechanism.wheel_radius, isinstance(mechanism, Runaway) and mechanism.pin_radius
+    wheel, *_ = edges_of(mechanism.driver_chains, mechanism.driver_fold)
+    pallets = [edge.moved(size) for edge in edges_of(mechanism.follower_chains)]
+    radii = (
+        fits.driver_shaft_radius or _SHAFT * size,
+        fits.follower_shaft_radius or 0.5 * PLATE * size,
+    )
+    shaft, axis = (bore(radius, fits) for radius in radii)
+    found = [Part("wheel", wheel.moved(size), (shaft,))]
+    centres = [size * centre for centre in pallet_centres(mechanism)]
+    edge = plate(mechanism, max(PLATE, 2.0 * radii[1] / size)).moved(size)
+    if pins:
+        holes = [hole(float(pins), centre, fits.pin_fit, "pin") for centre in centres]
+        return [*found, Part("verge", edge, (axis, *holes), axes=(0.0, *centres))]
+    if fits.pin_fit:
+        rule, got = "0 for flat pallets", as_spoken(fits.pin_fit, "length")
+        raise validate.fail("pin_fit", rule, got, "leave it out")
+    names = ("entry-pallet", "exit-pallet")
+    cut = [
+        Part(name, pallet.moved(by=-centre), axes=())
+        for name, pallet, centre in zip(names, pallets, centres, strict=True)
+    ]
+    return [*found, Part("verge", edge, (axis,), tuple(pallets)), *cut]
+
+
+@_parts.register
+def _(mechanism: Outlines, fits: Fits) -> list[Part]:
+    size, found = mechanism.crank_radius, list[Part]()
+    bodies = (
+        ("driver", mechanism.driver_chains, mechanism.driver_fold, fits.driver_shaft_radius),
+        (
+            "follower",
+            mechanism.follower_chains,
+            mechanism.follower_fold,
+            fits.follower_shaft_radius,
+        ),
+    )
+    for name, chains, fold, radius in bodies:
+        edges = [edge.moved(size) for edge in edges_of(chains, fold)]
+        holes = tuple(edge for edge in edges if edge.moments.area < 0.0)
+        whole = [edge for edge in edges if edge.moments.area > 0.0]
+        shaft = (bore(radius, fits),) if radius else ()
+        if shaft and not (
+            len(whole) == 1 and outside(segments_of(whole), np.zeros(1, dtype=complex))[0] < 0.0
+        ):
+            rule, got = "0 for a body without material at its axis", as_spoken(radius, "length")
+            raise validate.fail(f"{name}_shaft_radius", rule, got, "leave it out")
+        for number, edge in enumerate(whole):
+            cut = (*holes, *shaft) if len(whole) == 1 else ()
+            found.append(Part(f"{name}-{number}" if len(whole) > 1 else name, edge, cut))
+    return found
 
 
 def _sized(mechanism: Geneva | GearDriven) -> tuple[float, float]:

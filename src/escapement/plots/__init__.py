@@ -7,7 +7,7 @@ Functions for one panel draw into given axes, or into a new figure; nothing is s
 - `cells`: what a notebook shows for a mechanism or a motion
 - `motion_plots`, `motor_panels`, `rundown_curve`, `animation`, `clearance_drawing`: motions, and
   films of them
-- `drawing`, `geneva`, `gear_driven`, `planetary`: mechanisms to scale
+- `drawing`, `geneva`, `gear_driven`, `planetary`, `touching_bodies`: mechanisms to scale
 - `study`, `study_panels`, `study_table`, `sample`, `budget_bars`, `designs`: studies, budgets and
   designs
 - `measurement`, `beat_plots`, `timing`: readings and beats
@@ -49,3 +49,4 @@ from escapement.plots.study import plot_study as plot_study
 from escapement.plots.style import new_axes as new_axes
 from escapement.plots.timing import plot_run_up as plot_run_up
 from escapement.plots.timing import plot_timing as plot_timing
+from escapement.plots.touching_bodies import plot_touching as plot_touching

@@ -11,12 +11,14 @@ from escapement.base import validate
 from escapement.dynamics.motion import Motion, State
 from escapement.mechanisms import EllipticalPlanetary, Geneva
 from escapement.mechanisms.protocol import Mechanism
+from escapement.mechanisms.two_bodies import TwoBodies
 from escapement.plots import drawing, style
 from escapement.plots.clearance_drawing import draw_close_up, exaggerated
 from escapement.plots.films import FilmFigure
 from escapement.plots.geneva import plot_geneva
 from escapement.plots.motion_plots import plot_velocities
 from escapement.plots.planetary import draw_planetary, extent
+from escapement.plots.touching_bodies import plot_touching
 
 _MOST_FRAMES = 2_000
 
@@ -124,6 +126,8 @@ def _drawing(ax: Axes, mechanism: Mechanism, state: State) -> Callable[[int], ob
     angles, follower_angles = state.theta.tolist(), state.phi.tolist()
     if wheel := _loose(mechanism):
         return lambda k: plot_geneva(wheel, angles[k], ax, follower_angle=follower_angles[k])
+    if isinstance(mechanism, TwoBodies):
+        return lambda k: plot_touching(mechanism, angles[k], ax, follower_angle=follower_angles[k])
     if not isinstance(mechanism, EllipticalPlanetary):
         return lambda k: drawing.plot_mechanism(mechanism, angles[k], ax)
     # the carrier turns, so the limits must have room for every picture

@@ -1,0 +1,158 @@
+"""The law of two bodies that are free or touch at one point, in natural units.
+
+With the touch of `touch`, the sign sigma of the slip and the torques Q without the contact,
+
+    B_b = G_b - mu sigma H_b - sense_b journal_b,      A = sum G_b B_b/I_b,
+    N = -(kappa + sum G_b Q_b/I_b)/A,                  I_b q_b'' = Q_b + N B_b
+
+The sign of N does not depend on friction while A > 0.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from escapement.dynamics.torque import torque_after
+from escapement.engines.two_bodies.touch import place, touch_at
+from escapement.numerics.jit import inner_jit
+
+MOTION, STATE = 4, 10
+"""Numbers of a state that move, its angles and speeds, and with the work that is lost: in the
+contact, both bearings and the drag of both bodies, and to the load."""
+
+
+class Law(NamedTuple):
+    """Two bodies in natural units, see `model.scene.Scene` for the fields of the same name.
+
+    centre : distance of the axes. begin : driver angle at the start. spring, weight, rest :
+    stiffness of the follower's spring, moment of its weight, and the angle at which both are at
+    rest. restitution : of blows. plain : whether torques are constant in a flight.
+    """
+
+    rho: float
+    mu_plus: float
+    torque: np.ndarray
+    gain: float
+    load: float
+    bearing: float
+    driver_drag: float
+    follower_drag: float
+    driver_viscous: float
+    follower_viscous: float
+    driver_journal: float
+    follower_journal: float
+    centre: float
+    begin: float
+    spring: float
+    weight: float
+    rest: float
+    restitution: float
+    plain: bool
+
+
+SHARED = Law._fields[: Law._fields.index("centre")]
+"""Fields that are those of a `Scene`."""
+
+
+class Mode(NamedTuple):
+    """What the bodies do: the pair in contact, or -1, its images, and signs that last.
+
+    sigma : sign of the slip. driver_sense, follower_sense : of the speeds; 0 of a body at rest that
+        friction of its bearing holds.
+    """
+
+    pair: int
+    nose: int
+    track: int
+    sigma: float
+    driver_sense: float
+    follower_sense: float
+
+
+class Push(NamedTuple):
+    """Accelerations of both bodies, normal force and its torque on the follower, slip, and A."""
+
+    driver: float
+    follower: float
+    force: float
+    moment: float
+    slip: float
+    yielding: float
+
+
+@inner_jit
+def torques(law, y):
+    """Torques on both bodies without contact and without constant friction."""
+    driver = law.gain * law.torque[2]
+    if len(law.torque) != 3:
+        driver = torque_after(y[0] - law.begin, law)[0]
+    driver -= (law.driver_drag * abs(y[2]) + law.driver_viscous) * y[2]
+    follower = -(law.follower_drag * abs(y[3]) + law.follower_viscous) * y[3]
+    if law.spring != 0.0 or law.weight != 0.0:
+        follower -= law.spring * (y[1] - law.rest) + law.weight * np.sin(y[1] - law.rest)
+    return driver, follower
+
+
+@inner_jit
+def free(law, mode, y):
+    """Both bodies without contact; friction of its bearing holds a body whose sense is 0."""
+    driver, follower = torques(law, y)
+    driver = (driver - mode.driver_sense * law.bearing) / law.rho
+    follower -= mode.follower_sense * law.load
+    driver = 0.0 if law.bearing > 0.0 and mode.driver_sense == 0.0 else driver
+    follower = 0.0 if law.load > 0.0 and mode.follower_sense == 0.0 else follower
+    return Push(driver, follower, 0.0, 0.0, 0.0, 1.0)
+
+
+@inner_jit
+def pushed(law, mode, touch, y):
+    """Both bodies with the contact at a touch."""
+    driver, follower = torques(law, y)
+    driver -= mode.driver_sense * law.bearing
+    follower -= mode.follower_sense * law.load
+    rubbing = law.mu_plus * mode.sigma
+    b0 = touch.g0 - rubbing * touch.h0 - mode.driver_sense * law.driver_journal
+    b1 = touch.g1 - rubbing * touch.h1 - mode.follower_sense * law.follower_journal
+    yielding = touch.g0 * b0 / law.rho + touch.g1 * b1
+    force = -(touch.kappa + touch.g0 * driver / law.rho + touch.g1 * follower) / yielding
+    slip, moment = touch.h0 * y[2] + touch.h1 * y[3], force * b1
+    return Push((driver + force * b0) / law.rho, follower + moment, force, moment, slip, yielding)
+
+
+@inner_jit
+def touching(law, pairs, mode, y):
+    """The touch of the pair in contact."""
+    pair = pairs[mode.pair]
+    return touch_at(pair, place(pair, law.centre, y, mode.nose, mode.track))
+
+
+@inner_jit
+def push_at(law, pairs, mode, y):
+    """Accelerations and force in a state."""
+    if mode.pair < 0:
+        return free(law, mode, y)
+    return pushed(law, mode, touching(law, pairs, mode, y), y)
+
+
+@inner_jit
+def rates(law, pairs, mode, y, out):
+    """Write the rates of a state; those of lost work only where there is room for them."""
+    push = push_at(law, pairs, mode, y)
+    out[0], out[1], out[2], out[3] = y[2], y[3], push.driver, push.follower
+    if len(out) > MOTION:
+        driver, follower, force = abs(y[2]), abs(y[3]), push.force
+        out[4] = law.mu_plus * force * abs(push.slip)
+        out[5] = (law.bearing + force * law.driver_journal) * driver
+        out[6] = force * law.follower_journal * follower
+        out[7] = (law.driver_drag * driver + law.driver_viscous) * driver * driver
+        out[8] = (law.follower_drag * follower + law.follower_viscous) * follower * follower
+        out[9] = law.load * follower
+    return push
+
+
+@inner_jit
+def energy(law, y):
+    """Kinetic energy of both bodies, and energy in the follower's spring and weight."""
+    turn = y[1] - law.rest
+    stored = 0.5 * law.spring * turn * turn + 2.0 * law.weight * np.sin(0.5 * turn) ** 2
+    return 0.5 * (law.rho * y[2] * y[2] + y[3] * y[3]), stored

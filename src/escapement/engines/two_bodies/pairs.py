@@ -1,0 +1,96 @@
+"""The pairs of features of two bodies that can touch: a nose of one and a track of the other.
+
+A nose is a convex arc, such as a pin, a tip or a corner. A track is a line or an arc. Where both
+are convex arcs the one with the smaller radius is the nose. A line and a line, or a hollow arc and
+a line, meet at a corner, so these are the only pairs. Points and directions are complex numbers.
+"""
+
+import cmath
+import math
+from itertools import product
+
+import numpy as np
+
+from escapement.mechanisms.features import CONVEX, LINE, Features
+from escapement.numerics.records import record_dtype
+
+PAIR = record_dtype({
+    # bodies and numbers of the features; the kind of the track, and radius and size of both
+    **dict.fromkeys(("nose", "nose_feature", "track_feature", "kind"), np.int64),
+    **dict.fromkeys(("rho", "nose_half", "extent", "radius"), float),
+    **dict.fromkeys(("nose_at", "nose_along", "at", "along", "middle"), complex),
+    # of so many images around the partner, from the first on, this is the one with the number
+    **dict.fromkeys(("nose_fold", "nose_first", "nose_count", "nose_number"), np.int64),
+    **dict.fromkeys(("track_fold", "track_first", "track_count", "track_number"), np.int64),
+    "rest": float,  # share of a step after which these images are found anew
+})  # fmt: skip
+"""A pair, once for each image of a body that repeats. The middle is that of the track."""
+MOVED = 0.25
+"""Share of a pitch by which a body may turn until its images are found anew."""
+TURN = 0.12
+"""Greatest angle of a step [rad]."""
+_SAME = 1e-9
+
+
+def pairs_of(driver: Features, follower: Features) -> np.ndarray:
+    """All pairs of two bodies, as an array of `PAIR`."""
+    rows, bodies = [], (driver, follower)
+    for nose, (one, two) in enumerate((bodies, bodies[::-1])):
+        for i, k in product(range(one.kind.size), range(two.kind.size)):
+            if one.kind[i] == CONVEX and _meets(one.radius[i], two.kind[k], two.radius[k], nose):
+                (first, count), (start, size) = _around(one, i, two, k), _around(two, k, one, i)
+                for a, b in product(range(count), range(size)):
+                    images = one.fold, first, count, a, two.fold, start, size, b
+                    rows.append((nose, i, k, *_numbers(one, i, two, k), *images, _rest(one, two)))
+    return np.array(rows, PAIR)
+
+
+def _meets(rho: float, kind: int, radius: float, nose: int) -> bool:
+    """Whether a convex arc of the radius rho can be the nose on a feature of the other body."""
+    return kind == LINE or rho < radius or (kind == CONVEX and rho == radius and nose == 0)
+
+
+def _around(one: Features, i: int, two: Features, k: int) -> tuple[int, int]:
+    """Which image of a feature is the first that may be near a feature of the other body, counted
+    from the nearest one behind its middle, and how many are.
+    """
+    if one.fold == 1:
+        return 0, 1
+    ends, other = ends_of(one, i), ends_of(two, k)
+    wide = 0.5 * float(np.ptp(np.angle(ends / ends[2])))
+    wide += 0.5 * float(abs(other[1] - other[0]) / max(abs(ends[2]), 1e-9))
+    count = 2 * math.ceil(wide * one.fold / (2.0 * math.pi) + MOVED + 0.05)
+    return (1 - count // 2, count) if count < one.fold else (0, one.fold)
+
+
+def _rest(one: Features, two: Features) -> float:
+    most = max(body.fold if body.fold > 1 else 0 for body in (one, two))
+    return min(1.0, MOVED * 2.0 * math.pi / most / TURN) if most else 1.0
+
+
+def _numbers(one: Features, i: int, two: Features, k: int) -> tuple[complex, ...]:
+    nose = complex(one.x[i], one.y[i]), cmath.rect(1.0, one.direction[i])
+    track = complex(two.x[k], two.y[k]), cmath.rect(1.0, two.direction[k]), ends_of(two, k)[2]
+    return two.kind[k], one.radius[i], one.extent[i], two.extent[k], two.radius[k], *nose, *track
+
+
+def ends_of(body: Features, i: int) -> np.ndarray:
+    """Both ends of a feature and its middle."""
+    centre, turn = complex(body.x[i], body.y[i]), np.array([-1.0, 1.0, 0.0]) * body.extent[i]
+    if body.kind[i] == LINE:
+        return np.asarray(centre + 0.5 * (turn + body.extent[i]) * np.exp(1j * body.direction[i]))
+    return np.asarray(centre + body.radius[i] * np.exp(1j * (body.direction[i] + turn)))
+
+
+def joints_of(body: Features) -> np.ndarray:
+    """Which features of a body meet: shape (n, n, 3), that of the same sector and its neighbours.
+
+    ``joints[i, k, 1 + d]`` tells whether feature i meets feature k of the sector that is d ahead.
+    A feature meets itself.
+    """
+    ends = np.array([ends_of(body, i)[:2] for i in range(body.kind.size)])
+    turned = ends[..., None] * np.exp(2j * math.pi * np.array([-1.0, 0.0, 1.0]) / body.fold)
+    apart = np.abs(ends[:, None, :, None, None] - turned[None, :, None, :, :]).min(axis=(2, 3))
+    meets = apart <= _SAME * np.abs(ends).max()
+    meets[:, :, 1] |= np.eye(body.kind.size, dtype=bool)
+    return np.asarray(meets.astype(np.int64))

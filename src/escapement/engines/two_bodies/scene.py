@@ -1,0 +1,49 @@
+"""An escapement of two bodies as the kernels take it."""
+
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from escapement.engines.two_bodies.law import SHARED, Law
+from escapement.engines.two_bodies.pairs import joints_of, pairs_of
+from escapement.model.escapement import Escapement
+
+_KEY = "two_bodies.prepared"
+
+
+class Prepared(NamedTuple):
+    """What `march.march` takes: the law, the pairs of features, which of them meet, and the pitches
+    of both bodies; and the angles at the start.
+    """
+
+    law: Law
+    pairs: np.ndarray
+    joints: Any
+    pitches: tuple[float, float]
+    start: tuple[float, float]
+
+
+def prepared(escapement: Escapement) -> Prepared:
+    """The escapement in natural units, kept on it so that its next call has it at once."""
+    kept = escapement.kept
+    if _KEY not in kept:
+        kept[_KEY] = _prepare(escapement, escapement.mechanism)
+    found: Prepared = kept[_KEY]
+    return found
+
+
+def _prepare(escapement: Escapement, machine: Any) -> Prepared:
+    scene, unit = escapement.scene, escapement.torque_unit
+    driver, follower = machine.driver_features, machine.follower_features
+    theta, phi = (float(angle) for angle in machine.start)
+    theta %= machine.pitch  # the driver looks the same
+    spring, weight = escapement.follower_spring / unit, escapement.follower_gravity / unit
+    changing = spring, weight, scene.torque.size - 3, scene.driver_drag, scene.follower_drag
+    plain = not any((*changing, scene.driver_viscous, scene.follower_viscous))
+    law = Law(
+        *(getattr(scene, name) for name in SHARED), float(machine.axes_distance), theta, spring,
+        weight, escapement.follower_rest_angle, escapement.restitution, plain,
+    )  # fmt: skip
+    pitches = 2.0 * np.pi / driver.fold, 2.0 * np.pi / follower.fold
+    joints = joints_of(driver), joints_of(follower)
+    return Prepared(law, pairs_of(driver, follower), joints, pitches, (theta, phi))

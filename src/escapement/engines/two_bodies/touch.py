@@ -1,0 +1,158 @@
+"""A nose and a track: their gap, its directions, and how near they are.
+
+Everything is told in the frame of the track, with points as complex numbers. With r_A and r_B from
+the axes of both bodies to the nose's centre, and angles q of nose and track,
+
+    gap' = G.q',   gap'' = G.q'' + kappa,   slip = H.q'
+    kappa = n.a + curvature (t.v)^2,   v = i (q_A' r_A - q_B' r_B),
+    a = -q_A'^2 r_A - 2 i q_B' v + q_B'^2 r_B
+"""
+
+import cmath
+from typing import NamedTuple
+
+import numpy as np
+
+from escapement.mechanisms.features import CONVEX, LINE
+from escapement.numerics.jit import inner_jit, jit
+
+FAR = 0.3
+"""From an arc farther than this share of its radius, the nearest of its points may jump."""
+
+
+class Place(NamedTuple):
+    """Where a nose is: its centre from both axes, its velocity and acceleration as far as it does
+    not depend on those of the bodies, and the direction in which its body has turned.
+    """
+
+    arm: complex
+    at: complex
+    v: complex
+    a: complex
+    turned: complex
+
+
+class Touch(NamedTuple):
+    """A nose at a track: gap, rates G and H by the angles of driver and follower, kappa, and what
+    is left to the ends of the track (length or angle) and of the nose's sector, negative outside.
+    """
+
+    gap: float
+    g0: float
+    g1: float
+    h0: float
+    h1: float
+    kappa: float
+    on_track: float
+    on_nose: float
+
+
+class Near(NamedTuple):
+    """How near a nose is to the points of a track: the distance and its direction.
+
+    Towards the centre of an arc the distance bends by `bend` less than the motion along that
+    direction, elsewhere not less than it. If the nearest point `jumps`, only the speed bounds it.
+    """
+
+    distance: float
+    direction: complex
+    bend: float
+    jumps: bool
+
+
+@inner_jit
+def dot(a, b):
+    """Scalar product of two vectors."""
+    return a.real * b.real + a.imag * b.imag
+
+
+@inner_jit
+def _chosen(towards, angle, fold, first, count, number):
+    """The image among those around a direction that always belongs to this number."""
+    start = int(np.floor((cmath.phase(towards) - angle) * fold / (2.0 * np.pi))) + first
+    return start + (number - start) % count
+
+
+@inner_jit
+def images(pair, centre, y):
+    """Numbers of the images of nose and track that a pair means in a state."""
+    q_nose, q_track = y[pair.nose], y[1 - pair.nose]
+    side, nose, track = complex(-centre if pair.nose == 0 else centre), 0, 0
+    if pair.nose_fold > 1:
+        # towards the middle of the track, or the other axis if both bodies repeat
+        to = -side if pair.track_fold > 1 else pair.middle * cmath.rect(1.0, q_track) - side
+        angle = q_nose + cmath.phase(pair.nose_at)
+        count = pair.nose_count
+        nose = _chosen(to, angle, pair.nose_fold, pair.nose_first, count, pair.nose_number)
+    if pair.track_fold > 1:
+        turn = q_nose + nose * 2.0 * np.pi / pair.nose_fold
+        to, angle = side + pair.nose_at * cmath.rect(1.0, turn), q_track + cmath.phase(pair.middle)
+        count = pair.track_count
+        track = _chosen(to, angle, pair.track_fold, pair.track_first, count, pair.track_number)
+    return nose, track
+
+
+@jit
+def place(pair, centre, y, nose_image, track_image):
+    """Where the nose of a pair is, for a state that begins with angles and speeds."""
+    wa, wb = y[2 + pair.nose], y[3 - pair.nose]
+    angle = y[1 - pair.nose] + track_image * 2.0 * np.pi / pair.track_fold
+    turn = y[pair.nose] + nose_image * 2.0 * np.pi / pair.nose_fold - angle
+    turned = cmath.rect(1.0, turn)
+    arm = pair.nose_at * turned
+    at = arm + (-centre if pair.nose == 0 else centre) * cmath.rect(1.0, -angle)
+    v = 1j * (wa * arm - wb * at)
+    return Place(arm, at, v, wb * wb * at - wa * wa * arm - 2j * wb * v, turned)
+
+
+@jit
+def touch_at(pair, at):
+    """The gap of a pair and what belongs to it, whether it is closed or not."""
+    x, curvature, on_track, on_nose = at.at - pair.at, 0.0, 1.0, 1.0
+    foot = x * pair.along.conjugate()
+    if pair.kind == LINE:
+        n, gap = -1j * pair.along, -foot.imag - pair.rho
+        on_track = min(foot.real, pair.extent - foot.real)
+    else:
+        distance, sign = abs(x), float(pair.kind)
+        n, curvature = sign / distance * x, sign / distance
+        gap = sign * (distance - pair.radius) - pair.rho
+        if pair.extent < np.pi:
+            on_track = pair.extent - abs(cmath.phase(foot))
+    if pair.nose_half < np.pi:
+        middle = pair.nose_along * at.turned
+        on_nose = pair.nose_half - abs(cmath.phase(-n * middle.conjugate()))
+    kappa = dot(n, at.a) + curvature * dot(1j * n, at.v) ** 2
+    # a vector product is the scalar product with the other vector turned back
+    g_a, g_b = dot(at.arm, -1j * n), dot(at.at, 1j * n)
+    h_a, h_b = dot(at.arm, n) - pair.rho, pair.rho - dot(at.at, n)
+    if pair.nose == 0:
+        return Touch(gap, g_a, g_b, h_a, h_b, kappa, on_track, on_nose)
+    return Touch(gap, g_b, g_a, h_b, h_a, kappa, on_track, on_nose)
+
+
+@inner_jit
+def nearness(pair, at):
+    """Distance from the disc of the nose to the points of the track."""
+    x = at.at - pair.at
+    if pair.kind == LINE:
+        foot = min(max(dot(x, pair.along), 0.0), pair.extent)
+        return _from(x - foot * pair.along, pair.rho, False)
+    distance = max(abs(x), 1e-300)
+    if pair.kind == CONVEX and distance - pair.radius - pair.rho > -1e-12:
+        return _from(x, pair.rho + pair.radius, False)
+    angle = cmath.phase(x * pair.along.conjugate())
+    if abs(angle) > pair.extent:
+        # the nearer end of the arc
+        x -= pair.along * cmath.rect(pair.radius, pair.extent if angle > 0.0 else -pair.extent)
+        return _from(x, pair.rho, abs(x) > FAR * pair.radius)
+    gap = abs(distance - pair.radius) - pair.rho
+    outwards = x / distance if distance > pair.radius else -x / distance
+    return Near(gap, outwards, 1.5 * abs(at.v) ** 2 / distance, gap > FAR * pair.radius)
+
+
+@inner_jit
+def _from(x, rho, jumps):
+    """Distance of a disc, whose centre is at x from a point."""
+    distance = max(abs(x), 1e-300)
+    return Near(distance - rho, x / distance, 0.0, jumps)

@@ -1,0 +1,38 @@
+"""The states of a motion at given times, from the steps that hold them."""
+
+import numpy as np
+
+from escapement.dynamics.contact_state import ContactState, write_state
+from escapement.engines.two_bodies.law import MOTION, STATE, Mode, rates
+from escapement.engines.two_bodies.step import advance, memory_for
+from escapement.numerics.altered import altered
+from escapement.numerics.jit import jit
+
+
+@jit(allocates=True)
+def trace(law, pairs, pitch, rows, which, since, table, lost):
+    """Fill a table with the rows of a `ContactState`, and another one with the work lost so far.
+
+    Parameters
+    ----------
+    law, pairs : as of `march.march`. pitch : of the driver.
+    rows : those of the record that begin a step.
+    which, since : for each state the number of its row, and the time since then.
+    """
+    y, rate, work = np.empty(STATE), np.empty(STATE), memory_for(STATE)
+    for k in range(len(which)):
+        row = rows[which[k]]
+        y[0], y[1], y[2], y[3] = row.theta, row.phi, row.speed, row.turning
+        y[MOTION:] = row.lost
+        signs = row.sigma, row.driver_sense, row.follower_sense
+        mode = Mode(row.pair, row.nose, row.track, signs[0], signs[1], signs[2])
+        here = altered(law, "begin", law.begin - row.engagement * pitch)
+        advance(here, pairs, mode, y, since[k], work)
+        at = y if since[k] <= 0.0 else work.out
+        push = rates(here, pairs, mode, at, rate)
+        state = ContactState(
+            at[0], at[2], push.driver, at[1], at[3], push.follower, push.moment, push.force,
+            rate[4], rate[5], rate[6], rate[7], rate[8], 0.0, 0.0,
+        )  # fmt: skip
+        write_state(table, k, state)
+        lost[:, k] = at[MOTION:]
