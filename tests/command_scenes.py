@@ -20,7 +20,7 @@ from escapement.engines.solver import Solver
 from escapement.mechanisms import KINDS
 
 _CLOCK = {
-    **{"teeth": 30, "wheel_radius": 0.02, "tooth_depth": 0.004, "back": 35, "tip_radius": 4e-5},
+    **{"teeth": 30, "wheel_radius": 0.01, "tooth_depth": 0.002, "back": 35, "tip_radius": 2e-5},
     **{"span": 7.5, "lift": 2, "drop": 1},
 }
 WHEELS = {
@@ -444,11 +444,12 @@ def write_bodies(path, size):
     drawing = ezdxf.new(units=4)
     space, layers = drawing.modelspace(), ({"layer": "DRIVER"}, {"layer": "FOLLOWER"})
     radii = size * np.array([10.0, 7.0] * 6)
+    axis = 13.0 * size
     star = radii * np.exp(1j * np.pi / 6.0 * np.arange(12))
     corners = [(z.real, z.imag) for z in star.tolist()]
     space.add_lwpolyline(corners, close=True, dxfattribs=layers[0])
-    space.add_circle((13.0, 9.0), 1.0, dxfattribs=layers[1])
-    for centre, layer in zip(((0.0, 0.0), (13.0, 0.0)), layers, strict=True):
+    space.add_circle((axis, 9.0 * size), size, dxfattribs=layers[1])
+    for centre, layer in zip(((0.0, 0.0), (axis, 0.0)), layers, strict=True):
         space.add_point(centre, dxfattribs=layer)
     drawing.saveas(path)
 

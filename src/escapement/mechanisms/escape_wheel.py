@@ -24,6 +24,7 @@ else:
     chains = Lazy("escapement.mechanisms.chains")
 
 MOST_TEETH = 1000
+_ALL = 1e3  # wheel angle that is more than a pitch [rad]
 _STEEPEST = math.radians(80.0)
 _FACES = 400  # points of each line and arc where the direction of a face matters
 _SAMPLES = 48  # points of each line and arc of a pallet
@@ -214,7 +215,9 @@ class EscapeWheel(TwoBodies):
     def _middle(self, phi: float) -> float:
         """Middle of the widest range of wheel angles that is free at a verge angle [rad]."""
         blocked = self.blocked(np.array([phi]), _SAMPLES)[0]
-        spans = sorted((low % self.pitch, high - low) for low, high in blocked if low == low)
+        # a pallet that reaches the roots blocks the whole pitch
+        ends = [(max(low, -_ALL), min(high, _ALL)) for low, high in blocked if low == low]
+        spans = sorted((low % self.pitch, high - low) for low, high in ends)
         reach = max((low + wide for low, wide in spans), default=self.pitch) - self.pitch
         gaps = []
         for low, wide in spans or [(self.pitch, 0.0)]:

@@ -209,7 +209,9 @@ def _pass_on(law, pairs, mode, y):
             continue
         if abs(touch.g0 * y[2] + touch.g1 * y[3]) > STAYS:
             continue
-        contact = Mode(pair=i, nose=nose, track=track, sigma=0.0, driver_sense=0.0, follower_sense=0.0)
+        contact = Mode(
+            pair=i, nose=nose, track=track, sigma=0.0, driver_sense=0.0, follower_sense=0.0
+        )
         found = settle(law, pairs, contact, y)
         if found.mode.pair >= 0:
             return found

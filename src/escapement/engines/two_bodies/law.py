@@ -96,7 +96,10 @@ def torques(law, y):
 def free(law, mode, y):
     """Both bodies without contact."""
     driver, follower = torques(law, y)
-    driver, follower = driver - mode.driver_sense * law.bearing, follower - mode.follower_sense * law.load
+    driver, follower = (
+        driver - mode.driver_sense * law.bearing,
+        follower - mode.follower_sense * law.load,
+    )
     still = law.bearing > 0.0 and mode.driver_sense == 0.0
     held = law.load > 0.0 and mode.follower_sense == 0.0
     return Push(
@@ -109,7 +112,10 @@ def free(law, mode, y):
 def pushed(law, mode, touch, y):
     """Both bodies with the contact at a touch."""
     driver, follower = torques(law, y)
-    driver, follower = driver - mode.driver_sense * law.bearing, follower - mode.follower_sense * law.load
+    driver, follower = (
+        driver - mode.driver_sense * law.bearing,
+        follower - mode.follower_sense * law.load,
+    )
     rubbing = law.mu * mode.sigma
     b0 = touch.g0 - rubbing * touch.h0 - mode.driver_sense * law.driver_journal
     b1 = touch.g1 - rubbing * touch.h1 - mode.follower_sense * law.follower_journal

@@ -6,7 +6,7 @@ import numpy as np
 
 from escapement.dynamics.codes import Ending, Event
 from escapement.engines.two_bodies.change import behind_event, close, flight
-from escapement.engines.two_bodies.law import MOTION, STATE, Law, Mode, push_at
+from escapement.engines.two_bodies.law import MOTION, STATE, Mode, push_at
 from escapement.engines.two_bodies.step import (
     ERROR,
     HANDOFF,

@@ -80,10 +80,19 @@ def _fill(row: np.void, nose: int, one: Features, i: int, two: Features, k: int)
     row["nose_pitch"] = 2.0 * math.pi / one.fold
     row["nose_polar"] = math.atan2(one.y[i], one.x[i])
     row["track_feature"], row["track_images"], row["kind"] = k, two.fold, two.kind[k]
-    row["x"], row["y"], row["extent"], row["radius"] = two.x[k], two.y[k], two.extent[k], two.radius[k]
+    row["x"], row["y"], row["extent"], row["radius"] = (
+        two.x[k],
+        two.y[k],
+        two.extent[k],
+        two.radius[k],
+    )
     row["cosine"], row["sine"] = math.cos(two.direction[k]), math.sin(two.direction[k])
     row["track_pitch"] = 2.0 * math.pi / two.fold
-    row["track_polar"], row["middle_x"], row["middle_y"] = np.angle(middle), middle.real, middle.imag
+    row["track_polar"], row["middle_x"], row["middle_y"] = (
+        np.angle(middle),
+        middle.real,
+        middle.imag,
+    )
 
 
 def joints_of(body: Features) -> np.ndarray:

@@ -58,9 +58,19 @@ def bounds_of(y, push, mode):
 def _free_time(pair, at, near, bounds):
     """Time for which a nose cannot reach the track."""
     if pair.nose == 0:
-        w_a, w_b, rate_a, rate_b = bounds.driver, bounds.follower, bounds.driver_rate, bounds.follower_rate
+        w_a, w_b, rate_a, rate_b = (
+            bounds.driver,
+            bounds.follower,
+            bounds.driver_rate,
+            bounds.follower_rate,
+        )
     else:
-        w_a, w_b, rate_a, rate_b = bounds.follower, bounds.driver, bounds.follower_rate, bounds.driver_rate
+        w_a, w_b, rate_a, rate_b = (
+            bounds.follower,
+            bounds.driver,
+            bounds.follower_rate,
+            bounds.driver_rate,
+        )
     arm, x = np.sqrt(at.arm_x**2 + at.arm_y**2), np.sqrt(at.x**2 + at.y**2)
     bend = w_a * w_a * arm + 2.0 * w_b * (w_a * arm + w_b * x) + w_b * w_b * x
     bend = 1.1 * (bend + rate_a * arm + rate_b * x) + near.bend + 1e-100
@@ -79,9 +89,9 @@ def joined(pairs, joints, mode, i, nose, track):
     f_nose, k_nose = (two.nose_feature, nose) if same else (two.track_feature, track)
     f_track, k_track = (two.track_feature, track) if same else (two.nose_feature, nose)
     of_nose, of_track = joints if one.nose == 0 else (joints[1], joints[0])
-    return _meets(of_nose, one.nose_feature, f_nose, k_nose - mode.nose, one.nose_images) and _meets(
-        of_track, one.track_feature, f_track, k_track - mode.track, one.track_images
-    )
+    return _meets(
+        of_nose, one.nose_feature, f_nose, k_nose - mode.nose, one.nose_images
+    ) and _meets(of_track, one.track_feature, f_track, k_track - mode.track, one.track_images)
 
 
 @inner_jit
