@@ -9,7 +9,7 @@ from escapement.base.results import Result
 
 
 def _slotted(escapement: Any) -> bool:
-    return not escapement.mechanism.meshed
+    return not escapement.mechanism.meshed and escapement.mechanism.pitch is None
 
 
 def _sized(escapement: Any) -> bool:
@@ -56,7 +56,7 @@ FIGURES = {
     "contraction": Result("ratio", "factor by which an engagement shrinks a deviation"),
     "critical_friction": Result(
         "ratio", "friction at and above which no motion exists", exists=_slotted,
-        missing="no friction in slots can jam it",
+        missing="it has no slots in which friction can jam pins",
     ),
     "uniqueness_friction": Result(
         "ratio", "friction at and above which the motion is not unique", unlike="critical_friction"

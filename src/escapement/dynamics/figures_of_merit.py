@@ -198,7 +198,7 @@ class Figures(JudgedResult, Shown):
     @property
     def pin_load_frequency(self) -> float:
         """How often each pin is loaded [1/s]; NaN without slots."""
-        if self.motion is None or self.motion.escapement.mechanism.meshed:
+        if self.motion is None or not self.motion.escapement.mechanism.slots:
             return _NAN
         wheel: Any = self.motion.escapement.mechanism
         return float(1.0 / (wheel.pins * self.period))

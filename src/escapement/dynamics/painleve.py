@@ -308,9 +308,11 @@ def friction_limits(escapement: Escapement) -> tuple[float, float]:
     """The least friction at which no motion exists, and that at which it is not unique [-].
 
     For an ideal pin the two are equal. With a roller both are for the friction between the roller
-    and its pin.
+    and its pin. Bodies that touch with their outlines have infinite ones.
     """
     kept = escapement.kept
+    if escapement.mechanism.pitch is not None:
+        return np.inf, np.inf  # the engine finds out on its way
     if _LIMITS not in kept:
         scenes = _flows_of(escapement)
         if all(as_python(is_ideal)(scene) for scene in scenes):
@@ -400,6 +402,8 @@ def _remedy(escapement: Escapement) -> str:
 def uniqueness_note(escapement: Escapement) -> str | None:
     """The message for a motion that is not unique; None for all others."""
     kept = escapement.kept
+    if escapement.mechanism.pitch is not None:
+        return None
     if _NOTE not in kept:
         kept[_NOTE] = _uniqueness_note(escapement)
     note: str | None = kept[_NOTE]

@@ -26,12 +26,13 @@ from escapement.model.checks import MOST_UNEQUAL
 from escapement.model.escapement import Escapement, Run
 from escapement.numerics.jit import as_python
 
-LONGEST = {"energy": 10_000_000, "ivp": 10_000, "contact": 1_000_000}
+LONGEST = {"energy": 10_000_000, "ivp": 10_000, "contact": 1_000_000, "two_bodies": 10_000}
 """Greatest number of engagements in a motion. They take up to a gigabyte, and seconds, or with
 "ivp" a minute."""
 _FOLDERS = {
     **{("energy", ""): "energy", ("ivp", ""): "ivp"},
     **{("contact", law): f"contact.{law}" for law in ("rigid", "compliant")},
+    ("two_bodies", "outlines"): "two_bodies",
 }
 _LOSSLESS, _FRICTION = "simulate.lossless", "simulate.limits"
 _OK = Status.OK
@@ -64,15 +65,16 @@ def simulate(
     escapement : Escapement
         The escapement.
     engagements : int, optional
-        Engagements to run, from 1 to ten million, with "ivp" to ten thousand and with
-        "contact" to a million.
+        Engagements to run, from 1 to ten million, with "ivp" and "two_bodies" to ten thousand and
+        with "contact" to a million.
         Default 20, unless a duration is given.
     duration : float, optional
         Time to run instead [s], > 0 and of no more engagements than that.
     engine : str, optional
         "energy" (driver-angle domain, fast), "ivp" (SciPy's solve_ivp in the time domain, the
-        reference) or "contact" (clearance and compliant contact). By default the scene
-        chooses: "contact" where it has clearance or stiffness, else "energy".
+        reference), "contact" (clearance and compliant contact) or "two_bodies" (outlines). By
+        default the scene chooses: "two_bodies" where both bodies have outlines, "contact" where it
+        has clearance or stiffness, else "energy".
     initial_speed : float
         Driver speed at pin entry [rad/s], >= 0.
     rtol : float, optional
@@ -267,6 +269,8 @@ def _undriven(escapement: Escapement) -> str:
 def limits(escapement: Escapement) -> Figures:
     """The figures that belong to an escapement whether it moves or not."""
     kept = escapement.kept
+    if escapement.mechanism.pitch is not None:
+        return Figures()
     if _FRICTION not in kept:
         critical, uniqueness = friction_limits(escapement)
         margin = 1.0 - escapement.friction / critical if critical > 0.0 else -math.inf

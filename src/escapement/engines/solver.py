@@ -9,9 +9,9 @@ from escapement.base import validate
 from escapement.base.errors import InvalidValue
 from escapement.base.quantity import Choice, Declared, quantity, setting
 
-ENGINES = ("energy", "ivp", "contact")
+ENGINES = ("energy", "ivp", "contact", "two_bodies")
 DEFAULT_ENGINE = "energy"
-DEFAULT_RTOL = {"energy": 1e-12, "ivp": 1e-10, "contact": 1e-10}
+DEFAULT_RTOL = {"energy": 1e-12, "ivp": 1e-10, "contact": 1e-10, "two_bodies": 1e-12}
 LOOSEST = 1e-8
 """Greatest relative error of an engagement by "energy": a larger one would save no time."""
 METHODS = ("DOP853", "RK45", "RK23", "Radau", "BDF", "LSODA")
@@ -24,8 +24,9 @@ class Solver(Declared):
     Parameters
     ----------
     engine : str, optional
-        "energy" (fast), "ivp" (the reference) or "contact" (clearance and compliant contact).
-        By default the scene chooses: "contact" where it has clearance or stiffness, else "energy".
+        "energy" (fast), "ivp" (the reference), "contact" (clearance and compliant contact) or
+        "two_bodies" (outlines). By default the scene chooses: "two_bodies" where both bodies have
+        outlines, "contact" where it has clearance or stiffness, else "energy".
     rtol : float, optional
         Relative error asked for, in [1e-13, 1). Where less accuracy saves no time there is none:
         "energy" solves every engagement to 1e-8 or better, "contact" with rigid walls to 1e-7,
@@ -43,7 +44,8 @@ class Solver(Declared):
     section = "solver"
 
     engine: str | None = field(default=None, metadata=setting(Choice(
-        long_name="energy, the fast one, ivp, the reference, or contact, with clearance",
+        long_name="energy, the fast one, ivp, the reference, contact, with clearance, or "
+        "two_bodies, with outlines",
         allowed=ENGINES, metavar="NAME", note=" (default: what the scene needs)"
     )))  # fmt: skip
     rtol: float | None = field(default=None, metadata=quantity(
@@ -118,8 +120,15 @@ def solver_for(contact: str, solver: Solver) -> Solver:
         If they name an engine that cannot compute the scene.
     """
     engine = solver.engine
+    if (contact == "outlines") != (engine == "two_bodies") and (engine or contact == "outlines"):
+        if engine is None:
+            return _with_engine(solver, "two_bodies")
+        needed = "'two_bodies' for bodies that touch with their outlines, and for no others"
+        raise validate.fail("engine", needed, engine, "leave it out")
     if engine is None:
         return _with_engine(solver, "contact") if contact else solver
+    if engine == "two_bodies":
+        return solver
     if contact and engine != "contact":
         rule = "'contact' with clearance or stiffness"
         raise validate.fail("engine", rule, engine, "leave it out, or set both to 0")

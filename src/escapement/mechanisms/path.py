@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
 from itertools import pairwise
 from typing import TYPE_CHECKING, NamedTuple
@@ -93,6 +94,15 @@ class Pair(NamedTuple):
     kind: str
     jump: float
     radius: float
+
+
+def one_pitch(pitch: float) -> Pair:
+    """What stands for the engagement of two bodies that touch anywhere, which have no path."""
+    path = Path(False, np.zeros(len(PinNumbers._fields)))
+    return Pair(
+        path=path, edges=np.array([0.0, pitch]), dwell=0.0, delay=0.0,
+        follower_angle=np.zeros_like, kind="overlap", jump=0.0, radius=math.nan,
+    )  # fmt: skip
 
 
 def smooth_intervals(path: Path, breaks: Sequence[float]) -> NDArray[np.float64]:

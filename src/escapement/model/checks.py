@@ -31,9 +31,9 @@ def ratio_in_range(ratio: ArrayLike) -> NDArray[np.bool_]:
 def check_contact(contact: str, mechanism: Any, values: Mapping[str, Any]) -> None:
     """Refuse clearance and stiffness for mechanisms whose contact cannot be computed.
 
-    contact : "", "rigid" or "compliant", as `Escapement.contact` says.
+    contact : "", "rigid", "compliant" or "outlines", as `Escapement.contact` says.
     """
-    if not contact:
+    if contact in ("", "outlines"):
         return
     name = "stiffness" if contact == "compliant" else "clearance"
     value = values[name] if contact == "compliant" else mechanism.clearance
@@ -42,6 +42,27 @@ def check_contact(contact: str, mechanism: Any, values: Mapping[str, Any]) -> No
         raise validate.fail(name, rule, value, "choose geneva, or leave it out")
     if not mechanism.perfect:
         raise validate.fail(name, "0 with errors of the parts", value, "leave out one or the other")
+
+
+_SWINGING = ("follower_spring", "follower_gravity", "follower_rest_angle")
+"""Numbers of the follower of two bodies that touch with their outlines."""
+
+
+def check_outlines(owner: Any) -> None:
+    """Refuse what only mechanisms with outlines have, or what these cannot have."""
+    if owner.mechanism.pitch is None:
+        for name in _SWINGING:
+            if value := getattr(owner, name):
+                rule = "0 for a mechanism without outlines of both bodies"
+                raise validate.fail(name, rule, value, "choose runaway, or leave it out")
+        return
+    given = {name: getattr(owner, name) for name in ("stiffness", "pin_length", "load_curve")}
+    for role, train in owner.trains.items():
+        given[f"{role}_efficiency"] = train.efficiency if train.efficiency < 1.0 else 0.0
+    for name, value in given.items():
+        if value:
+            rule = "left out with outlines of both bodies, which no engine computes with it"
+            raise validate.fail(name, rule, value, "leave it out")
 
 
 def check_load(owner: Any) -> None:

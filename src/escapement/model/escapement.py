@@ -12,7 +12,7 @@ from escapement.base import validate
 from escapement.base.lazy import Lazy
 from escapement.base.quantity import Choice, Declared, Setting, declared, quantity, setting
 from escapement.base.spoken import as_spoken
-from escapement.mechanisms.path import Pair, Path
+from escapement.mechanisms.path import Pair, Path, one_pitch
 from escapement.mechanisms.protocol import FloatArray, Mechanism, checked
 from escapement.mechanisms.wheel_checks import check_lengths
 from escapement.model.checks import (
@@ -20,6 +20,7 @@ from escapement.model.checks import (
     check_contact,
     check_load,
     check_losses,
+    check_outlines,
     check_pin,
     check_trains,
     idle_settings,
@@ -43,6 +44,7 @@ STRESSES = "Stresses of the pin"
 _MATERIAL = f"a name ({', '.join(MATERIALS)}), or modulus in Pa and Poisson's ratio"
 CONTACT_LAWS = ("linear", "hunt-crossley")
 FRICTION, AIR, CONTACT = "Friction", "Air", "Clearance and contact"
+SWINGING = "Spring and weight of the follower"
 """Headings of the groups of numbers."""
 np: Any = Lazy("numpy")  # importing it takes longer than the rest of help
 
@@ -104,6 +106,10 @@ def _viscous(body: str) -> dict[str, Any]:
         remedy="give the drag torque divided by the speed, 0 for none",
         scene=f"{body}_viscous", group=AIR,
     )  # fmt: skip
+
+
+def _of_follower(what: str, unit: str, **rule: Any) -> dict[str, Any]:
+    return quantity(what, unit, group=SWINGING, **rule)
 
 
 def _of_pin(what: str, **rule: Any) -> dict[str, Any]:
@@ -168,6 +174,14 @@ class Escapement(Declared):
         angles.
     load_train : Train, optional
         Train after the follower. `load_torque` then acts on its last shaft.
+
+    follower_spring : float
+        Torque of a spring on the follower per angle, of a mechanism whose bodies touch with their
+        outlines, such as that of a balance [N m/rad].
+    follower_gravity : float
+        Greatest torque of the follower's weight, m g l of a pendulum [N m].
+    follower_rest_angle : float
+        Follower angle at which its spring and its weight give no torque [rad].
 
     restitution : float
         Ratio of the impulse of rebound to that of compression in an impact [-], in [0, 1).
@@ -241,6 +255,18 @@ class Escapement(Declared):
         note=", which falls in a straight line from that at rest",
         remedy="give the speed without a load, or leave it out for a constant torque"
     ))  # fmt: skip
+    follower_spring: float = field(default=0.0, metadata=_of_follower(
+        "torque of a spring on the follower per angle", "rate", metavar="K",
+        remedy="give the stiffness, 0 for no spring",
+    ))  # fmt: skip
+    follower_gravity: float = field(default=0.0, metadata=_of_follower(
+        "greatest torque of the follower's weight", "torque", metavar="M",
+        remedy="give weight times distance of its centre, 0 for none",
+    ))  # fmt: skip
+    follower_rest_angle: float = field(default=0.0, metadata=_of_follower(
+        "follower angle without a torque of its spring and weight", "degrees", metavar="DEG",
+        minimum=-math.inf, remedy="give the angle",
+    ))  # fmt: skip
 
     restitution: float = field(default=0.0, metadata=quantity(
         "ratio of rebound impulse to compression impulse in an impact", maximum=1.0, below=True,
@@ -291,11 +317,13 @@ class Escapement(Declared):
             if not isinstance(train := getattr(self, role), Train | None):
                 remedy = "give for example Train(ratio=5), or leave it out"
                 raise validate.fail(role, "a Train", train, remedy)
-        path: Any = self.mechanism.path
-        if not isinstance(path, Path):
-            remedy = "make it with two_vector_path or chebyshev_table"
-            raise validate.fail("mechanism.path", "a Path", path, remedy)
-        check_losses(self, path.table)
+        if self.mechanism.pitch is None:
+            path: Any = self.mechanism.path
+            if not isinstance(path, Path):
+                remedy = "make it with two_vector_path or chebyshev_table"
+                raise validate.fail("mechanism.path", "a Path", path, remedy)
+        check_outlines(self)
+        check_losses(self, self.mechanism.meshed)
         self._check_curve()
         check_lengths(vars(self), self.mechanism.crank_radius, self.mechanism.plain_crank)
         check_trains(self, self.curve is not None)
@@ -382,9 +410,12 @@ class Escapement(Declared):
 
     @cached_property
     def contact(self) -> str:
-        """Which law of contact it needs: "rigid" where there is clearance, "compliant" where
-        there is stiffness, "" where the pins fit their slots exactly.
+        """Which law of contact it needs: "outlines" of bodies that touch anywhere, "rigid" where
+        there is clearance, "compliant" where there is stiffness, "" where the pins fit their slots
+        exactly.
         """
+        if self.mechanism.pitch is not None:
+            return "outlines"
         if self.stiffness > 0.0:
             return "compliant"
         return "rigid" if self.mechanism.clearance > 0.0 else ""
@@ -392,7 +423,7 @@ class Escapement(Declared):
     @property
     def idle(self) -> str:
         """Which settings have no effect, since another one is missing; "" if there are none."""
-        clearance = self.mechanism.clearance
+        clearance = self.mechanism.clearance or self.mechanism.pitch or 0.0
         return idle_settings(type(self), vars(self) | {"clearance": clearance})
 
     @property
@@ -454,6 +485,8 @@ class Escapement(Declared):
         """Its engagements: one that repeats itself, or a pattern of them, with imperfect parts or a
         load that repeats in a turn of the follower.
         """
+        if self.mechanism.pitch is not None:
+            return (one_pitch(self.mechanism.pitch),)
         pairs = self.mechanism.pairs
         if self.load_curve is None:
             return pairs

@@ -93,6 +93,9 @@ def jam_rule(escapement: Escapement) -> JamCycle:
         Below the limit, for other mechanisms, with a torque that changes, and if the motion does
         not reach a cycle.
     """
+    if escapement.mechanism.pitch is not None:
+        rule, named = "one with slots for the rule for jams", escapement.mechanism.kind
+        raise validate.fail("mechanism", rule, named, "leave the rule out")
     limit = friction_limits(escapement)[0]
     if escapement.friction < limit:
         rule, remedy = f"at least the limit {limit:.6g}", "below it, use terminal, which is exact"

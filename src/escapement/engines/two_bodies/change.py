@@ -42,6 +42,12 @@ class Next(NamedTuple):
 
 
 @inner_jit
+def contact_of(pair, nose, track):
+    """The mode in which a pair is closed, whose signs are still to be found."""
+    return Mode(pair=pair, nose=nose, track=track, sigma=0.0, driver_sense=0.0, follower_sense=0.0)
+
+
+@inner_jit
 def _next(mode, ending):
     return Next(mode=mode, ending=ending, approach=0.0, impulse=0.0, energy=0.0)
 
@@ -131,15 +137,15 @@ def _restart(law, pairs, old, new, y):
     """The mode of bodies at rest with two pairs closed, of which at most one stays so."""
     for kept, other in ((old, new), (new, old)):
         found = from_rest(law, pairs, kept, y)
-        if found.ending == Ending.RUNNING and found.mode.pair >= 0:
-            if _opens(law, pairs, other, found.mode, y) > 0.0:
-                return found
+        runs = found.ending == Ending.RUNNING and found.mode.pair >= 0
+        if runs and _opens(law, pairs, other, found.mode, y) > 0.0:
+            return found
     found = flight(law, y)
     if found.ending == Ending.RUNNING:
         first = _opens(law, pairs, old, found.mode, y)
         if first > 0.0 and _opens(law, pairs, new, found.mode, y) > 0.0:
             return found
-    return _next(new, Ending.STANDS)
+    return _next(new, Ending.STALL)
 
 
 @inner_jit
@@ -163,9 +169,8 @@ def kinetic(law, y):
 
 
 @inner_jit
-def close(law, pairs, mode, y, pair, nose, track):
+def close(law, pairs, mode, y, new):
     """The mode behind the blow of a pair that closes, perhaps while another one is closed."""
-    new = Mode(pair=pair, nose=nose, track=track, sigma=0.0, driver_sense=0.0, follower_sense=0.0)
     before = kinetic(law, y)
     blow = _hit(law, pairs, new, y, law.restitution)
     if not blow.sound:
@@ -209,10 +214,7 @@ def _pass_on(law, pairs, mode, y):
             continue
         if abs(touch.g0 * y[2] + touch.g1 * y[3]) > STAYS:
             continue
-        contact = Mode(
-            pair=i, nose=nose, track=track, sigma=0.0, driver_sense=0.0, follower_sense=0.0
-        )
-        found = settle(law, pairs, contact, y)
+        found = settle(law, pairs, contact_of(i, nose, track), y)
         if found.mode.pair >= 0:
             return found
     return flight(law, y)

@@ -29,7 +29,7 @@ class Law(NamedTuple):
     centre : distance of the axes. rho : inertia of the driver. begin : driver angle at the start.
     spring, weight, rest : stiffness of the follower's spring, moment of its weight, and the angle
     at which both are at rest. restitution : of blows. plain : whether torques are constant in a
-    flight. reach : greatest distance of a feature from its axis.
+    flight.
     """
 
     centre: float
@@ -51,7 +51,6 @@ class Law(NamedTuple):
     rest: float
     restitution: float
     plain: bool
-    reach: float
 
 
 class Mode(NamedTuple):

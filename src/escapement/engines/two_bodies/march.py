@@ -5,8 +5,8 @@ from typing import NamedTuple
 import numpy as np
 
 from escapement.dynamics.codes import Ending, Event
-from escapement.engines.two_bodies.change import behind_event, close, flight
-from escapement.engines.two_bodies.law import MOTION, STATE, Mode, push_at
+from escapement.engines.two_bodies.change import behind_event, close, contact_of, flight
+from escapement.engines.two_bodies.law import MOTION, STATE, Mode, push_at, touching
 from escapement.engines.two_bodies.step import (
     ERROR,
     HANDOFF,
@@ -27,10 +27,12 @@ _MODE = {
 }
 ROW = record_dtype({
     "kind": np.int64, "engagement": np.int64, "time": float, "y": (float, (STATE,)), **_MODE,
+    "side": float,  # the sense in which the contact turns the follower, 0 in flight
     # of an impact: driver speed before it, speed of approach, impulse, and the energy that it takes
     **dict.fromkeys(("before", "approach", "impulse", "energy"), float),
 })  # fmt: skip
-"""A row of the record: the start of a step. Its kind is an `Event`, or `STEP` within a piece."""
+"""A row of the record: the start of a step. Its kind is an `Event`, or `STEP` within a piece. Work
+that is lost is counted from the start of the motion."""
 BEGIN = record_dtype({
     "time": float, **dict.fromkeys(("theta", "phi", "speed", "turning"), float),
     **dict.fromkeys(("fresh", "number", "steps"), np.int64), **_MODE,
@@ -57,7 +59,7 @@ class Notes(NamedTuple):
 
 
 @inner_jit
-def _note(notes, kind, time, mode, y):
+def _note(law, pairs, notes, kind, time, mode, y):
     """Write a row if there is room; the number of rows is counted in any case."""
     at = notes.used[0]
     notes.used[0] = at + 1
@@ -68,13 +70,15 @@ def _note(notes, kind, time, mode, y):
             row.y[i] = y[i]
         row.pair, row.nose, row.track, row.sigma = mode.pair, mode.nose, mode.track, mode.sigma
         row.driver_sense, row.follower_sense = mode.driver_sense, mode.follower_sense
-        row.before = row.approach = row.impulse = row.energy = 0.0
+        row.before = row.approach = row.impulse = row.energy = row.side = 0.0
+        if mode.pair >= 0:
+            row.side = np.sign(touching(law, pairs, mode, y).g1)
 
 
 @inner_jit
-def _note_impact(notes, time, mode, y, before, found):
-    """Write the row of a blow."""
-    _note(notes, Event.IMPACT, time, mode, y)
+def _note_impact(law, pairs, notes, time, mode, y, before, found):
+    """Write the row of a blow in the mode of the contact that closed."""
+    _note(law, pairs, notes, Event.IMPACT, time, mode, y)
     if notes.used[0] <= notes.rows.size:
         row = notes.rows[notes.used[0] - 1]
         row.before, row.approach = before, found.approach
@@ -139,7 +143,7 @@ def _engage(law, pairs, joints, watch, notes, memory, mode, goal, end_time):
         notes.used[1] += 1
         touched = touched or mode.pair >= 0
         push = push_at(law, pairs, mode, y)
-        bounds = bounds_of(y, push, mode)
+        bounds = bounds_of(law, y, push, mode)
         closed, until = _first_closed(law, pairs, joints, watch, mode, y, push, bounds, time)
         event = NOTHING
         if closed < 0:
@@ -150,7 +154,7 @@ def _engage(law, pairs, joints, watch, notes, memory, mode, goal, end_time):
                 length = part * max(0.2, 0.8 * (ERROR / error) ** (1.0 / 7.0))
                 continue
             if notes.wanted and (begun or mode.pair >= 0 or not law.plain):
-                _note(notes, _kind_of(mode) if begun else STEP, time, mode, y)
+                _note(law, pairs, notes, _kind_of(mode) if begun else STEP, time, mode, y)
             begun, trend = False, np.sign(push.driver)
             part, event = first_event(law, pairs, mode, y, part, goal, trend, out, work)
             closed, part = _passed(law, pairs, watch, mode, y, part, out, work)
@@ -161,12 +165,14 @@ def _engage(law, pairs, joints, watch, notes, memory, mode, goal, end_time):
             return mode, time, Ending.OVER
         if closed >= 0:
             touched, before = True, y[2]
-            found = close(law, pairs, mode, y, closed, watch[closed].nose, watch[closed].track)
+            seen = watch[closed]
+            struck = contact_of(closed, seen.nose, seen.track)
+            found = close(law, pairs, mode, y, struck)
             if notes.wanted and found.approach > 0.0:
-                _note_impact(notes, time, found.mode, y, before, found)
+                _note_impact(law, pairs, notes, time, struck, y, before, found)
         elif event == HANDOFF:
             return mode, time, Ending.DONE if touched else Ending.UNDRIVEN
-        elif event == NOTHING or event == TURNS:
+        elif event in (NOTHING, TURNS):
             continue
         else:
             found = behind_event(law, pairs, mode, y, event)
@@ -181,7 +187,6 @@ def _engage(law, pairs, joints, watch, notes, memory, mode, goal, end_time):
 @inner_jit
 def _read(begin, y):
     """The mode that a `BEGIN` holds; its angles and speeds are written into y."""
-    y[:] = 0.0
     y[0], y[1], y[2], y[3] = begin.theta, begin.phi, begin.speed, begin.turning
     return Mode(
         pair=begin.pair, nose=begin.nose, track=begin.track, sigma=begin.sigma,

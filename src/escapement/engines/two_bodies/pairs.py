@@ -22,10 +22,16 @@ PAIR = record_dtype({
     **dict.fromkeys(("track_feature", "track_images", "kind"), np.int64),
     **dict.fromkeys(("x", "y", "cosine", "sine", "extent", "radius"), float),
     **dict.fromkeys(("track_pitch", "track_polar", "middle_x", "middle_y"), float),
-    # which of the images near the partner, from the nearest one behind on
-    **dict.fromkeys(("nose_shift", "track_shift"), np.int64),
+    # of so many images around the partner, from the first on, this is the one with the number
+    **dict.fromkeys(("nose_first", "nose_count", "nose_number"), np.int64),
+    **dict.fromkeys(("track_first", "track_count", "track_number"), np.int64),
+    "rest": float,  # share of a step after which these images are found anew
 })  # fmt: skip
 """A pair, once for each image of a body that repeats."""
+MOVED = 0.25
+"""Share of a pitch by which a body may turn until its images are found anew."""
+TURN = 0.12
+"""Greatest angle of a step [rad]."""
 _SAME = 1e-9
 
 
@@ -36,12 +42,14 @@ def pairs_of(driver: Features, follower: Features) -> np.ndarray:
         for i, k in product(range(one.kind.size), range(two.kind.size)):
             if one.kind[i] != CONVEX or not _meets(one, i, two, k, nose):
                 continue
-            shifts = (_shifts(one, i, two, k), _shifts(two, k, one, i))
-            rows += [(nose, i, k, *shift) for shift in product(*shifts)]
+            around = (_around(one, i, two, k), _around(two, k, one, i))
+            numbers = product(*(range(count) for _first, count in around))
+            rows += [(nose, i, k, around, each) for each in numbers]
     table = np.zeros(len(rows), PAIR)
-    for row, (nose, i, k, *shift) in zip(table, rows, strict=True):
+    for row, (nose, i, k, around, each) in zip(table, rows, strict=True):
         _fill(row, nose, bodies[nose], i, bodies[1 - nose], k)
-        row["nose_shift"], row["track_shift"] = shift
+        for body, (first, count), number in zip(("nose", "track"), around, each, strict=True):
+            row[f"{body}_first"], row[f"{body}_count"], row[f"{body}_number"] = first, count, number
     return table
 
 
@@ -53,15 +61,17 @@ def _meets(one: Features, i: int, two: Features, k: int, nose: int) -> bool:
     return bool(two.kind[k] == LINE or rho < radius)
 
 
-def _shifts(one: Features, i: int, two: Features, k: int) -> range:
-    """Which images of a feature of `one` are near a feature of the other body."""
+def _around(one: Features, i: int, two: Features, k: int) -> tuple[int, int]:
+    """How many images of a feature of `one` are near a feature of the other body, and which of
+    them is the first, counted from the nearest one behind its middle.
+    """
     if one.fold == 1:
-        return range(1)
-    # a long feature is near with more of its images
-    points = ends_of(one, i)
-    spread = float(np.ptp(np.angle(points / points.mean())))
-    wide = math.ceil(0.5 * spread * one.fold / (2.0 * math.pi) + 0.25)
-    return range(min(1 - wide, 0), 1 + wide) if 2 * wide < one.fold else range(one.fold)
+        return 0, 1
+    ends, other = ends_of(one, i), ends_of(two, k)
+    spread = float(np.ptp(np.angle(ends / ends[2])))
+    wide = 0.5 * spread + 0.5 * float(abs(other[1] - other[0]) / max(abs(ends[2]), 1e-9))
+    count = 2 * math.ceil(wide * one.fold / (2.0 * math.pi) + MOVED + 0.05)
+    return (1 - count // 2, count) if count < one.fold else (0, one.fold)
 
 
 def ends_of(body: Features, i: int) -> np.ndarray:
@@ -88,6 +98,8 @@ def _fill(row: np.void, nose: int, one: Features, i: int, two: Features, k: int)
     )
     row["cosine"], row["sine"] = math.cos(two.direction[k]), math.sin(two.direction[k])
     row["track_pitch"] = 2.0 * math.pi / two.fold
+    few = [body.fold for body in (one, two) if body.fold > 1]
+    row["rest"] = min(1.0, MOVED * 2.0 * math.pi / max(few, default=1) / TURN)
     row["track_polar"], row["middle_x"], row["middle_y"] = (
         np.angle(middle),
         middle.real,
@@ -113,4 +125,4 @@ def joints_of(body: Features) -> np.ndarray:
     return joints
 
 
-__all__ = ["CONVEX", "HOLLOW", "LINE", "PAIR", "ends_of", "joints_of", "pairs_of"]
+__all__ = ["CONVEX", "HOLLOW", "LINE", "PAIR", "TURN", "ends_of", "joints_of", "pairs_of"]

@@ -1,7 +1,7 @@
 """One step of a motion in one mode, and the first event within it.
 
-A step takes extrapolated midpoint rules (Gragg, Bulirsch and Stoer), of order 8, and brings a kept
-contact back to a gap of zero. In a flight with constant torques it is exact.
+A step takes extrapolated midpoint rules (Gragg, Bulirsch and Stoer), of order 8 at most, and brings
+a kept contact back to a gap of zero. In a flight with constant torques it is exact.
 """
 
 from typing import NamedTuple
@@ -90,6 +90,8 @@ def _extrapolate(law, pairs, mode, y, length, out, work):
                 change = (table[5 + j, i] - table[4 + j, i]) / ratio
                 table[4 + j, i] = table[5 + j, i] + change
                 error = max(error, abs(change)) if i < MOTION else error
+        if k > 0 and error <= ERROR:
+            break
     for i in range(size):
         out[i] = table[4, i]
     return error

@@ -52,15 +52,25 @@ class Touch(NamedTuple):
 
 
 class Near(NamedTuple):
-    """How near a nose is to the points of a track: distance, its rate, and what bounds its bend.
+    """How near a nose is to the points of a track: distance, its rate, and a bound of its bend.
 
+    x, y : direction from the nearest point to the nose. Towards the centre of an arc the distance
+    bends by `bend` less than the motion along that direction, elsewhere not less than it.
     jumps : whether the nearest point may jump, so that only the speed bounds the distance.
     """
 
     distance: float
-    rate: float
+    x: float
+    y: float
     bend: float
     jumps: bool
+
+
+@inner_jit
+def _chosen(ahead, first, count, number):
+    """The image among those around the partner that always belongs to this number."""
+    start = int(np.floor(ahead)) + first
+    return start + (number - start) % count
 
 
 @inner_jit
@@ -77,14 +87,14 @@ def images(pair, centre, driver, follower):
             x += cosine * pair.middle_x - sine * pair.middle_y
             y += sine * pair.middle_x + cosine * pair.middle_y
         ahead = (np.arctan2(y, x) - q_nose - pair.nose_polar) / pair.nose_pitch
-        nose = int(np.floor(ahead)) + pair.nose_shift
+        nose = _chosen(ahead, pair.nose_first, pair.nose_count, pair.nose_number)
     if pair.track_images > 1:
         angle = q_nose + nose * pair.nose_pitch
         cosine, sine = np.cos(angle), np.sin(angle)
         x = side + cosine * pair.nose_x - sine * pair.nose_y
         y = sine * pair.nose_x + cosine * pair.nose_y
         ahead = (np.arctan2(y, x) - q_track - pair.track_polar) / pair.track_pitch
-        track = int(np.floor(ahead)) + pair.track_shift
+        track = _chosen(ahead, pair.track_first, pair.track_count, pair.track_number)
     return nose, track
 
 
@@ -149,33 +159,30 @@ def touch_at(pair, at):
 
 @inner_jit
 def nearness(pair, at):
-    """Distance from the disc of the nose to the points of the track, and its rate."""
+    """Distance from the disc of the nose to the points of the track."""
     x, y = at.x - pair.x, at.y - pair.y
     if pair.kind == LINE:
         foot = min(max(x * pair.cosine + y * pair.sine, 0.0), pair.extent)
-        return _from(x - foot * pair.cosine, y - foot * pair.sine, pair.rho, at)
-    distance = np.sqrt(x * x + y * y)
-    rate = (x * at.v_x + y * at.v_y) / max(distance, 1e-300)
+        return _from(x - foot * pair.cosine, y - foot * pair.sine, pair.rho, False)
+    distance = max(np.sqrt(x * x + y * y), 1e-300)
     if pair.kind == CONVEX and distance - pair.radius - pair.rho > -1e-12:
-        return Near(distance - pair.radius - pair.rho, rate, 0.0, False)
+        return _from(x, y, pair.rho + pair.radius, False)
     across, along = pair.cosine * y - pair.sine * x, pair.cosine * x + pair.sine * y
     if abs(np.arctan2(across, along)) <= pair.extent:
-        gap = abs(distance - pair.radius) - pair.rho
-        rate = rate if distance > pair.radius else -rate
-        speed = at.v_x * at.v_x + at.v_y * at.v_y
-        return Near(gap, rate, 1.5 * speed / max(distance, 1e-300), gap > FAR * pair.radius)
+        gap, sign = abs(distance - pair.radius) - pair.rho, 1.0 if distance > pair.radius else -1.0
+        bend = 1.5 * (at.v_x * at.v_x + at.v_y * at.v_y) / distance
+        jumps = gap > FAR * pair.radius
+        return Near(gap, sign * x / distance, sign * y / distance, bend, jumps)
     # the nearer end of the arc
     turn = pair.extent if across > 0.0 else -pair.extent
     cosine, sine = np.cos(turn), np.sin(turn)
     x -= pair.radius * (pair.cosine * cosine - pair.sine * sine)
     y -= pair.radius * (pair.sine * cosine + pair.cosine * sine)
-    end = _from(x, y, pair.rho, at)
-    return Near(end.distance, end.rate, 0.0, end.distance > FAR * pair.radius)
+    return _from(x, y, pair.rho, x * x + y * y > (FAR * pair.radius) ** 2)
 
 
 @inner_jit
-def _from(x, y, rho, at):
-    """Distance of the disc of a nose, whose centre is at x and y from a point."""
-    distance = np.sqrt(x * x + y * y)
-    rate = (x * at.v_x + y * at.v_y) / max(distance, 1e-300)
-    return Near(distance - rho, rate, 0.0, False)
+def _from(x, y, rho, jumps):
+    """Distance of a disc, whose centre is at x and y from a point."""
+    distance = max(np.sqrt(x * x + y * y), 1e-300)
+    return Near(distance - rho, x / distance, y / distance, 0.0, jumps)
