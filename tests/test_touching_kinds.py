@@ -147,6 +147,10 @@ def test_friction_that_wedges_is_that_whose_force_passes_the_axis(name):
         arm = (point - axis) * normal.conjugate()
         least = min(least, abs(arm.imag / arm.real))
     assert verge.wedge_friction == pytest.approx(least, rel=0.03)
+    inertia = esc.Inertia(1.0, 0.3)
+    esc.Escapement(verge, inertia, 1.0, friction=0.99 * verge.wedge_friction)
+    with pytest.raises(InvalidValue, match="from which on tooth and pallet wedge each other"):
+        esc.Escapement(verge, inertia, 1.0, friction=1.01 * verge.wedge_friction)
 
 
 @pytest.mark.parametrize("name", VERGES)

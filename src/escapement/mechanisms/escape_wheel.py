@@ -26,7 +26,7 @@ else:
 MOST_TEETH = 1000
 _ALL = 1e3  # wheel angle that is more than a pitch [rad]
 _STEEPEST = math.radians(80.0)
-_FACES = 400  # points of each line and arc where the direction of a face matters
+_FACES = 150  # points of each line and arc where the direction of a face matters
 _SAMPLES = 48  # points of each line and arc of a pallet
 _SWING = 1.5  # depths of the teeth by which pallets are moved to see where they leave the wheel
 
