@@ -278,6 +278,7 @@ OF_KINDS = {
 OTHERS = {
     "sweep": [],
     "budget": [{"config": "sample.toml", "indices": 4}],
+    "compare": [],
     "design": [{"wish": "wish.toml", "count": 3}],
     "plot": [
         {"file": "study.h5", "output": "out.svg", "select": "friction=0.1", "result": "period"}
@@ -376,7 +377,7 @@ def argv_of(command, kind, scene):
     options, files = [], []
     for name, value in scene.items():
         if name in POSITIONAL:
-            files.append(value)
+            files += [value] if isinstance(value, str) else value
         elif value is True:
             options.append("--" + name.replace("_", "-"))
         elif value is not False and name != "tried":
@@ -402,6 +403,7 @@ FILES = {
     "sample.toml": STUDY + "[sample]\nmethod = 'random'\nsize = 100\n"
     "friction = { tolerance = 0.05 }\ntorque = { tolerance = 0.001 }\n"
     "[limits]\nperiod = [0.01, 0.2]\n",
+    "timer.toml": STUDY.replace('results = ["period", "rise_time"]\n', ""),
     "load.csv": "angle_deg,torque\n0,0\n90,1e-4\n180,0\n270,-1e-4\n360,0\n",
     "wish.toml": "period = 0.05\ntorque = 0.01\nslots = 4\nfriction = [0.2, 0.3]\n"
     "bounds = { size = 0.1 }\n",

@@ -131,7 +131,7 @@ class EscapeWheel(TwoBodies):
         """How the pallets let one tooth after the other go by; InvalidValue if they do not."""
         arms = [np.abs(chain.points).min() for chain in self.follower_chains]
         most = _SWING * self.tooth_depth / self.wheel_radius / min(arms)
-        return alternation.alternation(self.blocked, self.pitch, most)
+        return alternation.alternation(self.blocked, self.innermost, self.pitch, most)
 
     def report(self) -> dict[str, Any]:
         """Its geometry by JSON key, in SI; angles in degrees."""
@@ -177,6 +177,11 @@ class EscapeWheel(TwoBodies):
         # the normal goes through the point that both bodies move alike
         normal = place * (1.0 - np.gradient(theta, phi)) - apart
         return place, normal / np.abs(normal)
+
+    def innermost(self, pallet: int, phi: float) -> complex:
+        """The point of a pallet that is nearest to the wheel's axis at a verge angle."""
+        turn, apart = cmath.exp(1j * phi), self.axes_distance
+        return complex(apart + turn * self.follower_chains[pallet].nearest(-apart / turn))
 
     def blocked(self, phi: FloatArray, samples: int) -> FloatArray:
         """Wheel angles between which a pallet stands in the way of a tooth, shape (n, 2, 2).
