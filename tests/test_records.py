@@ -124,4 +124,6 @@ def test_a_mechanism_without_slots_says_that_it_cannot_jam():
         record = record_of(esc.terminal(timer), timer)
         assert not math.isfinite(record.values["critical_friction"])
         told = [reason for reason in record.reasons() if reason.startswith("critical_friction")]
-        assert told == ["critical_friction is not given: it has no slots in which friction can jam pins"]
+        assert told == [
+            "critical_friction is not given: it has no slots in which friction can jam pins"
+        ]

@@ -12,32 +12,27 @@ from typing import NamedTuple
 
 import numpy as np
 
-from escapement.dynamics.law import LOSSES
 from escapement.dynamics.torque import torque_after
 from escapement.engines.two_bodies.touch import place, touch_at
 from escapement.numerics.jit import inner_jit
 
 MOTION, STATE = 4, 10
-"""Numbers of a state that move, its angles and speeds, and with the work that is lost."""
-LOST = (*LOSSES[:5], "load")
-"""What the numbers of a state after the speeds are: work lost since the start."""
+"""Numbers of a state that move, its angles and speeds, and with the work that is lost: in the
+contact, both bearings and the drag of both bodies, and to the load."""
 
 
 class Law(NamedTuple):
     """Two bodies in natural units, see `model.scene.Scene` for the fields of the same name.
 
-    centre : distance of the axes. rho : inertia of the driver. begin : driver angle at the start.
-    spring, weight, rest : stiffness of the follower's spring, moment of its weight, and the angle
-    at which both are at rest. restitution : of blows. plain : whether torques are constant in a
-    flight.
+    centre : distance of the axes. begin : driver angle at the start. spring, weight, rest :
+    stiffness of the follower's spring, moment of its weight, and the angle at which both are at
+    rest. restitution : of blows. plain : whether torques are constant in a flight.
     """
 
-    centre: float
     rho: float
-    mu: float
+    mu_plus: float
     torque: np.ndarray
     gain: float
-    begin: float
     load: float
     bearing: float
     driver_drag: float
@@ -46,11 +41,17 @@ class Law(NamedTuple):
     follower_viscous: float
     driver_journal: float
     follower_journal: float
+    centre: float
+    begin: float
     spring: float
     weight: float
     rest: float
     restitution: float
     plain: bool
+
+
+SHARED = Law._fields[: Law._fields.index("centre")]
+"""Fields that are those of a `Scene`."""
 
 
 class Mode(NamedTuple):
@@ -69,11 +70,12 @@ class Mode(NamedTuple):
 
 
 class Push(NamedTuple):
-    """Accelerations of both bodies, normal force, slip, and the number A of the contact."""
+    """Accelerations of both bodies, normal force and its torque on the follower, slip, and A."""
 
     driver: float
     follower: float
     force: float
+    moment: float
     slip: float
     yielding: float
 
@@ -81,10 +83,10 @@ class Push(NamedTuple):
 @inner_jit
 def torques(law, y):
     """Torques on both bodies without contact and without constant friction."""
-    torque = law.gain * law.torque[2]
+    driver = law.gain * law.torque[2]
     if len(law.torque) != 3:
-        torque = torque_after(y[0] - law.begin, law)[0]
-    driver = torque - (law.driver_drag * abs(y[2]) + law.driver_viscous) * y[2]
+        driver = torque_after(y[0] - law.begin, law)[0]
+    driver -= (law.driver_drag * abs(y[2]) + law.driver_viscous) * y[2]
     follower = -(law.follower_drag * abs(y[3]) + law.follower_viscous) * y[3]
     if law.spring != 0.0 or law.weight != 0.0:
         follower -= law.spring * (y[1] - law.rest) + law.weight * np.sin(y[1] - law.rest)
@@ -93,37 +95,28 @@ def torques(law, y):
 
 @inner_jit
 def free(law, mode, y):
-    """Both bodies without contact."""
+    """Both bodies without contact; friction of its bearing holds a body whose sense is 0."""
     driver, follower = torques(law, y)
-    driver, follower = (
-        driver - mode.driver_sense * law.bearing,
-        follower - mode.follower_sense * law.load,
-    )
-    still = law.bearing > 0.0 and mode.driver_sense == 0.0
-    held = law.load > 0.0 and mode.follower_sense == 0.0
-    return Push(
-        driver=0.0 if still else driver / law.rho, follower=0.0 if held else follower, force=0.0,
-        slip=0.0, yielding=1.0,
-    )  # fmt: skip
+    driver = (driver - mode.driver_sense * law.bearing) / law.rho
+    follower -= mode.follower_sense * law.load
+    driver = 0.0 if law.bearing > 0.0 and mode.driver_sense == 0.0 else driver
+    follower = 0.0 if law.load > 0.0 and mode.follower_sense == 0.0 else follower
+    return Push(driver, follower, 0.0, 0.0, 0.0, 1.0)
 
 
 @inner_jit
 def pushed(law, mode, touch, y):
     """Both bodies with the contact at a touch."""
     driver, follower = torques(law, y)
-    driver, follower = (
-        driver - mode.driver_sense * law.bearing,
-        follower - mode.follower_sense * law.load,
-    )
-    rubbing = law.mu * mode.sigma
+    driver -= mode.driver_sense * law.bearing
+    follower -= mode.follower_sense * law.load
+    rubbing = law.mu_plus * mode.sigma
     b0 = touch.g0 - rubbing * touch.h0 - mode.driver_sense * law.driver_journal
     b1 = touch.g1 - rubbing * touch.h1 - mode.follower_sense * law.follower_journal
     yielding = touch.g0 * b0 / law.rho + touch.g1 * b1
     force = -(touch.kappa + touch.g0 * driver / law.rho + touch.g1 * follower) / yielding
-    return Push(
-        driver=(driver + force * b0) / law.rho, follower=follower + force * b1, force=force,
-        slip=touch.h0 * y[2] + touch.h1 * y[3], yielding=yielding,
-    )  # fmt: skip
+    slip, moment = touch.h0 * y[2] + touch.h1 * y[3], force * b1
+    return Push((driver + force * b0) / law.rho, follower + moment, force, moment, slip, yielding)
 
 
 @inner_jit
@@ -148,16 +141,18 @@ def rates(law, pairs, mode, y, out):
     out[0], out[1], out[2], out[3] = y[2], y[3], push.driver, push.follower
     if len(out) > MOTION:
         driver, follower, force = abs(y[2]), abs(y[3]), push.force
-        out[4] = law.mu * force * abs(push.slip)
+        out[4] = law.mu_plus * force * abs(push.slip)
         out[5] = (law.bearing + force * law.driver_journal) * driver
         out[6] = force * law.follower_journal * follower
         out[7] = (law.driver_drag * driver + law.driver_viscous) * driver * driver
         out[8] = (law.follower_drag * follower + law.follower_viscous) * follower * follower
         out[9] = law.load * follower
+    return push
 
 
 @inner_jit
-def stored(law, phi):
-    """Energy in the follower's spring and weight at an angle of the follower."""
-    turn = phi - law.rest
-    return 0.5 * law.spring * turn * turn + 2.0 * law.weight * np.sin(0.5 * turn) ** 2
+def energy(law, y):
+    """Kinetic energy of both bodies, and energy in the follower's spring and weight."""
+    turn = y[1] - law.rest
+    stored = 0.5 * law.spring * turn * turn + 2.0 * law.weight * np.sin(0.5 * turn) ** 2
+    return 0.5 * (law.rho * y[2] * y[2] + y[3] * y[3]), stored

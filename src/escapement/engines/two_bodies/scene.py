@@ -4,8 +4,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from escapement.engines.two_bodies.law import Law
-from escapement.engines.two_bodies.march import BEGIN
+from escapement.engines.two_bodies.law import SHARED, Law
 from escapement.engines.two_bodies.pairs import joints_of, pairs_of
 from escapement.model.escapement import Escapement
 
@@ -13,60 +12,38 @@ _KEY = "two_bodies.prepared"
 
 
 class Prepared(NamedTuple):
-    """What `march.march` takes: the law, the pairs of features, which of them meet, the pitches of
-    both bodies; and the start.
+    """What `march.march` takes: the law, the pairs of features, which of them meet, and the pitches
+    of both bodies; and the angles at the start.
     """
 
     law: Law
     pairs: np.ndarray
     joints: Any
     pitches: tuple[float, float]
-    begin: np.ndarray
+    start: tuple[float, float]
 
 
 def prepared(escapement: Escapement) -> Prepared:
     """The escapement in natural units, kept on it so that its next call has it at once."""
     kept = escapement.kept
     if _KEY not in kept:
-        kept[_KEY] = _prepare(escapement)
+        kept[_KEY] = _prepare(escapement, escapement.mechanism)
     found: Prepared = kept[_KEY]
     return found
 
 
-def _prepare(escapement: Escapement) -> Prepared:
-    machine: Any = escapement.mechanism
-    scene, driver, follower = escapement.scene, machine.driver_features, machine.follower_features
+def _prepare(escapement: Escapement, machine: Any) -> Prepared:
+    scene, unit = escapement.scene, escapement.torque_unit
+    driver, follower = machine.driver_features, machine.follower_features
     theta, phi = (float(angle) for angle in machine.start)
     theta %= machine.pitch  # the driver looks the same
-    unit = escapement.torque_unit
     spring, weight = escapement.follower_spring / unit, escapement.follower_gravity / unit
-    resisting = (
-        *(scene.driver_drag, scene.follower_drag, scene.driver_viscous, scene.follower_viscous),
-        *(spring, weight, float(scene.torque.size != 3)),
-    )
+    changing = spring, weight, scene.torque.size - 3, scene.driver_drag, scene.follower_drag
+    plain = not any((*changing, scene.driver_viscous, scene.follower_viscous))
     law = Law(
-        centre=float(machine.axes_distance),
-        rho=scene.rho,
-        mu=scene.mu_plus,
-        torque=scene.torque,
-        gain=scene.gain,
-        begin=theta,
-        load=scene.load,
-        bearing=scene.bearing,
-        driver_drag=scene.driver_drag,
-        follower_drag=scene.follower_drag,
-        driver_viscous=scene.driver_viscous,
-        follower_viscous=scene.follower_viscous,
-        driver_journal=scene.driver_journal,
-        follower_journal=scene.follower_journal,
-        spring=spring,
-        weight=weight,
-        rest=escapement.follower_rest_angle,
-        restitution=escapement.restitution,
-        plain=not any(resisting),
-    )
-    begin = np.zeros(1, BEGIN)
-    begin["theta"], begin["phi"], begin["fresh"] = theta, phi, 1
+        *(getattr(scene, name) for name in SHARED), float(machine.axes_distance), theta, spring,
+        weight, escapement.follower_rest_angle, escapement.restitution, plain,
+    )  # fmt: skip
     pitches = 2.0 * np.pi / driver.fold, 2.0 * np.pi / follower.fold
-    pairs = pairs_of(driver, follower)
-    return Prepared(law, pairs, (joints_of(driver), joints_of(follower)), pitches, begin)
+    joints = joints_of(driver), joints_of(follower)
+    return Prepared(law, pairs_of(driver, follower), joints, pitches, (theta, phi))

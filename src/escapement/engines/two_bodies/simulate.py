@@ -4,34 +4,30 @@ import math
 
 import numpy as np
 
-from escapement.base import validate
 from escapement.base.status import MESSAGES, Status
 from escapement.dynamics.codes import Ending
+from escapement.dynamics.followed import Followed, followed_motion
 from escapement.dynamics.motion import Motion
 from escapement.dynamics.torque import torque_after
-from escapement.engines.two_bodies.march import BEGIN, MOST_STEPS, ROW, march
+from escapement.engines.two_bodies import march as marching
 from escapement.engines.two_bodies.scene import prepared
 from escapement.engines.two_bodies.trajectory import TwoBodyTrajectory
+from escapement.mechanisms.protocol import FloatArray
 from escapement.model.escapement import Escapement
 from escapement.numerics.jit import as_python
 
+LONGEST = 10_000
+"""Greatest number of engagements."""
+_NO_ROWS = np.empty(0, marching.ROW)
 _REASONS = {
-    Ending.STANDS: (Status.STALL, "the mechanism stops {}: the drive cannot turn the bodies on"),
-    Ending.STALL: (Status.STALL, "the mechanism jams {}: two contacts hold the driver"),
-    Ending.JAM: (
-        Status.PAINLEVE,
-        "the contact jams {}: friction leaves rigid bodies no motion there; give less friction",
-    ),
-    Ending.UNDRIVEN: (
-        Status.NO_TERMINAL,
-        "the driver runs free {}: it has turned by a pitch without touching the follower",
-    ),
+    Ending.STANDS: (Status.STALL, "stops {}: the drive cannot turn the bodies on"),
+    Ending.STALL: (Status.STALL, "jams {}: two contacts hold the driver"),
+    Ending.JAM: (Status.PAINLEVE, "jams {}: friction leaves rigid bodies no motion there"),
+    Ending.UNDRIVEN: (Status.NO_TERMINAL, "runs free {}: no contact in a whole pitch"),
     Ending.TOO_LONG: (
-        Status.NOT_CONVERGED,
-        f"the motion was followed {{}}, where {MOST_STEPS} steps of one engagement were used up; "
-        "a restitution of 0 needs fewer",
+        Status.NOT_CONVERGED, f"was followed {{}}, where {marching.MOST_STEPS} steps were used up"
     ),
-}
+}  # fmt: skip
 
 
 def outcome(
@@ -41,92 +37,56 @@ def outcome(
     if ending in (Ending.DONE, Ending.OVER):
         return Status.OK, MESSAGES[Status.OK]
     status, reason = _REASONS[ending]
-    driver = theta + engagement * escapement.mechanism.cell_angle
-    if ending == Ending.STANDS:
-        law = prepared(escapement).law
-        if as_python(torque_after)(driver - law.begin, law)[0] <= 0.0:
-            status, reason = Status.SPENT, "the mechanism stops {}: the spring is spent"
-    where = (
-        f"at a driver angle of {math.degrees(driver):.3f} degrees, in engagement {engagement + 1}"
-    )
-    return status, reason.format(where)
+    driver, law = theta + engagement * escapement.mechanism.cell_angle, prepared(escapement).law
+    if ending == Ending.STANDS and as_python(torque_after)(driver - law.begin, law)[0] <= 0.0:
+        status, reason = Status.SPENT, "stops {}: the spring is spent"
+    where = f"at a driver angle of {math.degrees(driver):.3f} degrees, in engagement"
+    return status, f"the mechanism {reason.format(f'{where} {engagement + 1}')}"
 
 
-def begin_of(escapement: Escapement, initial_speed: float) -> np.ndarray:
-    """The start: the follower at rest, between the contacts or at one."""
-    begin = prepared(escapement).begin.copy()
-    begin["speed"] = initial_speed * escapement.time_unit
-    return begin
+def first_state(escapement: Escapement, initial_speed: float) -> FloatArray:
+    """The start: the follower at rest, see `march.BEGIN`."""
+    state = np.zeros(marching.BEGIN)
+    state[marching.THETA], state[marching.PHI] = prepared(escapement).start
+    state[marching.SPEED] = initial_speed * escapement.time_unit
+    state[marching.PAIR] = marching.UNKNOWN
+    return state
 
 
 def march_from(
-    escapement: Escapement, begin: np.ndarray, count: int, horizon: float = math.inf
-) -> tuple[Ending, np.ndarray, float, float]:
-    """Follow engagements from a state; returns why they end, the states at handoffs, and the last
-    angle and time.
-    """
-    scene, none = prepared(escapement), np.empty(0, ROW)
-    begins, done = np.zeros(count + 1, BEGIN), 0
-    begins[0] = begin[0]
+    escapement: Escapement, start: FloatArray, count: int, horizon: float = math.inf
+) -> Followed:
+    """Follow engagements from a state."""
+    scene, begins, done = prepared(escapement), np.empty((count + 1, marching.BEGIN)), 0
+    begins[0] = start
     while True:
-        used = np.zeros(2, np.int64)
-        ending, more, theta, end = march(*scene[:4], horizon, begins[done:], none, used)
+        inputs, used = (horizon, done, begins[done:], _NO_ROWS), np.zeros(2, np.int64)
+        ending, more, theta, end = marching.march(*scene[:4], *inputs, used)
         done += more
         if ending != Ending.RUNNING:
             return ending, begins[: done + 1], theta, end
 
 
 def motion_from(
-    escapement: Escapement,
-    begin: np.ndarray,
-    engagements: int | None,
-    duration: float | None,
-    rtol: float,
-    longest: int,
-) -> Motion:
-    """The motion from a state, see `march.BEGIN`."""
-    clock = escapement.time_unit
-    horizon, size = math.inf if duration is None else duration / clock, engagements or 64
-    while True:
-        ending, begins, theta, end = march_from(escapement, begin, size, horizon)
-        if ending != Ending.DONE or duration is None:
-            break
-        if size >= longest:
-            rule = f"at most {end * clock:.6g} s, in which {longest} engagements pass"
-            raise validate.fail(
-                "duration", rule, duration, "the figures of merit need no long motion"
-            )
-        size = min(8 * size, longest)
-    status, message = outcome(escapement, ending, theta, len(begins) - 1)
-    end_time, times = float(end * clock), begins["time"][1:] * clock
-    if duration is not None and (status is Status.OK or end_time >= duration):
-        status, message, end_time = Status.OK, MESSAGES[Status.OK], duration
-        times = times[times <= duration]
-    return Motion(
-        escapement,
-        engine="two_bodies",
-        rtol=rtol,
-        trajectory=TwoBodyTrajectory(escapement, begins[: times.size + 1], end_time),
-        end_time=end_time,
-        handoff_times=times,
-        handoff_velocities=begins["speed"][1 : times.size + 1] / clock,
-        status=status,
-        message=message,
-    )
+    escapement: Escapement, start: FloatArray, rtol: float, engagements: int | None,
+    duration: float | None = None, longest: int = LONGEST,
+) -> Motion:  # fmt: skip
+    """The motion from a state at a handoff."""
+    return followed_motion(
+        escapement, "two_bodies", rtol, engagements, duration, longest,
+        follow=lambda size, horizon: march_from(escapement, start, size, horizon),
+        outcome=outcome,
+        trajectory=lambda states, end: TwoBodyTrajectory(escapement, states, end),
+    )  # fmt: skip
 
 
 def simulate(
-    escapement: Escapement,
-    *,
-    engagements: int | None,
-    duration: float | None,
-    initial_speed: float,
-    rtol: float,
-    longest: int = 10_000,
-) -> Motion:
+    escapement: Escapement, *, engagements: int | None, duration: float | None,
+    initial_speed: float, rtol: float, longest: int = LONGEST,
+) -> Motion:  # fmt: skip
     """Motion of two bodies; arguments are validated by `escapement.simulate`.
 
     A duration with more than `longest` engagements is refused.
     """
-    begin = begin_of(escapement, initial_speed)
-    return motion_from(escapement, begin, engagements, duration, rtol, longest)
+    start = first_state(escapement, initial_speed)
+    return motion_from(escapement, start, rtol, engagements, duration, longest)

@@ -7,7 +7,6 @@ is then followed from there.
 
 import math
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 
@@ -15,8 +14,10 @@ from escapement.base.status import Status
 from escapement.dynamics.codes import Ending
 from escapement.dynamics.figures_of_merit import BatchSpread, Figures, cycle_figures, read_figures
 from escapement.dynamics.motion import Motion
+from escapement.engines.two_bodies.march import PAIR, SPEED, STEPS, THETA, TIME
 from escapement.engines.two_bodies.simulate import (
-    begin_of,
+    LONGEST,
+    first_state,
     march_from,
     motion_from,
     outcome,
@@ -25,137 +26,106 @@ from escapement.engines.two_bodies.simulate import (
 from escapement.mechanisms.protocol import FloatArray
 from escapement.model.escapement import Escapement
 
-LONGEST_TRANSIENT = 10_000
-"""Engagements of a transient that is followed."""
-_AT_ONCE, _TRIES, _KEPT = 12, 30, 200
+_AT_ONCE, _TRIES, _KEPT = 10, 40, 200
 """Engagements between two looks, how often, and how many of a motion that never repeats."""
 _SAME, _ALIKE = 1e-13, 1e-9
 """Engagements repeat if their states are the same to this share of the speed, and are said to
 nearly repeat if their periods are so to that."""
-_MOST_ROUNDS = 4
-_NUMBERS = ("phi", "speed", "turning")
+_MOST = 4
+_MOVING = slice(SPEED, THETA)
 
 
 def terminal(
     escapement: Escapement, base: Figures, *, initial_speed: float, rtol: float
 ) -> Figures:
     """Figures of merit of two bodies; see `escapement.terminal`."""
-    begin = begin_of(escapement, initial_speed)
-    for k in range(_TRIES):
-        ending, begins, theta, _end = march_from(escapement, begin, _AT_ONCE)
+    state = first_state(escapement, initial_speed)
+    for k in range(_TRIES + 1):
+        count = _AT_ONCE if k < _TRIES else _KEPT
+        ending, states, theta, _end = march_from(escapement, state, count)
         if ending != Ending.DONE:
-            passed = k * _AT_ONCE + len(begins) - 1
+            passed = k * _AT_ONCE + len(states) - 1
             status, message = outcome(escapement, ending, theta, passed)
             return replace(base, status=status, message=message)
-        for size in range(1, _MOST_ROUNDS + 1):
-            if _distance(begins[-1], begins[-1 - size]) <= _SAME:
-                return _figures(escapement, base, begins[-1:], size, initial_speed, rtol)
-        begin = begins[-1:].copy()
-        begin["time"] = 0.0
+        for size in range(1, _MOST + 1):
+            one, two = states[-1], states[-1 - size]
+            apart = np.abs(one - two)[_MOVING].max() / np.abs(one[_MOVING]).max()
+            if one[PAIR] == two[PAIR] and apart <= _SAME:
+                return _figures(escapement, base, _restarted(one), size, initial_speed, rtol)
+        state = _restarted(states[-1])
         if k % 3 == 1:
-            begin = _newton(escapement, begin)
-    return _scattered(escapement, base, begin, rtol)
+            state = _newton(escapement, state)
+    return _scattered(escapement, base, states, rtol)
 
 
-def _distance(one: Any, two: Any) -> float:
-    """Distance of two states over their speed; infinite if their contacts differ."""
-    if one["pair"] != two["pair"]:
-        return math.inf
-    speed = max(abs(one["speed"]), abs(one["turning"]))
-    return float(max(abs(one[name] - two[name]) for name in _NUMBERS) / speed)
+def _restarted(state: FloatArray) -> FloatArray:
+    state = state.copy()
+    state[[TIME, STEPS]] = 0.0
+    return state
 
 
-def _newton(escapement: Escapement, begin: np.ndarray) -> np.ndarray:
+def _newton(escapement: Escapement, state: FloatArray) -> FloatArray:
     """A state nearer to one that repeats itself, if the motion is in flight there."""
-    x = np.array([begin[name][0] for name in _NUMBERS])
-    if begin["pair"][0] >= 0:
-        return begin
 
-    def behind(at: FloatArray) -> FloatArray | None:
-        start = begin.copy()
-        for name, value in zip(_NUMBERS, at, strict=True):
-            start[name] = value
-        ending, begins, _theta, _end = march_from(escapement, start, 1)
-        if ending != Ending.DONE or begins[-1]["pair"] >= 0:
-            return None
-        return np.array([begins[-1][name] for name in _NUMBERS])
+    def behind(moving: FloatArray) -> FloatArray:
+        start = state.copy()
+        start[_MOVING] = moving
+        ending, states, _theta, _end = march_from(escapement, start, 1)
+        flies = ending == Ending.DONE and max(states[0, PAIR], states[-1, PAIR]) < 0.0
+        return states[-1, _MOVING] if flies else np.full(moving.size, np.nan)
 
+    x = state[_MOVING].copy()
     for _ in range(4):
-        found = behind(x)
-        columns = []
-        for i in range(x.size):
-            step = 1e-6 * max(abs(x[i]), 1e-3)
-            ends = [behind(x + way * step * np.eye(x.size)[i]) for way in (1.0, -1.0)]
-            if found is None or ends[0] is None or ends[1] is None:
-                return begin
-            columns.append((ends[0] - ends[1]) / (2.0 * step))
-        change = np.linalg.solve(np.eye(x.size) - np.array(columns).T, found - x)
-        if not np.abs(change).max() < 0.5 * np.abs(x).max():
-            return begin
-        x = x + change
-    made = begin.copy()
-    for name, value in zip(_NUMBERS, x, strict=True):
-        made[name] = value
-    return made
+        steps = np.diag(1e-6 * np.maximum(np.abs(x), 1e-3))
+        slopes = [(behind(x + h) - behind(x - h)) / (2.0 * h.max()) for h in steps]
+        matrix = np.eye(x.size) - np.array(slopes).T
+        if not np.isfinite(matrix).all():
+            return state
+        x = x + np.linalg.solve(matrix, behind(x) - x)
+    state = state.copy()
+    state[_MOVING] = x
+    return state
 
 
 def _figures(
-    escapement: Escapement, base: Figures, begin: np.ndarray, size: int, speed: float, rtol: float
+    escapement: Escapement, base: Figures, state: FloatArray, size: int, speed: float, rtol: float
 ) -> Figures:
     """Figures of the round of so many engagements that begins with a state and leads back to it."""
-    begin = begin.copy()
-    begin["time"], begin["number"] = 0.0, 0
-    cycle = motion_from(escapement, begin, size, None, rtol, LONGEST_TRANSIENT)
+    cycle = motion_from(escapement, state, rtol, size)
     if size > 1:
-        periods = np.diff(cycle.handoff_times, prepend=0.0)
-        told = ", ".join(f"{period:.9g}" for period in periods)
+        told = ", ".join(f"{x:.9g}" for x in np.diff(cycle.handoff_times, prepend=0.0))
         message = f"the motion repeats itself after {size} pitches, with periods of {told} s"
         return replace(base, **cycle_figures(cycle), motion=cycle, message=message)
 
     def follow(count: int) -> Motion:
-        return simulate(
-            escapement, engagements=count, duration=None, initial_speed=speed, rtol=rtol
-        )
+        start = {"duration": None, "initial_speed": speed, "rtol": rtol}
+        return simulate(escapement, engagements=count, **start)  # type: ignore[arg-type]
 
-    contraction = _contraction(escapement, begin)
-    return read_figures(base, cycle, contraction, speed, follow, LONGEST_TRANSIENT)
-
-
-def _contraction(escapement: Escapement, begin: np.ndarray) -> float:
-    """By how much a pitch shrinks a deviation of both speeds, by a central difference."""
     ends = []
     for share in (1.0 - 1e-5, 1.0 + 1e-5):
-        changed = begin.copy()
-        changed["speed"] *= share
-        changed["turning"] *= share
-        ending, begins, _theta, _end = march_from(escapement, changed, 1)
-        ends.append(begins[-1]["speed"] ** 2 if ending == Ending.DONE else math.nan)
-    return float((ends[1] - ends[0]) / (4e-5 * begin["speed"][0] ** 2))
+        changed = state.copy()
+        changed[[SPEED, SPEED + 2]] *= share
+        ending, states, _theta, _end = march_from(escapement, changed, 1)
+        ends.append(states[-1, SPEED] ** 2 if ending == Ending.DONE else math.nan)
+    contraction = float((ends[1] - ends[0]) / (4e-5 * state[SPEED] ** 2))
+    return read_figures(base, cycle, contraction, speed, follow, LONGEST)
 
 
-def _scattered(escapement: Escapement, base: Figures, begin: np.ndarray, rtol: float) -> Figures:
+def _scattered(escapement: Escapement, base: Figures, states: FloatArray, rtol: float) -> Figures:
     """Means over engagements that never repeat themselves, with their scatter."""
-    ending, begins, theta, _end = march_from(escapement, begin, _KEPT)
-    if ending != Ending.DONE:
-        status, message = outcome(escapement, ending, theta, len(begins) - 1)
-        return replace(base, status=status, message=message)
-    periods = np.diff(begins["time"]) * escapement.time_unit
+    periods = np.diff(states[:, TIME]) * escapement.time_unit
     mean, spread = float(periods.mean()), float(np.ptp(periods))
-    last = begins[-1:].copy()
-    last["time"], last["number"] = 0.0, 0
-    cycle = motion_from(escapement, last, 1, None, rtol, LONGEST_TRANSIENT)
+    cycle = motion_from(escapement, _restarted(states[-1]), rtol, 1)
     found = cycle_figures(cycle) | {"motion": cycle}
     if spread <= _ALIKE * mean:
         return replace(base, **found, message=f"the pitches repeat to {spread / mean:.1g}")
     batches = periods.reshape(10, -1).mean(axis=1)
     interval = 2.262 * float(batches.std(ddof=1)) / math.sqrt(10.0)
-    scatter = BatchSpread(
-        periods.size, {"period": float(periods.std(ddof=1))}, {"period": interval}
-    )
+    deviation = {"period": float(periods.std(ddof=1))}
+    found["spread"] = BatchSpread(periods.size, deviation, {"period": interval})
     found |= {"period": mean, "velocity_mean": escapement.mechanism.cell_angle / mean}
     message = (
         f"the pitches do not repeat themselves: the period is the mean of {periods.size}, which "
-        f"lie between {periods.min():.9g} and {periods.max():.9g} s; all other figures "
-        "are those of one pitch"
+        f"lie between {periods.min():.9g} and {periods.max():.9g} s; other figures are those of one"
     )
-    return replace(base, **found, spread=scatter, status=Status.OK, message=message)
+    return replace(base, **found, status=Status.OK, message=message)

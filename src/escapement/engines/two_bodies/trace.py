@@ -2,49 +2,37 @@
 
 import numpy as np
 
-from escapement.engines.two_bodies.law import MOTION, STATE, Mode, pushed, rates, torques, touching
+from escapement.dynamics.contact_state import ContactState, write_state
+from escapement.engines.two_bodies.law import MOTION, STATE, Mode, rates
 from escapement.engines.two_bodies.step import advance, memory_for
 from escapement.numerics.altered import altered
 from escapement.numerics.jit import jit
 
-MORE = 10
-"""Rows of a table of states behind those of the state: both accelerations, the moment and the force
-of the contact, and the powers that are lost."""
-
 
 @jit(allocates=True)
-def trace(law, pairs, pitch, steps, which, since, table):
-    """Fill a table with states, shape (STATE + MORE, n).
+def trace(law, pairs, pitch, rows, which, since, table, lost):
+    """Fill a table with the rows of a `ContactState`, and another one with the work lost so far.
 
     Parameters
     ----------
     law, pairs : as of `march.march`. pitch : of the driver.
-    steps : rows of the record that begin a step.
-    which, since : for each state the number of its step, and the time since its start.
+    rows : those of the record that begin a step.
+    which, since : for each state the number of its row, and the time since then.
     """
-    y, out, more, memory = np.empty(STATE), np.empty(STATE), np.empty(STATE), memory_for(STATE)
+    y, rate, work = np.empty(STATE), np.empty(STATE), memory_for(STATE)
     for k in range(len(which)):
-        step = steps[which[k]]
-        for i in range(STATE):
-            y[i] = step.y[i]
-        mode = Mode(
-            pair=step.pair, nose=step.nose, track=step.track, sigma=step.sigma,
-            driver_sense=step.driver_sense, follower_sense=step.follower_sense,
+        row = rows[which[k]]
+        y[0], y[1], y[2], y[3] = row.theta, row.phi, row.speed, row.turning
+        y[MOTION:] = row.lost
+        signs = row.sigma, row.driver_sense, row.follower_sense
+        mode = Mode(row.pair, row.nose, row.track, signs[0], signs[1], signs[2])
+        here = altered(law, "begin", law.begin - row.engagement * pitch)
+        advance(here, pairs, mode, y, since[k], work)
+        at = y if since[k] <= 0.0 else work.out
+        push = rates(here, pairs, mode, at, rate)
+        state = ContactState(
+            at[0], at[2], push.driver, at[1], at[3], push.follower, push.moment, push.force,
+            rate[4], rate[5], rate[6], rate[7], rate[8], 0.0, 0.0,
         )  # fmt: skip
-        here = altered(law, "begin", law.begin - step.engagement * pitch)
-        if since[k] > 0.0:
-            advance(here, pairs, mode, y, since[k], out, memory)
-        else:
-            out[:] = y
-        rates(here, pairs, mode, out, more)
-        for i in range(STATE):
-            table[i, k] = out[i]
-        table[STATE, k], table[STATE + 1, k] = more[2], more[3]
-        for i in range(MOTION, STATE):
-            table[STATE + i, k] = more[i]
-        table[STATE + 2, k] = table[STATE + 3, k] = 0.0
-        if mode.pair >= 0:
-            push = pushed(here, mode, touching(here, pairs, mode, out), out)
-            # what the contact gives the follower is all but its own torques
-            own = torques(here, out)[1] - mode.follower_sense * here.load
-            table[STATE + 2, k], table[STATE + 3, k] = push.follower - own, push.force
+        write_state(table, k, state)
+        lost[:, k] = at[MOTION:]

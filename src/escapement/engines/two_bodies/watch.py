@@ -11,31 +11,27 @@ from typing import NamedTuple
 import numpy as np
 
 from escapement.engines.two_bodies.pairs import TURN
-from escapement.engines.two_bodies.touch import images, nearness, place, touch_at
+from escapement.engines.two_bodies.touch import dot, images, nearness, place, touch_at
 from escapement.numerics.jit import inner_jit
 from escapement.numerics.records import record_dtype
 
-WATCH = record_dtype({
-    "until": float,  # no contact begins before this time
-    **dict.fromkeys(("nose", "track"), np.int64),  # images
-    "near": np.int64,  # whether no such time is known, so that every step ends with a look
-    "behind": np.int64,  # whether the nose is behind the track
-})  # fmt: skip
-CLOSED = 1e-13
-"""A gap below this is closed."""
-ALLOWED = 1e-9
-"""A contact that begins deeper than this came from behind."""
-EDGE = 1e-7
-"""A foot may be outside of a feature by this length or angle."""
-STILL = 1e-12
-"""A gap that changes at less than this speed stays as it is."""
+WATCH = record_dtype(
+    {"until": float, **dict.fromkeys(("nose", "track", "near", "behind"), np.int64)}
+)
+"""A pair: no contact begins `until` that time. The images; whether it is so `near` that every step
+ends with a look; whether the nose is `behind` the track."""
+CLOSED, ALLOWED = 1e-13, 1e-9
+"""A gap below this is closed, and a contact that begins deeper than that came from behind."""
+EDGE, STILL = 1e-7, 1e-12
+"""A foot may be outside of a feature by this length or angle. A gap that changes at less than that
+speed stays as it is."""
 NEAR = 0.03
 """Share of the longest step while a pair is near."""
 
 
 class Bounds(NamedTuple):
-    """The accelerations of driver and follower, the time for which they are known, and how much
-    greater they may become then; `changes` tells whether they change.
+    """The accelerations of driver and follower, the time for which they are known, how many times
+    greater they may become then, and whether they change.
     """
 
     cap: float
@@ -49,50 +45,39 @@ class Bounds(NamedTuple):
 def bounds_of(law, y, push, mode):
     """The bounds for a state with these accelerations."""
     changes = 0.0 if mode.pair < 0 and law.plain else 1.0
-    share = 1.0 + changes
-    rate = share * max(abs(push.driver), abs(push.follower)) + 1e-100
+    rate = (1.0 + changes) * max(abs(push.driver), abs(push.follower)) + 1e-100
     cap = TURN / (max(abs(y[2]), abs(y[3])) + np.sqrt(TURN * rate))
-    return Bounds(cap, push.driver, push.follower, share, changes)
+    return Bounds(cap, push.driver, push.follower, 1.0 + changes, changes)
 
 
 @inner_jit
-def _free_time(pair, at, near, bounds):
+def _free_time(pair, at, near, bounds, y):
     """Time for which a nose cannot reach the track.
 
     Up to a time t its distance is at least D + D' t + (D'' - J t/3) t^2/2 with the greatest jerk J
     of the nose's centre, as the track's body sees it: it turns about the axis of its own body by
     the difference of both angles, while that axis turns about the other one.
     """
-    first, cap = pair.nose == 0, bounds.cap
-    rate_a = bounds.driver if first else bounds.follower
-    rate_b = bounds.follower if first else bounds.driver
-    wa, wb = at.nose_speed, at.track_speed
-    arm = np.sqrt(at.arm_x * at.arm_x + at.arm_y * at.arm_y)
-    centre = np.sqrt((at.x - at.arm_x) ** 2 + (at.y - at.arm_y) ** 2)
+    rate_a, rate_b = bounds.driver, bounds.follower
+    if pair.nose == 1:
+        rate_a, rate_b = rate_b, rate_a
+    arm, centre = abs(at.arm), abs(at.at - at.arm)
     turning, swinging = bounds.share * abs(rate_a - rate_b), bounds.share * abs(rate_b)
-    spin, swing = abs(wa - wb) + turning * cap, abs(wb) + swinging * cap
+    spin = abs(y[2] - y[3]) + turning * bounds.cap
+    swing = abs(y[3 - pair.nose]) + swinging * bounds.cap
     if near.jumps:
-        slope, jerk = -np.sqrt(at.v_x**2 + at.v_y**2), 0.0
+        slope, jerk = -abs(at.v), 0.0
         bend = -arm * (spin * spin + turning) - centre * (swing * swing + swinging)
     else:
-        a_x = rate_b * at.y - rate_a * at.arm_y - wa * wa * at.arm_x
-        a_x += 2.0 * wb * at.v_y + wb * wb * at.x
-        a_y = rate_a * at.arm_x - rate_b * at.x - wa * wa * at.arm_y
-        a_y += wb * wb * at.y - 2.0 * wb * at.v_x
-        slope = near.x * at.v_x + near.y * at.v_y
-        bend = near.x * a_x + near.y * a_y - near.bend
-        more = 3.0 + bounds.changes
+        slope, more = dot(near.direction, at.v), 3.0 + bounds.changes
+        bend = dot(near.direction, at.a + 1j * (rate_a * at.arm - rate_b * at.at)) - near.bend
         jerk = arm * spin * (spin * spin + more * turning)
         jerk += centre * swing * (swing * swing + more * swinging)
-    free, longest = 0.0, cap
+    free, longest = 0.0, bounds.cap
     for _ in range(4):
-        most = bend - jerk * longest / 3.0
-        root = slope * slope - 2.0 * most * near.distance
-        found = longest
-        if root >= 0.0:
-            root = np.sqrt(root)
-            if slope - root < 0.0:
-                found = min(2.0 * near.distance / (root - slope), longest)
+        root = slope * slope - 2.0 * (bend - jerk * longest / 3.0) * near.distance
+        root = np.sqrt(max(root, 0.0)) - slope if root >= 0.0 else 0.0
+        found = min(2.0 * near.distance / root, longest) if root > 0.0 else longest
         free = max(free, found)
         if found == longest:
             break
@@ -106,48 +91,46 @@ def joined(pairs, joints, mode, i, nose, track):
     if mode.pair < 0:
         return False
     one, two = pairs[mode.pair], pairs[i]
-    same = one.nose == two.nose
+    same, first = one.nose == two.nose, joints[one.nose]
     f_nose, k_nose = (two.nose_feature, nose) if same else (two.track_feature, track)
     f_track, k_track = (two.track_feature, track) if same else (two.nose_feature, nose)
-    of_nose, of_track = joints if one.nose == 0 else (joints[1], joints[0])
-    ahead, beside = k_nose - mode.nose, k_track - mode.track
-    meets = _meets(of_nose, one.nose_feature, f_nose, ahead, one.nose_images)
-    return meets and _meets(of_track, one.track_feature, f_track, beside, one.track_images)
+    if not _meets(first, one.nose_feature, f_nose, k_nose - mode.nose, one.nose_fold):
+        return False
+    other, ahead = joints[1 - one.nose], k_track - mode.track
+    return _meets(other, one.track_feature, f_track, ahead, one.track_fold)
 
 
 @inner_jit
-def _meets(joints, i, k, ahead, count):
-    ahead %= count
+def _meets(joints, i, k, ahead, fold):
+    ahead %= fold
     if ahead == 0:
         return joints[i, k, 1] != 0
-    return (ahead == 1 and joints[i, k, 2] != 0) or (ahead == count - 1 and joints[i, k, 0] != 0)
+    return (ahead == 1 and joints[i, k, 2] != 0) or (ahead == fold - 1 and joints[i, k, 0] != 0)
 
 
 @inner_jit
 def look(law, pairs, joints, watch, i, mode, y, push, bounds, time):
     """Look at a pair; returns whether a contact begins."""
     seen, pair = watch[i], pairs[i]
-    nose, track = images(pair, law.centre, y[0], y[1])
-    seen.nose, seen.track, seen.near = nose, track, 0
+    nose, track = images(pair, law.centre, y)
+    seen.nose, seen.track, seen.near, seen.behind = nose, track, 0, 0
+    seen.until = time + bounds.cap * pair.rest
     if joined(pairs, joints, mode, i, nose, track):
-        seen.until = time + bounds.cap * pair.rest
         return False
     at = place(pair, law.centre, y, nose, track)
     near = nearness(pair, at)
     if near.distance > CLOSED:
-        free = _free_time(pair, at, near, bounds)
-        seen.until, seen.behind = time + min(free, bounds.cap * pair.rest), 0
+        seen.until = min(seen.until, time + _free_time(pair, at, near, bounds, y))
         return False
     touch = touch_at(pair, at)
     left = min(touch.on_track, touch.on_nose)
     rate = touch.g0 * y[2] + touch.g1 * y[3]
     bend = touch.kappa + touch.g0 * push.driver + touch.g1 * push.follower
-    # a nose that has just left the end of a feature would return to its continuation
-    pressed = rate <= STILL and bend < -STILL and left > EDGE
-    begins = abs(touch.gap) <= ALLOWED and ((rate < -STILL and left >= -EDGE) or pressed)
     seen.near, seen.until = 1, time + bounds.cap * NEAR
     seen.behind = 1 if left >= -EDGE and touch.gap < -10.0 * CLOSED else 0
-    return begins
+    # a nose that has just left the end of a feature would return to its continuation
+    pressed = rate <= STILL and bend < -STILL and left > EDGE
+    return abs(touch.gap) <= ALLOWED and ((rate < -STILL and left >= -EDGE) or pressed)
 
 
 @inner_jit

@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from escapement.dynamics.contact_state import STATE_ROWS, ContactState, write_state
 from escapement.dynamics.torque import cell_of
 from escapement.engines.contact.compliant.law import (
     IMPULSE,
@@ -13,7 +14,6 @@ from escapement.engines.contact.compliant.law import (
 )
 from escapement.engines.contact.compliant.radau import within
 from escapement.engines.contact.slot import pose, slide, to_angle, touches
-from escapement.engines.contact.state_rows import STATE_ROWS, ContactState, write_state
 from escapement.numerics.jit import jit
 
 SLIDE, PRESS, HELD = range(STATE_ROWS, STATE_ROWS + 3)

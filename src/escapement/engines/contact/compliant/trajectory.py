@@ -8,13 +8,13 @@ from typing import Any
 
 import numpy as np
 
+from escapement.dynamics.contact_state import STATE_ROWS, ContactState
 from escapement.dynamics.motion import State
+from escapement.dynamics.state_from_table import state_from
 from escapement.dynamics.trajectory import Events, Extrema, Impacts, Trajectory
 from escapement.engines.contact.compliant.law import IMPULSE, LOAD, LOST, WALLS
 from escapement.engines.contact.compliant.rows import HELD, PRESS, SLIDE, TABLE, tabulate
 from escapement.engines.contact.slot import LOCKED
-from escapement.engines.contact.state import state_from
-from escapement.engines.contact.state_rows import STATE_ROWS, ContactState
 from escapement.mechanisms.protocol import FloatArray
 from escapement.model.escapement import Escapement
 from escapement.model.scene import Joint

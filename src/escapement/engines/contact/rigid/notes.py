@@ -5,18 +5,12 @@ from typing import NamedTuple
 import numpy as np
 
 from escapement.dynamics.codes import Event
+from escapement.dynamics.event_rows import EVENT
 from escapement.engines.contact.rigid.instant import instant_with
 from escapement.numerics.jit import inner_jit
 from escapement.numerics.records import record_dtype
 
-ROW = record_dtype({
-    "kind": np.int64,  # an `Event`
-    "wall": float,
-    "time": float,
-    **dict.fromkeys(("theta", "speed", "phi", "turning"), float),
-    # of an impact: driver speed before it, speed of approach, impulse, and the energy that it takes
-    **dict.fromkeys(("before", "approach", "impulse", "energy"), float),
-})  # fmt: skip
+ROW = record_dtype(EVENT)
 """A row of the record: the start of a piece, or an event."""
 
 

@@ -5,13 +5,13 @@ import math
 import numpy as np
 
 from escapement.base.status import MESSAGES, Status
-from escapement.base.validate import fail
 from escapement.dynamics.codes import Ending
+from escapement.dynamics.followed import Followed, followed_motion
 from escapement.dynamics.motion import Motion, no_motion, stall_message
 from escapement.dynamics.painleve import friction_limits
 from escapement.dynamics.torque import is_spent
 from escapement.engines.contact.rigid.engagement import MOST_PIECES, MOST_STEPS
-from escapement.engines.contact.rigid.march import PHI, SPEED, STATE, TIME, march
+from escapement.engines.contact.rigid.march import PHI, SPEED, STATE, march
 from escapement.engines.contact.rigid.trajectory import (
     NO_NUMBERS,
     NO_ROWS,
@@ -84,7 +84,7 @@ def simulate(
 
 def march_from(
     escapement: Escapement, start: FloatArray, count: int, rtol: float, horizon: float = math.inf
-) -> tuple[Ending, FloatArray, float, float]:
+) -> Followed:
     """Follow engagements from a state; returns why they end, the states at handoffs, and the last
     angle and time.
     """
@@ -111,31 +111,9 @@ def motion_from(
     longest: int = 1_000_000,
 ) -> Motion:
     """The motion from a state at pin entry, see `march.STATE`."""
-    clock = escapement.time_unit
-    horizon, size = math.inf if duration is None else duration / clock, engagements or 64
-    while True:
-        ending, states, angle, end = march_from(escapement, start, size, rtol, horizon)
-        if ending != Ending.DONE or duration is None:
-            break
-        if size >= longest:
-            rule = f"at most {end * clock:.6g} s, in which {longest} engagements pass"
-            raise fail("duration", rule, duration, "the figures of merit need no long motion")
-        size = min(8 * size, longest)
-    status, message = outcome(escapement, ending, angle, len(states) - 1)
-    end_time, times = float(end * clock), states[1:, TIME] * clock
-    if duration is not None and (status is Status.OK or end_time >= duration):
-        status, message, end_time = Status.OK, MESSAGES[Status.OK], duration
-        times = times[times <= duration]
-    speeds = states[1 : times.size + 1, SPEED] / clock
-    trajectory = RigidTrajectory(escapement, rtol, states, end_time)
-    return Motion(
-        escapement,
-        engine="contact",
-        rtol=rtol,
-        trajectory=trajectory,
-        end_time=end_time,
-        handoff_times=times,
-        handoff_velocities=speeds,
-        status=status,
-        message=message,
-    )
+    return followed_motion(
+        escapement, "contact", rtol, engagements, duration, longest,
+        follow=lambda size, horizon: march_from(escapement, start, size, rtol, horizon),
+        outcome=outcome,
+        trajectory=lambda states, end: RigidTrajectory(escapement, rtol, states, end),
+    )  # fmt: skip

@@ -5,6 +5,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from escapement.dynamics.codes import Event
+from escapement.dynamics.contact_state import FIRST_LOSS, ContactState, write_state
 from escapement.dynamics.free_bodies import (
     driver_sense,
     follower_sense,
@@ -23,7 +24,6 @@ from escapement.engines.contact.rigid.march import walls_after
 from escapement.engines.contact.rigid.panel import has_failed, next_panel, solve_panel
 from escapement.engines.contact.rigid.walls import Clearance, wall_scene, walls_of
 from escapement.engines.contact.rigid.workspace import workspace
-from escapement.engines.contact.state_rows import FIRST_LOSS, ContactState, write_state
 from escapement.numerics.gauss import POINTS, WEIGHTS, N, cumulate, dot, invert
 from escapement.numerics.jit import inner_jit, jit
 

@@ -6,15 +6,14 @@ from typing import Any
 
 import numpy as np
 
-from escapement.dynamics.codes import EXTREMA, PIECES, Event
+from escapement.dynamics.contact_state import STATE_ROWS, ContactState
+from escapement.dynamics.event_rows import NotedTrajectory
 from escapement.dynamics.motion import State
-from escapement.dynamics.trajectory import Events, Extrema, Impacts, Trajectory
+from escapement.dynamics.state_from_table import state_from
 from escapement.engines.contact.rigid.march import TIME, march
 from escapement.engines.contact.rigid.notes import ROW
 from escapement.engines.contact.rigid.trace import LOST, trace
 from escapement.engines.contact.rigid.walls import Clearance
-from escapement.engines.contact.state import state_from
-from escapement.engines.contact.state_rows import STATE_ROWS, ContactState
 from escapement.mechanisms.protocol import FloatArray
 from escapement.model.escapement import Escapement
 from escapement.model.scene import packed
@@ -46,13 +45,8 @@ def prepared(escapement: Escapement) -> tuple[FloatArray, tuple[float, ...], flo
     return result
 
 
-def _are(rows: np.ndarray, kinds: tuple[Event, ...]) -> np.ndarray:
-    """Whether each row is of one of these kinds."""
-    return np.asarray(np.logical_or.reduce([rows["kind"] == int(kind) for kind in kinds]))
-
-
 @dataclass
-class RigidTrajectory(Trajectory):
+class RigidTrajectory(NotedTrajectory):
     """The states at handoffs, from which everything else is computed when it is read.
 
     begun : shape (n + 1, 5), states at the start and at handoffs, see `march.STATE`; each starts
@@ -120,72 +114,6 @@ class RigidTrajectory(Trajectory):
         if not whole:
             kept &= np.isin(engagement, wanted)
         return rows[kept], engagement[kept]
-
-    def _seconds(self, rows: np.ndarray) -> FloatArray:
-        """Times of rows [s]."""
-        return np.asarray(np.minimum(rows["time"] * self.escapement.time_unit, self.end_time))
-
-    def _events(self, *kinds: Event) -> tuple[dict[str, Any], np.ndarray]:
-        """Columns of `Events` by name for the rows of some kinds, and the rows."""
-        rows, engagement = self._happened
-        chosen = _are(rows, kinds)
-        rows, engagement, clock = rows[chosen], engagement[chosen], self.escapement.time_unit
-        theta = rows["theta"] + engagement * self.escapement.mechanism.cell_angle
-        columns = {"engagement": engagement, "time": self._seconds(rows), "theta": theta}
-        return columns | {"theta_dot": rows["speed"] / clock}, rows
-
-    @cached_property
-    def _pieces(self) -> tuple[np.ndarray, np.ndarray]:
-        rows, engagement = self._happened
-        chosen = _are(rows, PIECES)
-        return rows[chosen], engagement[chosen]
-
-    @cached_property
-    def start(self) -> FloatArray:
-        """Start time of each piece [s]."""
-        return self._seconds(self._pieces[0])
-
-    @property
-    def engagement(self) -> np.ndarray:
-        """Engagement of each piece."""
-        return self._pieces[1]
-
-    @property
-    def sign(self) -> FloatArray:
-        """The wall that the pin touches in each piece, 0 in flights and dwells."""
-        rows = self._pieces[0]
-        return np.where(rows["kind"] == Event.CONTACT, rows["wall"], 0.0)
-
-    @cached_property
-    def reversals(self) -> Events:
-        """Every instant at which the pin lifts off a wall, because the force becomes zero."""
-        return Events(**self._events(Event.LIFT_OFF)[0])
-
-    @cached_property
-    def slide_changes(self) -> Events:
-        """Every instant at which the contact point changes its sense of sliding on a wall."""
-        return Events(**self._events(Event.SLIDE_CHANGE)[0])
-
-    @cached_property
-    def extrema(self) -> Extrema:
-        """Every extremum of the driver speed."""
-        columns, rows = self._events(*EXTREMA)
-        return Extrema(**columns, maximum=rows["kind"] == Event.MAXIMUM)
-
-    @cached_property
-    def impacts(self) -> Impacts:
-        """Every impact."""
-        columns, rows = self._events(Event.IMPACT)
-        escapement, wheel = self.escapement, self.escapement.mechanism
-        length, clock, torque = wheel.crank_radius, escapement.time_unit, escapement.torque_unit
-        return Impacts(
-            **columns,
-            wall=rows["wall"],
-            speed_before=rows["before"] / clock,
-            approach_speed=rows["approach"] * length / clock,
-            impulse=rows["impulse"] * torque * clock / length,
-            energy=rows["energy"] * torque,
-        )
 
     def _traced(
         self, which: np.ndarray, firsts: np.ndarray, times: FloatArray

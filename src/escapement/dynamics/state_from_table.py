@@ -4,9 +4,9 @@ from typing import Any
 
 import numpy as np
 
+from escapement.dynamics.contact_state import FIRST_LOSS, STATE_ROWS, ContactState
 from escapement.dynamics.law import LOSSES
 from escapement.dynamics.motion import State
-from escapement.engines.contact.state_rows import FIRST_LOSS, STATE_ROWS, ContactState
 from escapement.mechanisms.protocol import FloatArray
 from escapement.model.escapement import Escapement
 

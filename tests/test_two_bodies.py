@@ -1,0 +1,304 @@
+"""Two bodies with outlines: the law, worked examples, balances and statuses."""
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+import escapement as esc
+from escapement.base.errors import InvalidValue
+from escapement.base.status import Status
+from escapement.engines.two_bodies.blow import strike
+from escapement.engines.two_bodies.law import Law
+from escapement.engines.two_bodies.march import PHI, SPEED, TIME, TURNING
+from escapement.engines.two_bodies.pairs import pairs_of
+from escapement.engines.two_bodies.touch import Touch, place, touch_at
+from escapement.mechanisms.features import CONVEX, HOLLOW, LINE
+from outlined_bodies import features, followed, geneva
+
+
+def pins(**changes):
+    numbers = {
+        "teeth": 12, "wheel_radius": 1.0, "tooth_depth": 0.22, "lead": math.radians(45.0),
+        "back": math.radians(15.0), "tip_radius": 0.01, "pallets": "pins", "span": 2.5,
+        "pallet_radius": 1.02, "pin_radius": 0.05, "driver_start": 0.05,
+    }  # fmt: skip
+    return esc.Runaway(**numbers | changes)
+
+
+def flat(**changes):
+    numbers = {
+        "teeth": 20, "wheel_radius": 1.0, "tooth_depth": 0.2, "lead": math.radians(-5.0),
+        "back": math.radians(30.0), "tip_radius": 0.01, "pallets": "flat", "span": 3.5,
+        "pallet_radius": 0.95, "pallet_angle": math.radians(45.0), "pallet_length": 0.2,
+        "pallet_thickness": 0.08, "corner_radius": 0.01, "driver_start": 0.05,
+    }  # fmt: skip
+    return esc.Runaway(**numbers | changes)
+
+
+def runaway(wheel=None, inertias=(1.0, 0.3), friction=0.15, torque=1.0, **numbers):
+    inertia = esc.Inertia(*inertias)
+    return esc.Escapement(wheel or pins(), inertia, torque, friction=friction, **numbers)
+
+
+# the first digits of each row, and the period of the limit cycle, come from two programs that
+# share nothing
+EXAMPLES = {
+    "pins": (pins, (1.0, 0.3), 0.15, 0.0, (0.9626452882, 0.9556633140), 0.9554163897016),
+    "flat": (flat, (1.0, 0.1), 0.15, 0.0, (0.9385579809, 0.9425041147), 0.9425425320853),
+    "more friction": (flat, (1.0, 0.1), 0.20, 0.0, (), 1.0160036826793),
+    "rebounds": (pins, (1.0, 0.3), 0.10, 0.25, (0.8419326454, 0.8085340826), 0.8049013206931),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", EXAMPLES)
+def test_worked_example(name):
+    wheel, inertias, friction, restitution, first, period = EXAMPLES[name]
+    timer = runaway(wheel(), inertias, friction, restitution=restitution)
+    motion = esc.simulate(timer, 14 if restitution else 9)
+    assert motion.status is Status.OK
+    periods = np.diff(motion.handoff_times)
+    assert periods[: len(first)] == pytest.approx(first, abs=1e-9)
+    assert periods[-1] == pytest.approx(period, abs=2e-11)
+    assert abs(motion.ledger.residual) < 1e-12
+
+
+def test_state_of_the_cycle_with_pins():
+    motion = esc.simulate(runaway(), 9)
+    state = motion.at(motion.handoff_times[-1])
+    found = state.phi, state.theta_dot, state.phi_dot
+    assert found == pytest.approx((0.0770122473, 0.5246467260, -0.4689353824), abs=1e-9)
+
+
+def test_terminal_is_the_cycle_that_a_long_motion_reaches():
+    cycle = esc.terminal(runaway())
+    assert cycle.status is Status.OK
+    assert cycle.period == pytest.approx(0.9554163897016, abs=1e-12)
+    assert cycle.contraction == pytest.approx(0.035, abs=5e-4)
+    assert abs(cycle.energy_residual) < 1e-12
+    motion = esc.simulate(runaway(), 12)
+    assert cycle.handoff_velocity == pytest.approx(motion.handoff_velocities[-1], rel=1e-12)
+
+
+@pytest.mark.parametrize(("slots", "pin"), [(3, 0.0), (4, 0.0), (4, 0.05), (6, 0.02)])
+def test_geneva_as_outlines_is_the_geneva_of_the_slot_engine(slots, pin):
+    # the slot engine knows nothing of outlines
+    wheel = esc.Geneva(slots, crank_radius=1.0, pin_radius=pin, clearance=1e-3)
+    other = esc.simulate(esc.Escapement(wheel, esc.Inertia(0.06, 1.0), 1.0, friction=0.3), 8)
+    driver, follower, centre = geneva(slots, 5e-4, pin)
+    count = 8 if wheel.continuous else 1
+    states, _ending, _rows = followed(driver, follower, centre, (0.06, 1.0), count, mu_plus=0.3)
+    assert states[1:, TIME] == pytest.approx(other.handoff_times[:count], rel=1e-11)
+    assert states[1:, SPEED] == pytest.approx(other.handoff_velocities[:count], rel=1e-10)
+
+
+def test_geneva_in_every_digit():
+    # Meyer's wheel with a clearance of a thousandth of the crank
+    driver, follower, centre = geneva(4, 5e-4)
+    states, _ending, rows = followed(
+        driver, follower, centre, (0.06, 1.0), 40, rows=20000, mu_plus=0.3
+    )
+    unit = math.sqrt(50e-6 / 0.1)
+    assert np.diff(states[-2:, TIME])[0] * unit == pytest.approx(0.041665482332, abs=1e-12)
+    assert states[-1, SPEED] / unit == pytest.approx(85.9951334232, abs=1e-9)
+    last = rows[(rows["engagement"] == 39) & (rows["kind"] >= 0)]
+    lift, blow = (np.degrees(last["theta"][last["kind"] == kind]) - 45.0 for kind in (7, 6))
+    assert lift[-1] == pytest.approx(24.4721, abs=1e-4)
+    assert blow[-1] == pytest.approx(28.5776, abs=1e-4)
+
+
+PAIRS = {
+    "pin on line": ((CONVEX, 0.9, 0.1, 0.3, math.pi, 0.05), (LINE, -0.4, -0.5, 1.2, 0.9, 0.0)),
+    "tip on arc": ((CONVEX, 0.9, 0.1, 0.3, 0.4, 0.02), (CONVEX, -0.5, 0.1, 1.0, 2.0, 0.3)),
+    "corner in hollow": ((CONVEX, 0.9, 0.1, 0.3, 0.4, 0.0), (HOLLOW, -0.6, 0.1, 1.0, 2.0, 0.7)),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("swapped", [False, True])
+@pytest.mark.parametrize("name", PAIRS)
+def test_rates_of_the_gap_are_its_differences(name, swapped):
+    one, two = (features([row]) for row in PAIRS[name])
+    bodies = (two, one) if swapped else (one, two)
+    pair = next(row for row in pairs_of(*bodies) if row.nose == int(swapped))
+    q, w, a, h = np.array([0.2, -0.3]), np.array([0.7, -1.1]), np.array([0.4, 0.9]), 1e-3
+
+    def at(t):
+        y = np.concatenate([q + w * t + 0.5 * a * t * t, w + a * t])
+        return touch_at(pair, place(pair, 1.4, y, 0, 0))
+
+    now, (before, after) = at(0.0), (at(-h), at(h))
+    rate, bend = (after.gap - before.gap) / (2 * h), (after.gap - 2 * now.gap + before.gap) / h**2
+    assert now.g0 * w[0] + now.g1 * w[1] == pytest.approx(rate, abs=3e-6)
+    assert now.kappa + now.g0 * a[0] + now.g1 * a[1] == pytest.approx(bend, abs=3e-5)
+    # the slip is the speed of the contact point of the nose along the track
+    y = np.concatenate([q, w])
+    for i, factor in ((0, now.h0), (1, now.h1)):
+        slow = np.concatenate([q, np.eye(2)[i]])
+        place_now, still = (
+            place(pair, 1.4, slow, 0, 0),
+            place(pair, 1.4, np.append(q, [0, 0]), 0, 0),
+        )
+        assert still.v == 0.0
+        normal = np.array([now.g0, now.g1])
+        across = normal[i]
+        own = 1.0 if i == pair.nose else 0.0
+        # rotation about the nose's centre adds its radius times the angular speed of the nose
+        turning = (1.0 if i == pair.nose else -1.0) * pair.rho
+        along = math.sqrt(max(abs(place_now.v) ** 2 - across**2, 0.0))
+        assert abs(factor + turning) == pytest.approx(along, abs=1e-9), own
+    assert y.size == 4
+
+
+speeds = st.floats(-2.0, 2.0)
+factors = st.floats(-1.5, 1.5)
+
+
+@settings(deadline=None, max_examples=300)
+@given(factors, factors, factors, factors, speeds, speeds, st.floats(0.0, 0.5), st.floats(0.0, 0.9))
+def test_blow_keeps_momentum_and_takes_energy(g0, g1, h0, h1, w0, w1, mu, restitution):
+    if math.hypot(g0, g1) < 0.1 or g0 * w0 + g1 * w1 > -1e-3:
+        return
+    rho = 2.0
+    law = Law(**dict.fromkeys(Law._fields, 0.0) | {"rho": rho, "mu_plus": mu})
+    touch, y = Touch(0.0, g0, g1, h0, h1, 0.0, 1.0, 1.0), np.array([0.0, 0.0, w0, w1])
+    impulse = strike(law, touch, y, restitution)
+    if impulse != impulse:
+        return
+    change = np.array([rho * (y[2] - w0), y[3] - w1])
+    # the impulse is normal and tangential: momentum of both bodies is that of two numbers
+    along = change - impulse * np.array([g0, g1])
+    assert abs(along[0] * h1 - along[1] * h0) <= 1e-12 * (1.0 + impulse)
+    sliding = along @ [h0, h1] / max(h0 * h0 + h1 * h1, 1e-30)
+    assert abs(sliding) <= mu * impulse * (1.0 + 1e-9) + 1e-12
+    lost = 0.5 * (rho * w0**2 + w1**2 - rho * y[2] ** 2 - y[3] ** 2)
+    assert lost >= -1e-12
+    assert g0 * y[2] + g1 * y[3] >= -1e-12
+
+
+def test_similarity():
+    one = esc.terminal(runaway()).period
+    other = esc.terminal(runaway(inertias=(2.0, 0.6), torque=5.0)).period
+    assert other == pytest.approx(one * math.sqrt(2.0 / 5.0), rel=1e-12)
+
+
+def test_order_of_the_features_does_not_matter():
+    wheel = pins()
+    driver, follower = wheel.driver_features, wheel.follower_features
+    found = []
+    for order in (slice(None), slice(None, None, -1)):
+        given = driver._replace(
+            **{n: getattr(driver, n)[order].copy() for n in driver._fields[:-1]}
+        )
+        states, _ending, _rows = followed(
+            given, follower, wheel.axes_distance, (1.0, 0.3), 6, (0.05, 0.0), mu_plus=0.15
+        )
+        found.append(states[:, [TIME, SPEED, PHI, TURNING]])
+    assert found[0] == pytest.approx(found[1], abs=1e-11)
+
+
+def test_mirror_image_runs_alike():
+    # entry and exit of both bodies change places where the wheel turns the other way
+    wheel = pins(lead=math.radians(20.0), back=math.radians(20.0))
+    driver, follower = wheel.driver_features, wheel.follower_features
+    given = wheel.axes_distance, (1.0, 0.3), 5
+
+    def mirrored(body):
+        direction = -body.direction
+        line = body.kind == LINE
+        x = body.x + np.where(line, body.extent * np.cos(body.direction), 0.0)
+        y = body.y + np.where(line, body.extent * np.sin(body.direction), 0.0)
+        direction = np.where(line, math.pi - body.direction, direction)
+        return body._replace(x=x, y=-y, direction=direction)
+
+    first, _ending, _rows = followed(driver, follower, *given, (0.05, 0.0), mu_plus=0.1)
+    # a symmetric tooth and symmetric pins are their own mirror image
+    other, _ending, _rows = followed(
+        mirrored(driver), mirrored(follower), *given, (0.05, 0.0), mu_plus=0.1
+    )
+    assert first[:, TIME] == pytest.approx(other[:, TIME], abs=1e-11)
+
+
+def test_losses_of_every_kind_balance():
+    timer = runaway(
+        driver_bearing_torque=0.02, driver_viscous=0.02, follower_viscous=0.01, driver_drag=0.05,
+        follower_drag=0.02, load_torque=0.01, driver_bearing_friction=0.1,
+        driver_bearing_radius=0.05, follower_bearing_friction=0.1, follower_bearing_radius=0.05,
+        follower_spring=0.2, follower_gravity=0.1, follower_rest_angle=0.05, restitution=0.1,
+    )  # fmt: skip
+    motion = esc.simulate(timer, 4)
+    assert motion.status is Status.OK, motion.message
+    ledger = motion.ledger
+    for name in ("friction", "driver_bearing", "follower_bearing", "driver_drag", "follower_drag"):
+        assert getattr(ledger, name) > 0.0
+    assert ledger.load > 0.0
+    assert ledger.elastic != 0.0
+    assert abs(ledger.residual) < 1e-11
+
+
+def test_spring_runs_down():
+    timer = runaway(spring_rate=0.05)
+    motion = esc.simulate(timer, 12)
+    assert motion.status is Status.OK
+    assert (np.diff(motion.handoff_times)[3:] > 0.96).all()
+    assert abs(motion.ledger.residual) < 1e-10
+
+
+def test_states_between_handoffs_obey_the_law():
+    motion = esc.simulate(runaway(), 3)
+    t = np.linspace(0.05, motion.end_time - 0.05, 60)
+    h = 1e-6
+    before, now, after = motion.at(t - h), motion.at(t), motion.at(t + h)
+    smooth = np.abs(after.theta_ddot - before.theta_ddot) < 1e-3
+    assert smooth.sum() > 40
+    slope = (after.theta_dot - before.theta_dot) / (2.0 * h)
+    assert slope[smooth] == pytest.approx(now.theta_ddot[smooth], abs=1e-6)
+    assert (now.contact_force >= 0.0).all()
+
+
+def test_wheel_that_runs_free_says_so():
+    # pins too far outside are never touched
+    wheel, follower = pins().driver_features, features([(CONVEX, -0.2, 0.0, 0.0, math.pi, 0.01)])
+    _states, ending, _rows = followed(wheel, follower, 1.4, (1.0, 0.3), 5, (0.05, 0.0))
+    assert ending == 6
+
+
+def test_wheel_that_comes_to_rest_says_where():
+    # a restitution can bring this wheel to rest against a pallet
+    motion = esc.simulate(runaway(flat(), (1.0, 0.1), 0.15, restitution=0.25), 30)
+    assert motion.status is Status.STALL
+    assert "degrees" in motion.message
+    assert esc.terminal(motion.escapement).status is Status.STALL
+
+
+@pytest.mark.parametrize(
+    ("numbers", "named"),
+    [
+        ({"stiffness": 1e6}, "stiffness"),
+        ({"barrel": esc.Train(ratio=2.0, efficiency=0.9)}, "barrel_efficiency"),
+        ({"load_curve": esc.Unbalance(0.1)}, "load_curve"),
+    ],
+)
+def test_what_no_engine_computes_is_refused(numbers, named):
+    with pytest.raises(InvalidValue, match=named):
+        runaway(**numbers)
+
+
+def test_slots_have_no_pendulum():
+    with pytest.raises(InvalidValue, match="follower_gravity"):
+        esc.Escapement(esc.Geneva(4), esc.Inertia(1.0, 1.0), 1.0, follower_gravity=1.0)
+
+
+def test_other_engines_are_refused():
+    with pytest.raises(InvalidValue, match="two_bodies"):
+        esc.simulate(runaway(), 2, engine="energy")
+    with pytest.raises(InvalidValue, match="two_bodies"):
+        esc.simulate(
+            esc.Escapement(esc.Geneva(4), esc.Inertia(1.0, 1.0), 1.0), 2, engine="two_bodies"
+        )
+
+
+def test_rule_for_jams_is_refused():
+    with pytest.raises(InvalidValue, match="slots"):
+        esc.jam_rule(runaway())
