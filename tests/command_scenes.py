@@ -20,7 +20,7 @@ from escapement.engines.solver import Solver
 from escapement.mechanisms import KINDS
 
 _CLOCK = {
-    **{"teeth": 30, "wheel_radius": 0.02, "tooth_depth": 0.004, "back": 35, "tip_radius": 4e-5},
+    **{"teeth": 30, "wheel_radius": 0.01, "tooth_depth": 0.002, "back": 35, "tip_radius": 2e-5},
     **{"span": 7.5, "lift": 2, "drop": 1},
 }
 WHEELS = {
@@ -279,6 +279,7 @@ OF_KINDS = {
 OTHERS = {
     "sweep": [],
     "budget": [{"config": "sample.toml", "indices": 4}],
+    "compare": [],
     "design": [{"wish": "wish.toml", "count": 3}],
     "plot": [
         {"file": "study.h5", "output": "out.svg", "select": "friction=0.1", "result": "period"}
@@ -377,7 +378,7 @@ def argv_of(command, kind, scene):
     options, files = [], []
     for name, value in scene.items():
         if name in POSITIONAL:
-            files.append(value)
+            files += [value] if isinstance(value, str) else value
         elif value is True:
             options.append("--" + name.replace("_", "-"))
         elif value is not False and name != "tried":
@@ -403,6 +404,7 @@ FILES = {
     "sample.toml": STUDY + "[sample]\nmethod = 'random'\nsize = 100\n"
     "friction = { tolerance = 0.05 }\ntorque = { tolerance = 0.001 }\n"
     "[limits]\nperiod = [0.01, 0.2]\n",
+    "timer.toml": STUDY.replace('results = ["period", "rise_time"]\n', ""),
     "load.csv": "angle_deg,torque\n0,0\n90,1e-4\n180,0\n270,-1e-4\n360,0\n",
     "wish.toml": "period = 0.05\ntorque = 0.01\nslots = 4\nfriction = [0.2, 0.3]\n"
     "bounds = { size = 0.1 }\n",
@@ -445,11 +447,12 @@ def write_bodies(path, size):
     drawing = ezdxf.new(units=4)
     space, layers = drawing.modelspace(), ({"layer": "DRIVER"}, {"layer": "FOLLOWER"})
     radii = size * np.array([10.0, 7.0] * 6)
+    axis = 13.0 * size
     star = radii * np.exp(1j * np.pi / 6.0 * np.arange(12))
     corners = [(z.real, z.imag) for z in star.tolist()]
     space.add_lwpolyline(corners, close=True, dxfattribs=layers[0])
-    space.add_circle((13.0, 9.0), 1.0, dxfattribs=layers[1])
-    for centre, layer in zip(((0.0, 0.0), (13.0, 0.0)), layers, strict=True):
+    space.add_circle((axis, 9.0 * size), size, dxfattribs=layers[1])
+    for centre, layer in zip(((0.0, 0.0), (axis, 0.0)), layers, strict=True):
         space.add_point(centre, dxfattribs=layer)
     drawing.saveas(path)
 

@@ -24,13 +24,13 @@ class Cam(Kind):
 
     kind = "cam-drive"
     summary = "a cam"
-    report_units: ClassVar = {"lift": "length"}
+    report_units: ClassVar = {"rise": "length"}
 
-    lift: float = field(metadata=quantity("height of the cam", "length"))
+    rise: float = field(metadata=quantity("height of the cam", "length"))
     pins: Any = field(default=None, metadata=quantity("not shown", whole=True, metavar="P"))
 
     def report(self):
-        return {"stations": 4, "lift": self.lift}
+        return {"stations": 4, "rise": self.rise}
 
     def __getattr__(self, name):
         return getattr(Geneva(4), name)
@@ -64,21 +64,21 @@ def test_an_option_of_another_kind_is_refused_by_name(second_kind, argv):
         _arguments.read_mechanism(understand(*argv))
 
 
-@pytest.mark.parametrize("argv", [("--lift", "1"), ("--lift", "1", "geneva", "--slots", "4")])
+@pytest.mark.parametrize("argv", [("--rise", "1"), ("--rise", "1", "geneva", "--slots", "4")])
 def test_the_default_kind_refuses_too(second_kind, argv):
-    with pytest.raises(UsageError, match=r"--lift .* a geneva mechanism.* belongs to cam-drive"):
+    with pytest.raises(UsageError, match=r"--rise .* a geneva mechanism.* belongs to cam-drive"):
         _arguments.read_mechanism(understand(*argv))
 
 
 def test_a_shared_option_is_accepted_by_both(second_kind):
     assert _arguments.read_mechanism(understand("--pins", "2")).pins == 2
-    args = understand("--pins", "3", "cam-drive", "--lift", "1")
+    args = understand("--pins", "3", "cam-drive", "--rise", "1")
     assert _arguments.read_mechanism(args) == Cam(1.0, 3)
 
 
 def test_what_a_kind_needs_is_named(second_kind):
     args = understand("cam-drive", "--pins", "2")
-    with pytest.raises(UsageError, match="required with cam-drive: --lift"):
+    with pytest.raises(UsageError, match="required with cam-drive: --rise"):
         _arguments.read_mechanism(args)
 
 
@@ -89,18 +89,18 @@ def test_help_and_reports_know_every_kind(second_kind, command):
             assert f"{kind}: {mechanisms.kind_of(kind).summary}" in text
         assert "geneva, gear-driven, cam-drive: pins of the driver" in text
         assert "cam-drive: height of the cam" in text
-    out = command("mechanism", "cam-drive", "--lift", "1", "--units", "in-lbf-s")[1]
-    assert out.partition("\n\n")[2].split() == ["stations", "4", "lift", "1", "in"]
+    out = command("mechanism", "cam-drive", "--rise", "1", "--units", "in-lbf-s")[1]
+    assert out.partition("\n\n")[2].split() == ["stations", "4", "rise", "1", "in"]
 
 
 def test_a_study_says_to_which_kind_a_key_belongs(second_kind):
     study = {
-        "mechanism": {"slots": 4, "lift": 1.0},
+        "mechanism": {"slots": 4, "rise": 1.0},
         "inertia": {"driver": 1.0, "follower": 1.0},
         "torque": 1.0,
         "sweep": {"friction": [0.1]},
     }
-    words = r"'lift' in \[mechanism\]; it belongs in \[mechanism\] of kind 'cam-drive'$"
+    words = r"'rise' in \[mechanism\]; it belongs in \[mechanism\] of kind 'cam-drive'$"
     with pytest.raises(InvalidValue, match=words):
         parse_plan(study)
     study["mechanism"] = {"kind": "cam-drive", "slots": 4}

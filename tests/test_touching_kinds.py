@@ -6,6 +6,7 @@ import math
 import ezdxf
 import numpy as np
 import pytest
+from scipy.optimize import brentq
 
 import escapement as esc
 from escapement.base.errors import InputFileError, InvalidValue
@@ -127,6 +128,21 @@ def test_a_clock_with_sharp_teeth_has_the_drop_and_the_lift_that_it_was_designed
         assert found.exit_release == pytest.approx(-half, abs=1e-8)
 
 
+def test_a_pin_releases_a_tooth_where_it_leaves_the_circle_of_the_tips():
+    verge = VERGES["pins"]
+    arm, axis = complex(verge.follower_chains[0].points.mean()), verge.axes_distance
+
+    def outside(phi):
+        return abs(axis + arm * cmath.exp(1j * phi)) - 1.05
+
+    phi = brentq(outside, 0.0, 0.1, xtol=1e-15)
+    found = verge.alternation
+    assert found.entry_release == pytest.approx(phi, abs=1e-10)
+    theta = cmath.phase(axis + arm * cmath.exp(1j * phi))
+    before = verge.blocked(np.array([phi]), 3000)[0, 1, 0]
+    assert found.entry_drop == pytest.approx((before - theta) % verge.pitch, abs=1e-6)
+
+
 @pytest.mark.parametrize("name", ["pins", "flat"])
 def test_friction_that_wedges_is_that_whose_force_passes_the_axis(name):
     """The normal is found by moving the pallet aside and looking how far it then is away."""
@@ -147,6 +163,10 @@ def test_friction_that_wedges_is_that_whose_force_passes_the_axis(name):
         arm = (point - axis) * normal.conjugate()
         least = min(least, abs(arm.imag / arm.real))
     assert verge.wedge_friction == pytest.approx(least, rel=0.03)
+    inertia = esc.Inertia(1.0, 0.3)
+    esc.Escapement(verge, inertia, 1.0, friction=0.99 * verge.wedge_friction)
+    with pytest.raises(InvalidValue, match="from which on tooth and pallet wedge each other"):
+        esc.Escapement(verge, inertia, 1.0, friction=1.01 * verge.wedge_friction)
 
 
 @pytest.mark.parametrize("name", VERGES)

@@ -14,7 +14,8 @@ Read `protocol` first, then `geneva`.
 - `two_bodies`, `escape_wheel`, `runaway`, `clock_verge`, `drawn_bodies`: kinds whose outlines
   touch anywhere
 - `alternation`: whether two pallets let one tooth after the other go by
-- `chains`, `features`: outlines of lines and arcs, and what a body touches another with
+- `chains`, `features`, `drawing_files`: outlines of lines and arcs, their files, and what a body
+  touches another with
 - `slotted`, `table`: kernels that evaluate a pin path, and a tabulated transmission
 - `imperfect`, `pattern`: wheels with errors of their parts, and the path of every pair of pin and
   slot

@@ -7,6 +7,7 @@ wheel, and if at no verge angle the wheel is free all around.
 
 from __future__ import annotations
 
+import cmath
 import math
 from collections.abc import Callable
 from typing import Any, NamedTuple
@@ -20,7 +21,7 @@ _NAMES = ("entry", "exit")
 _ROWS, _COLUMNS = 101, 512
 _COARSE, _FINE = 12, 96  # points of each line and arc of a pallet
 _CLOSE = 2e-6  # error of a drop, because chords stand for arcs [rad]
-_ROUNDS, _FINER = 5, 25
+_HALVINGS = 36
 
 
 class Alternation(NamedTuple):
@@ -36,11 +37,14 @@ class Alternation(NamedTuple):
 
 
 def alternation(
-    blocked: Callable[[FloatArray, int], FloatArray], pitch: float, most: float
+    blocked: Callable[[FloatArray, int], FloatArray],
+    innermost: Callable[[int, float], complex],
+    pitch: float,
+    most: float,
 ) -> Alternation:
     """What the pallets let by; InvalidValue if they do not let by one tooth after the other.
 
-    blocked : as `EscapeWheel.blocked`.
+    blocked, innermost : as of `EscapeWheel`.
     most : verge angles to either side that are searched [rad].
     """
     angles = np.linspace(-most, most, _ROWS)
@@ -57,19 +61,19 @@ def alternation(
                 f"the {_NAMES[pallet]} pallet must leave the wheel within "
                 f"{math.degrees(most):.6g} deg of verge angle; give less deep pallets"
             )
-        low, high = np.sort(steps)[last : last + 2]
-        for _ in range(_ROUNDS):
-            finer = np.linspace(low, high, _FINER)
-            out = np.isnan(blocked(sense * finer, _FINE)[:, pallet, 0])
-            first = int(np.argmax(out))
-            low, high = finer[first - 1 : first + 1]
+        low, high = np.sort(steps)[last : last + 2].tolist()
+        for _ in range(_HALVINGS):
+            middle = 0.5 * (low + high)
+            out = abs(innermost(pallet, sense * middle)) >= 1.0
+            low, high = (low, middle) if out else (middle, high)
         at = blocked(np.array([sense * low]), _FINE)[0]
         if np.isinf(at[1 - pallet, 0]):
             raise InvalidValue(
                 f"the {_NAMES[1 - pallet]} pallet must not reach the roots of the teeth when the "
                 f"{_NAMES[pallet]} pallet releases one; give deeper teeth or smaller pallets"
             )
-        ahead = (at[pallet, 0] - at[1 - pallet, 0]) % pitch
+        released = cmath.phase(innermost(pallet, sense * low))
+        ahead = (released - at[1 - pallet, 0]) % pitch
         wide = at[1 - pallet, 1] - at[1 - pallet, 0]
         releases.append(sense * low)
         drops.append(-ahead if ahead < wide else pitch - ahead)

@@ -44,6 +44,11 @@ class Chain(NamedTuple):
         """A closed chain run through the other way, with the material still named on the left."""
         return Chain(self.points[::-1], -np.roll(self.bulges[::-1], -1))
 
+    def nearest(self, point: complex) -> complex:
+        """The point of it that is nearest to another one."""
+        found = (segment.nearest(point) for segment in _segments(self))
+        return min(found, key=lambda one: abs(one - point))
+
     def sampled(self, count: int) -> ComplexArray:
         """Points along it, `count` of each segment, its start among them."""
         shares = np.arange(count) / count
@@ -64,6 +69,19 @@ class _Segment(NamedTuple):
             return cmath.phase(self.end - self.start)
         radius = (self.end if at_end else self.start) - self.centre
         return cmath.phase(radius) + math.copysign(0.5 * math.pi, self.turn)
+
+    def nearest(self, point: complex) -> complex:
+        """The point of it that is nearest to another one."""
+        if self.turn == 0.0:
+            along = self.end - self.start
+            share = ((point - self.start) * along.conjugate()).real / abs(along) ** 2
+            return self.start + min(max(share, 0.0), 1.0) * along
+        away, radius = point - self.centre, self.start - self.centre
+        if away and cmath.phase(away / radius) * math.copysign(1.0, self.turn) % math.tau <= abs(
+            self.turn
+        ):
+            return self.centre + abs(radius) * away / abs(away)
+        return min(self.start, self.end, key=lambda one: abs(one - point))
 
     def at(self, shares: FloatArray) -> ComplexArray:
         """Points at shares of it."""

@@ -42,8 +42,8 @@ class Deadbeat(EscapeWheel):
     drop : float
         Wheel angle free after each tooth [rad].
     driver_start, follower_start : float, optional
-        Angles from which a motion starts [rad]. By default the verge stands at twice the sum of
-        lift and lock.
+        Angles from which a motion starts [rad]. By default the verge stands at the sum of lift
+        and lock.
 
     Raises
     ------
@@ -76,7 +76,7 @@ class Deadbeat(EscapeWheel):
     @property
     def default_start(self) -> float:
         """Verge angle from which a motion starts if none is given [rad]."""
-        return 2.0 * (self.lift + self.lock)
+        return self.lift + self.lock
 
     @property
     def axes_distance(self) -> float:

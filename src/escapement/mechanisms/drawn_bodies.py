@@ -62,11 +62,19 @@ def _chains(body: str) -> dict[str, Any]:
     ))  # fmt: skip
 
 
+class Fold(Setting):
+    """How many equal sectors a body has; a drawing tells it by itself."""
+
+    def check(self, label: str, value: Any) -> int:
+        """`value` as a whole number."""
+        return validate.integer(label, value, 1, self.remedy, _MOST_FOLD)
+
+
 def _fold(body: str) -> dict[str, Any]:
-    return quantity(
-        f"equal sectors of the {body}, of which one is given", whole=True, minimum=1,
-        maximum=_MOST_FOLD, metavar="N", axis=False, remedy="give the number, 1 for a whole body",
-    )  # fmt: skip
+    return setting(Fold(
+        long_name=f"equal sectors of the {body}, of which one is given",
+        remedy="give the number, 1 for a whole body",
+    ))  # fmt: skip
 
 
 @dataclass(frozen=True, repr=False)

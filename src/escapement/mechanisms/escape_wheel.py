@@ -24,8 +24,9 @@ else:
     chains = Lazy("escapement.mechanisms.chains")
 
 MOST_TEETH = 1000
+_ALL = 1e3  # wheel angle that is more than a pitch [rad]
 _STEEPEST = math.radians(80.0)
-_FACES = 400  # points of each line and arc where the direction of a face matters
+_FACES = 150  # points of each line and arc where the direction of a face matters
 _SAMPLES = 48  # points of each line and arc of a pallet
 _SWING = 1.5  # depths of the teeth by which pallets are moved to see where they leave the wheel
 
@@ -130,7 +131,7 @@ class EscapeWheel(TwoBodies):
         """How the pallets let one tooth after the other go by; InvalidValue if they do not."""
         arms = [np.abs(chain.points).min() for chain in self.follower_chains]
         most = _SWING * self.tooth_depth / self.wheel_radius / min(arms)
-        return alternation.alternation(self.blocked, self.pitch, most)
+        return alternation.alternation(self.blocked, self.innermost, self.pitch, most)
 
     def report(self) -> dict[str, Any]:
         """Its geometry by JSON key, in SI; angles in degrees."""
@@ -177,6 +178,11 @@ class EscapeWheel(TwoBodies):
         normal = place * (1.0 - np.gradient(theta, phi)) - apart
         return place, normal / np.abs(normal)
 
+    def innermost(self, pallet: int, phi: float) -> complex:
+        """The point of a pallet that is nearest to the wheel's axis at a verge angle."""
+        turn, apart = cmath.exp(1j * phi), self.axes_distance
+        return complex(apart + turn * self.follower_chains[pallet].nearest(-apart / turn))
+
     def blocked(self, phi: FloatArray, samples: int) -> FloatArray:
         """Wheel angles between which a pallet stands in the way of a tooth, shape (n, 2, 2).
 
@@ -214,7 +220,9 @@ class EscapeWheel(TwoBodies):
     def _middle(self, phi: float) -> float:
         """Middle of the widest range of wheel angles that is free at a verge angle [rad]."""
         blocked = self.blocked(np.array([phi]), _SAMPLES)[0]
-        spans = sorted((low % self.pitch, high - low) for low, high in blocked if low == low)
+        # a pallet that reaches the roots blocks the whole pitch
+        ends = [(max(low, -_ALL), min(high, _ALL)) for low, high in blocked if low == low]
+        spans = sorted((low % self.pitch, high - low) for low, high in ends)
         reach = max((low + wide for low, wide in spans), default=self.pitch) - self.pitch
         gaps = []
         for low, wide in spans or [(self.pitch, 0.0)]:

@@ -56,6 +56,10 @@ def check_outlines(owner: Any) -> None:
                 rule = "0 for a mechanism without outlines of both bodies"
                 raise validate.fail(name, rule, value, "choose runaway, or leave it out")
         return
+    if owner.friction and owner.friction >= owner.mechanism.wedge_friction:
+        most = owner.mechanism.wedge_friction
+        rule = f"less than {most:.4g}, from which on tooth and pallet wedge each other"
+        raise validate.fail("friction", rule, owner.friction, "give steeper faces or less friction")
     given = {name: getattr(owner, name) for name in ("stiffness", "pin_length", "load_curve")}
     for role, train in owner.trains.items():
         given[f"{role}_efficiency"] = train.efficiency if train.efficiency < 1.0 else 0.0

@@ -31,7 +31,12 @@ def numbers_of(escapement: Escapement) -> dict[str, float]:
         if entry.applies_to(meshed) and bare and given and entry.name not in left_out:
             found[entry.name] = float(settings[entry.name])
     found = {"torque": full_torque(escapement), **found, **numbers_of_trains(escapement.trains)}
-    if length and not meshed:
+    if mechanism.pitch is not None:
+        numbers = quantities(type(mechanism))
+        for name, value in mechanism.settings.items():
+            if name in numbers and not numbers[name].whole and value != numbers[name].default:
+                found[name] = float(value)
+    elif length and not meshed:
         lengths = mechanism.lengths.items()
         found |= {name: float(value) for name, value in lengths if name not in left_out}
     found |= mechanism.errors

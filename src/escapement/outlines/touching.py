@@ -62,9 +62,10 @@ def turn_of(mechanism: EscapeWheel) -> Turn:
     ends, columns = mechanism.alternation, []
     swing = np.linspace(ends.exit_release, ends.entry_release, _SAMPLES)
     for pallet, phi in ((0, swing), (1, swing[::-1])):
-        # a pallet is about to leave the wheel at the last angle
-        inside = phi + 1e-6 * (phi[0] - phi[-1])
-        theta = mechanism.blocked(inside, _POINTS)[:, pallet, 0]
+        theta = mechanism.blocked(phi, _POINTS)[:, pallet, 0]
+        # the pallet leaves the wheel at the last angle
+        leaving = cmath.phase(mechanism.innermost(pallet, float(phi[-1])))
+        theta = np.where(np.isnan(theta), leaving, theta)
         columns.append((theta, phi, np.full(phi.size, 1.0 - pallet)))
     (entry, *_), (exit_, *_) = columns
     # the exit pallet meets the first tooth that comes after the entry pallet's release
