@@ -11,12 +11,12 @@ from escapement.mechanisms.gear_equation import CURVES
 
 SOURCES = CURVES[:2]
 STATIONS = range(3, 25)
-LOBES = sorted({Fraction(a, b) for b in (1, 2, 3, 5) for a in range(30 * b)})
+LOBES = sorted({Fraction(a, b) for b in (1, 2, 3) for a in range(30 * b)})
 
 
 @cache
 def chart():
-    """Every mechanism with V0 < 1 of these numbers; the whole chart has over 4000."""
+    """Every mechanism with V0 < 1 of these numbers; the whole chart has over 2000."""
     return [
         GearDriven(n, m, curve)
         for curve, n, m in product(SOURCES, STATIONS, LOBES)

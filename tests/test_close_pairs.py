@@ -1,105 +1,11 @@
-"""Two reversals, or two extrema, close together: neither engine may pass over them.
+"""Two reversals, or two extrema, close together: neither engine may pass over them."""
 
-Without friction the speed over the angle is known in closed form, and with it the initial
-speed at which the contact force, or the acceleration, touches zero.
-"""
-
-import numpy as np
 import pytest
-from scipy.optimize import brentq, minimize_scalar
 
 import escapement as esc
 from random_drives import drive
 
 pytestmark = pytest.mark.slow
-
-
-class Frictionless:
-    """Contact force and acceleration, but for factors above zero: a + b E, E = J w at entry."""
-
-    def __init__(self, wheel, inertia, load):
-        self.wheel, self.inertia, self.load = wheel, inertia, load
-        self.entry, self.exit = wheel.breaks[0], wheel.breaks[-1]
-        self.start = float(wheel.follower_angle(self.entry))
-
-    def parts(self, theta, what):
-        ratio = self.wheel.transmission(theta)
-        g, rate, rho = ratio.g, ratio.dg, self.inertia
-        turned = np.asarray(self.wheel.follower_angle(theta)) - self.start
-        gained = 2.0 * (theta - self.entry - self.load * turned)
-        share = rate / (rho + g * g)
-        if what == "force":
-            return rho * (share * gained + self.load) + g, rho * share
-        return 1.0 - g * (share * gained + self.load), -g * share
-
-    def touching(self, what):
-        """Least E at which it is zero somewhere inside, and where; None if first at an end."""
-
-        def least(theta):
-            constant, slope = self.parts(theta, what)
-            with np.errstate(all="ignore"):
-                return np.where(slope < 0.0, -constant / slope, np.inf)
-
-        grid = np.linspace(self.entry, self.exit, 4001)
-        values = least(grid)
-        k = int(np.argmin(np.where(values > 0.0, values, np.inf)))
-        if not 5 < k < 3995 or not np.isfinite(values[k - 1 : k + 2]).all():
-            return None
-        found = minimize_scalar(
-            lambda x: float(least(x)), bounds=(grid[k - 1], grid[k + 1]), method="bounded",
-            options={"xatol": 1e-12},
-        )  # fmt: skip
-        return float(found.fun), float(found.x)
-
-    def pair(self, what, energy, middle):
-        def value(theta):
-            constant, slope = self.parts(theta, what)
-            return float(constant + slope * energy)
-
-        return [brentq(value, self.entry, middle), brentq(value, middle, self.exit)]
-
-
-def cases(what, count):
-    random = np.random.default_rng(len(what))
-    while count > 0:
-        internal = bool(random.random() < 0.5)
-        slots = int(random.choice([3, 4, 5, 6, 8, 12, 20]))
-        inertia, load = 10.0 ** random.uniform(-2.0, 2.0), random.uniform(0.01, 1.0)
-        scene = Frictionless(esc.Geneva(slots, 1, internal), inertia, load)
-        top = float(scene.wheel.transmission(np.linspace(scene.entry, scene.exit, 999)).g.max())
-        scene = Frictionless(scene.wheel, inertia, load / top)
-        touch = scene.touching(what)
-        excess = 10.0 ** random.uniform(-7.0, -3.0)
-        if touch is None or not touch[0] > 0.0:
-            continue
-        energy, at = touch[0] * (1.0 + excess), touch[1]
-        try:
-            expected = scene.pair(what, energy, at)
-        except ValueError:
-            continue
-        # the driver must get there, and the pair be a pair: no other zero beside it
-        grid = np.linspace(scene.entry, scene.exit, 20001)[1:-1]
-        constant, slope = scene.parts(grid, what)
-        signs = np.sign(constant + slope * energy)
-        inside = (grid > expected[0]) & (grid < expected[1])
-        turned = np.asarray(scene.wheel.follower_angle(grid)) - scene.start
-        left = energy + 2.0 * (grid - scene.entry - scene.load * turned)
-        if (left > 0.0).all() and (signs[~inside] > 0.0).all():
-            yield scene, energy, expected
-            count -= 1
-
-
-@pytest.mark.parametrize("what", ["force", "acceleration"])
-@pytest.mark.parametrize("engine", ["energy", "ivp"])
-def test_a_pair_is_found_where_the_closed_form_has_it(what, engine):
-    for scene, energy, expected in cases(what, 100 if engine == "energy" else 12):
-        entry_ratio = float(scene.wheel.transmission(scene.entry).g)
-        speed = np.sqrt(energy / (scene.inertia + entry_ratio**2))
-        timer = esc.Escapement(scene.wheel, esc.Inertia(scene.inertia, 1.0), 1.0, 0.0, scene.load)
-        motion = esc.simulate(timer, 1, initial_speed=speed, engine=engine)
-        found = (motion.reversals if what == "force" else motion.extrema).theta
-        near = found[(found > scene.entry + 1e-9) & (found < scene.exit - 1e-9)]
-        assert near == pytest.approx(expected, abs=1e-6), (scene.wheel, scene.inertia, scene.load)
 
 
 @pytest.mark.parametrize(

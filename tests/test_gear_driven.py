@@ -54,12 +54,12 @@ def test_no_solution_is_missed():
         assert (not every) == (curve == "hypocycloid" and m + 1 > Fraction(n, 2) - 1)
         found += len(ratios)
         missing += not ratios
-    assert found > 4000
-    assert missing > 100
+    assert found > 2000
+    assert missing > 50
 
 
 def test_follower_turns_by_a_station_from_rest_to_rest_and_never_back():
-    assert len(chart()) > 4000
+    assert len(chart()) > 2000
     for wheel in (*chart()[::3], *(wheel.cognate for wheel in chart()[1::9])):
         ends = np.array([wheel.breaks[0], wheel.breaks[-1]])
         assert 0.0 <= wheel.transmission(ends).g.min() <= wheel.transmission(ends).g.max() < 1e-13

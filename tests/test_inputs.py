@@ -22,7 +22,7 @@ WRITTEN = {"explore": "page.html", "plot": "x.png"}
 
 @pytest.mark.parametrize("name", COMMANDS)
 @pytest.mark.parametrize("units", ["SI", "in-lbf-s"])
-def test_every_output_begins_with_the_inputs(command, monkeypatch, name, units):
+def test_every_output_begins_with_the_inputs(command, monkeypatch, few_angles, name, units):
     results = SimpleNamespace(as_dict=dict, machine={}, standings=[], points=[])
     monkeypatch.setattr(work_precision, "run", lambda **_: results)
     monkeypatch.setattr("escapement.cli.compile.compile_all", lambda processes: 0)

@@ -2,6 +2,7 @@
 
 import math
 import re
+from functools import cache
 from pathlib import Path
 
 import numpy as np
@@ -13,6 +14,7 @@ from escapement.sources import meyer
 from escapement.sources.meyer.disc_parts import RUNS, disc_inertia, own_parts
 from escapement.sources.meyer.slips import equations
 
+rows_of = cache(meyer.appendix_e)
 PARTS = own_parts()
 DISC = disc_inertia()
 PAGE = (Path(__file__).resolve().parents[1] / "docs" / "meyer.md").read_text("utf-8")
@@ -110,7 +112,7 @@ def test_the_driver_is_slowest_before_dead_centre():
 
 
 def test_shapes_of_the_true_runs():
-    true = [row["true"] for row in meyer.appendix_e()]
+    true = [row["true"] for row in rows_of()]
     shapes = [one["velocity_max"] / one["velocity_min"] for one in true]
     assert f"{min(shapes):.1f} to {max(shapes):.1f}" in true_of("chapter II", "shape")
     # the torque changes the scale alone: rows 17 to 20
@@ -147,7 +149,7 @@ def test_the_table_has_the_numbers_of_its_rows():
     rows = re.findall(r"^\| (\d+), (\w+) \| (\w+) \| (.+) \| [^|]+ \|$", PAGE, flags=re.MULTILINE)
     assert len(rows) == 5
     for number, pins, figure, cells in rows:
-        row = meyer.appendix_e()[int(number) - 1]
+        row = rows_of()[int(number) - 1]
         assert {"three": 3, "four": 4, "six": 6}[pins] == row["pins"]
         for name, shown in zip(names, cells.split(" | "), strict=True):
             digits = len(shown.partition(".")[2])
@@ -155,7 +157,7 @@ def test_the_table_has_the_numbers_of_its_rows():
 
 
 def test_the_page_tells_how_far_the_rows_agree():
-    text, rows = " ".join(PAGE.split()), meyer.appendix_e()
+    text, rows = " ".join(PAGE.split()), rows_of()
     published, true = (meyer.agreement(rows, name) for name in ("as_published", "true"))
     told = [f"{one.periods}, {one.minima} and {one.maxima}" for one in (published, true)]
     assert "as published meet {}, the true ones {}.".format(*told) in text
@@ -189,7 +191,7 @@ def test_the_numbers_of_the_answers():
 
 def test_fifty_turns_of_a_spring_are_short():
     assert f"[{esc.rundown(timer(4), turns=50).end_time:.1f} s]" in answer("Appendix C")
-    true = meyer.appendix_e()
+    true = rows_of()
     slowest = max(true, key=lambda row: row["pins"] * row["true"]["period"])
     inertia = esc.Inertia(*(INCH_POUND * value for value in meyer.INERTIAS[slowest["slots"]]))
     torque = INCH_POUND * slowest["torque_inlbf"]

@@ -36,7 +36,7 @@ def test_internal_wheels_know_no_second_zone():
 
 
 def test_limits_belong_to_the_zone_without_trouble():
-    for slots in range(3, 60):
+    for slots in (3, 4, 6, 10, 25, 59):
         lower, upper = (float(limit) for limit in geneva.reversal_limits(slots))
         wheel = esc.Geneva(slots, pins=1)
         for ratio, zone in (

@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 
 from escapement.base.errors import InvalidValue
-from escapement.base.units import INCH_POUND
 from escapement.mechanisms import Geneva
 from escapement.mechanisms.slotted import transmission
 from escapement.sources.meyer import INERTIAS, printed_rows
@@ -62,18 +61,6 @@ def test_without_friction_energy_is_the_work_done():
     np.testing.assert_allclose(energy[1:], 0.1 * printout.theta[1:], rtol=2e-4)
 
 
-def test_only_ratios_count(high_rate):
-    slots, friction, *rest = HIGH_RATE
-    si = program_1973(slots, friction, *(value * INCH_POUND for value in rest))
-    np.testing.assert_allclose(si.theta_dot, high_rate.theta_dot, rtol=1e-5)
-
-
-def test_print_rows_do_not_steer_the_integration(high_rate):
-    dense = program_1973(*HIGH_RATE, interval=0.0001)
-    # 0.1 % of the speed lost at a jump, where a row cuts a step, is 0.1 rad/s
-    np.testing.assert_allclose(high_rate.theta_dot, dense.theta_dot[::5], atol=0.2)
-
-
 def test_friction_sign_sees_the_acceleration_of_50_microseconds_ago():
     printout = program_1973(*HIGH_RATE, interval=1e-6, duration=0.0305)
     late = slice(25000, None)  # dead centre is passed at 23 ms
@@ -104,9 +91,3 @@ def test_arguments_are_checked(name, value):
     names = ("slots", "friction", "torque", "driver_inertia", "follower_inertia")
     with pytest.raises(InvalidValue, match=f"{name} must be {rule}"):
         program_1973(**(dict(zip(names, HIGH_RATE, strict=True)) | {name: value}))
-
-
-def test_reading_a_run_without_handoffs_gives_no_period():
-    reading = read_printout(program_1973(4, 0.2, 0.01, *INERTIAS[4], duration=0.01))
-    assert np.isnan(reading.period)
-    assert reading.peaks.size == 0
