@@ -82,7 +82,7 @@ def player(motion: Motion) -> str:
 def _lead_of(motion: Motion) -> str:
     """What a page plays, in a sentence."""
     kind, count = motion.escapement.mechanism.kind, motion.handoff_times.size
-    lead = f"{count} engagements of a {kind} mechanism, as engine {motion.engine} computed them"
+    lead = f"{count} engagements, {kind} mechanism, as engine {motion.engine} computed them"
     text = "." if motion.status is Status.OK else f"; {motion.message}."
     return html.escape(lead + text)
 

@@ -71,10 +71,17 @@ function show(found, numbers, active = null) {
   refresh(active);
 }
 
-function refresh(active = null) {
-  fields.refresh(design, motion.figures, active);
+function writeText() {
   const toml = byId("toml");
   if (data.fields && document.activeElement !== toml) toml.value = asToml(design);
+}
+
+function refresh(active = null) {
+  fields.refresh(design, motion.figures, active);
+  // a long text takes time, so it waits for the end of a drag
+  clearTimeout(writeText.later);
+  if (active === null) writeText();
+  else writeText.later = setTimeout(writeText, 250);
   report(motion, kept?.figures);
   draw();
   setTime(time);
@@ -114,7 +121,7 @@ function saying({ engagement, angle, theta_dot, phi_dot, side, contact_moment })
   const [front, rear] = motion.meshed ? ["the driver pushes the follower", "the driver holds the follower back"]
     : ["the pin presses on the front wall", "the pin presses on the rear wall"];
   const wall = { 1: front, "-1": rear, 0: nothing }[side];
-  const moment = side ? ` with ${shown(Math.abs(contact_moment), "torque")} about the follower's axis` : "";
+  const moment = side ? ` with a moment of ${shown(Math.abs(contact_moment), "torque")}` : "";
   return `${time.toFixed(5)} s, engagement ${engagement + 1}, ${signed(angle)} from dead centre: `
     + `driver ${digits(theta_dot, 4)} rad/s, follower ${digits(phi_dot, 4)} rad/s; ${wall}${moment}.`;
 }

@@ -32,7 +32,7 @@ export class Picture {
   measure() {
     const { width, height } = this.svg.viewBox.baseVal ?? { width: 1, height: 1 };
     const scale = Math.min(this.svg.clientWidth / width, this.svg.clientHeight / height);
-    this.svg.style.setProperty("--letters", `${Math.max(0.085 * this.half, 12 / scale)}px`);
+    this.svg.style.setProperty("--letters", `${Math.min(Math.max(0.085 * this.half, 12 / scale), 0.18 * this.half)}px`);
   }
 
   /** Lay out the bodies of a motion; `drawn` is described in `bodies.py`. */
