@@ -241,3 +241,29 @@ def test_sizes_of_the_wheel_are_told_and_a_slot_at_the_shaft_warned_of(capsys):
     assert err == ""
     main([*wheel, *sized, "--follower-shaft-radius", "0.0186"])
     assert "a slot reaches the shaft" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("inches", [False, True])
+def test_solids_are_closed_and_as_large_as_their_parts(tmp_path, inches):
+    trimesh, path, unit = pytest.importorskip("trimesh"), tmp_path / "a.stl", 1e-3
+    pytest.importorskip("shapely")
+    pytest.importorskip("mapbox_earcut")
+    unit = 0.0254 if inches else 1e-3
+    esc.export(WHEEL, path, FITS, thickness=0.003, inches=inches)
+    solid = trimesh.load(path)
+    assert solid.is_watertight
+    parts = esc.parts_of(WHEEL, FITS)
+    assert solid.body_count == len(parts)
+    volume = sum(part.moments.area for part in parts) * 0.003
+    # chords lie at most 5 um beside the arcs
+    length = sum(abs(c.ends - c.corners).sum() for part in parts for c in (part.edge, *part.holes))
+    assert abs(solid.volume * unit**3 - volume) < 5e-6 * 1.6 * length * 0.003
+    assert solid.extents[2] * unit == pytest.approx(0.003, rel=1e-6)
+
+
+def test_solids_that_cannot_be_are_refused(tmp_path):
+    with pytest.raises(InvalidValue, match="thickness must be"):
+        esc.export(WHEEL, tmp_path / "a.stl")
+    with pytest.raises(InvalidValue, match="got planet, fixed-gear without teeth; write a draw"):
+        esc.export(GEARS, tmp_path / "a.stl", thickness=0.003)
+    assert not [*tmp_path.iterdir()]

@@ -29,8 +29,8 @@ REPORTS = (".html",)
 """Suffix of a report."""
 PAGES = (".html", ".htm")
 """Suffixes of pages that a browser shows."""
-CUTS = (".dxf", ".svg")
-"""Suffixes of drawings for cutting."""
+CUTS = (".dxf", ".svg", ".stl")
+"""Suffixes of files of parts, for cutting and printing."""
 HDF5 = (".h5", ".hdf5", ".nc")
 """Suffixes of HDF5 files."""
 STUDIES = (*HDF5, ".csv", ".parquet")

@@ -1,4 +1,4 @@
-"""Parts of a mechanism as a DXF or SVG file for cutting, after a check of the motion."""
+"""Parts of a mechanism as a file for cutting or printing, after a check of the motion."""
 
 from functools import partial
 from typing import Any
@@ -9,7 +9,7 @@ from escapement.base.quantity import Numbers, Quantity, Setting, Truth, declared
 from escapement.base.spoken import as_spoken
 from escapement.base.units import factor, printed
 from escapement.cli import _arguments, _output
-from escapement.cli._arguments import Arguments, Parser
+from escapement.cli._arguments import Arguments, Parser, UsageError
 from escapement.mechanisms import DEFAULT_KIND, kind_of
 from escapement.mechanisms.other_sizes import diameters, numbers_of_sizes
 from escapement.model.inputs import inputs_of_mechanism, inputs_of_settings
@@ -21,8 +21,9 @@ _ALSO = ("clearance", "teeth")
 _FITS = {name: entry for name, entry in declared(Fits).items() if name not in _ALSO}
 _DISCS = {
     "thickness": Quantity(
-        name="thickness", key="thickness", long_name="thickness of the parts", unit="length",
-        exclusive=True, metavar="T", remedy="give the thickness", needs="density",
+        name="thickness", key="thickness", unit="length",
+        long_name="thickness of the parts, for FILE.stl or with a density",
+        exclusive=True, metavar="T", remedy="give the thickness",
     ),
     "density": Quantity(
         name="density", key="density", long_name="density of their material", unit="density",
@@ -66,9 +67,9 @@ def configure(parser: Parser) -> None:
     _arguments.add_mechanism(parser)
     _arguments.add_group(parser, "fits", _FITS | _DIAMETERS)
     _arguments.add_group(parser, "warnings", _WALLS)
-    _arguments.add_group(parser, "discs, for mass and inertia", _DISCS)
+    _arguments.add_group(parser, "thickness, mass and inertia", _DISCS)
     output = parser.add_argument_group("output")
-    text = "write the parts: FILE.dxf, or FILE.svg; in inches with --units in-lbf-s, else in mm"
+    text = "write the parts: FILE.dxf, .svg or .stl; in inches with --units in-lbf-s, else in mm"
     _arguments.add_output(output, "FILE", text, CUTS)
     for name, text in _HOW.items():
         entry = Truth(name=name, long_name=text, needs="output")
@@ -88,11 +89,15 @@ def execute(args: Arguments) -> int:
             given[name] = declared(Fits)[name].check(name, scale * value)
             setattr(args, name, None)
     fits, mechanism, data = Fits(**given), _arguments.read_mechanism(args), None
+    discs = _arguments.typed(args, _DISCS)
+    if discs.keys() == {"thickness"} and (args.output is None or args.output.suffix != ".stl"):
+        raise UsageError("--thickness must come with --density or -o FILE.stl; give one of them")
     if args.output is None:
         gaps = esc.motion_check(mechanism, fits)
     else:
         how = {name: getattr(args, name) for name in ("segments", "r12")}
         how |= {"crosses": not args.no_crosses} | _arguments.typed(args, _DRAWN)
+        how["thickness"] = discs.get("thickness")
         suffix, inches = file_format(args.output, CUTS), args.units == "in-lbf-s"
         from escapement.outlines.part_files import drawn
 
@@ -100,8 +105,7 @@ def execute(args: Arguments) -> int:
     from escapement.outlines.part_record import record_of
 
     parts = esc.parts_of(mechanism, fits)
-    discs = _arguments.typed(args, _DISCS)
-    record = record_of(mechanism, fits, parts, gaps, discs)
+    record = record_of(mechanism, fits, parts, gaps, discs if len(discs) > 1 else {})
     warning = _warning(args, mechanism, fits, record.values["parts"])
     # nothing is written before every number is known to be possible
     _output.save(args, lambda: partial(write_file, args.output, [data or b""], args.force))

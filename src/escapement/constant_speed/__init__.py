@@ -6,7 +6,7 @@ Modules are loaded when they are first used, because a case can be described wit
 - `index_case`: what is given of an indexing drive; `index_torque`, `index_loads`: the formulas of
   its figures, for one drive or many
 - `indexing`, `index_rows`: one drive, and many; `cam_drive`: a cam to compare with
-- `wall_changes`, `cycle_figures`, `knock`, `load_knock`, `ringing`, `row_kernel`: the kernels
+- `wall_changes`, `cycle_figures`, `knock`, `ringing`, `row_kernel`: the kernels
 - `index_record`: what is told of a drive, in the order in which it is read
 - `input_torque`, `contact`: torque and contact of a drive under any load, also a function
 - `extrema`, `geneva`: extremes of the transmission functions, and Filemon's formulas

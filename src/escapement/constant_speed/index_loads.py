@@ -99,7 +99,7 @@ class IndexLoads(IndexTorque):
 
     @property
     def entry_impact_angle(self: Any) -> Any:
-        """Where the pin meets the front wall, from dead centre [rad]; NaN without clearance."""
+        """Where the pin meets its slot, from dead centre [rad]; NaN without clearance."""
         return self.knock.entry_angle
 
     @property
@@ -109,12 +109,12 @@ class IndexLoads(IndexTorque):
 
     @property
     def entry_impact_energy(self: Any) -> Any:
-        """Energy of the follower that the impact brings to speed, and as much is lost [J]."""
+        """Energy lost in that impact, which is plastic [J]."""
         return 0.5 * self.inertial * self.knock.entry_speed**2
 
     @property
     def lift_off_angle(self: Any) -> Any:
-        """Where the pin leaves the front wall, from dead centre [rad]."""
+        """Where the pin leaves this wall, from dead centre [rad]."""
         return self.knock.lift_off
 
     @property

@@ -120,7 +120,7 @@ INDEX = {
         "energy", "energy lost when the pin meets its slot", exists=_loose
     ),
     "lift_off_deg": Result(
-        "degrees", "where the pin leaves the front wall", exists=_loose, label="lift off at"
+        "degrees", "where the pin leaves the wall that it met", exists=_loose, label="lift off at"
     ),
     "reversal_flight_time": Result(
         "time", "time until the pin meets a wall again", exists=_loose, missing=_NO_WALL

@@ -24,7 +24,6 @@ from escapement.constant_speed.cycle_figures import (
 from escapement.constant_speed.index_case import IndexCase
 from escapement.constant_speed.index_loads import IndexLoads
 from escapement.constant_speed.knock import NO_KNOCK, Knock, knock
-from escapement.constant_speed.load_knock import knock_over_angle
 from escapement.constant_speed.ringing import NO_RINGING, Ringing, deflections, ringing
 from escapement.mechanisms.protocol import FloatArray, Mechanism
 from escapement.model.escapement import Escapement, Inertia
@@ -184,15 +183,13 @@ class IndexingDrive(IndexLoads, IndexCase):
     @cached_property
     def knock(self) -> Knock:
         """Impacts in the units of `knock.Knock`; NaN where the pins have no clearance."""
-        clearance, scene = self.mechanism.clearance, self._scene
-        if not clearance:
+        if not (clearance := self.mechanism.clearance):
             return NO_KNOCK
-        half = 0.5 * clearance / self.lengths["crank_radius"]
+        scene = self._scene
         if self.load_curve is not None:
-            loose = self._escapement(self.mechanism, self._unit, self.inertial).scene
-            return Knock(*knock_over_angle(packed(loose), half, self.indexes))
-        found: Knock = knock(scene.path.numbers, half, scene.load, scene.edges[0], scene.edges[-1])
-        return found
+            scene = self._escapement(self.mechanism, self._unit, self.inertial).scene
+        half = 0.5 * clearance / self.lengths["crank_radius"]
+        return Knock(*knock(packed(scene), half, self.indexes))
 
     @property
     def _swing(self) -> float:

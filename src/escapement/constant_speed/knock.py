@@ -10,47 +10,45 @@ and u = R'/R its derivatives follow from q' = -q u:
 
     a' = -y u,    y = q/sqrt(1 - q^2),    a'' = y (u^2/(1 - q^2) - u')
 
-At the entry the follower stands with its slot centred, and the front wall is met where
-phi_+(theta) = Phi(entry). The pin leaves the front wall where phi_+'' + load = 0, and the follower
-then turns freely, slowed by its load until it rests, to where it meets a wall again.
+At the entry the follower stands with its slot centred. Between the walls it obeys
+
+    phi'' = -(curve(phi) + load sign(phi'))
+
+with the load that changes with its angle, until it meets a wall. A follower that stops is held
+where the curve is not above the constant load. It leaves the wall where the moment that phi_s''
+needs has changed its sign, and flies to where it meets a wall again. Nystrom's method of the fourth
+order integrates the flight; it is exact without a curve.
 """
 
 from typing import NamedTuple
 
 import numpy as np
 
-from escapement.mechanisms.path import HALF_RATE, RATE_SUM, Path
-from escapement.mechanisms.slotted import pose_at
-from escapement.numerics.gauss import POINTS, WEIGHTS, N
+from escapement.dynamics.law import scene_of
+from escapement.dynamics.load import has_load_curve, load_over
+from escapement.dynamics.torque import cell_of
+from escapement.mechanisms.path import HALF_RATE, RATE_SUM
+from escapement.mechanisms.slotted import angle_in_slot, pose_at
 from escapement.numerics.jit import inner_jit, jit
 from escapement.numerics.roots import newton_in_bracket
 
 _STEPS = 64  # between two angles, in which a first zero is looked for
+_FINER = 8  # times as many of them on a wall under a load that changes
+_STRIDES = 16  # of a step, over which the motion under such a load is integrated
+_OPENING = 8  # steps in which the gap to the wall that was left is not yet looked at
 _HALVINGS = 50  # of a step, until a zero is known to rounding
 _FOUND = 1e-15  # rad, how exactly a zero is known
 FRONT, REAR, NOWHERE = 1.0, -1.0, 0.0
 """Which wall the follower meets after its flight."""
 
 
-class FlightStart(NamedTuple):
-    """The follower between two walls: driver angle, angle and speed at its start, and load.
-
-    The angle is counted from that of the slot's middle there.
-    """
-
-    start: float
-    angle: float
-    speed: float
-    load: float
-
-
 class Knock(NamedTuple):
     """Impacts of an engagement; NaN for what does not happen. Angles from dead centre [rad].
 
-    entry_angle, entry_speed : driver angle at which the pin meets the front wall, and the speed
-        phi_+' that the wall then has, times the driver's.
+    entry_angle, entry_speed : driver angle at which the pin meets a wall, mostly the front one, and
+        the relative speed, times the driver's.
     entry_distance : distance of the pin from the follower's axis there, in crank radii.
-    lift_off : driver angle at which the pin leaves the front wall.
+    lift_off : driver angle at which the pin leaves this wall.
     wall : `FRONT` or `REAR`, the wall that the follower meets next; `NOWHERE` until the exit.
     reversal_angle, reversal_speed, reversal_distance : driver angle, relative speed and distance
         of that impact.
@@ -72,16 +70,7 @@ NO_KNOCK = Knock(_NAN, _NAN, _NAN, _NAN, NOWHERE, _NAN, _NAN, _NAN)
 
 
 @inner_jit
-def _turned(path, start, end):
-    """Follower angle turned over a step, for a pin in the middle of its slot."""
-    half, total = 0.5 * (end - start), 0.0
-    for i in range(N):
-        total += WEIGHTS[i] * pose_at(path, start + half * (1.0 + POINTS[i]))[0]
-    return half * total
-
-
-@inner_jit
-def lead_at(path, c, theta):
+def _lead(path, c, theta):
     """a = asin(c/R), a' and a'' at a driver angle, and g, g' and R there."""
     numbers = path.numbers
     g, u, dg, radius = pose_at(path, theta)
@@ -94,41 +83,8 @@ def lead_at(path, c, theta):
     return np.arcsin(q), -y * u, bend, g, dg, radius
 
 
-@jit
-def knock(numbers, c, load, entry, exit_):
-    """Impacts of a pin in a slot through the follower's axis.
-
-    Parameters
-    ----------
-    numbers : `PinNumbers` of the path.
-    c : half the clearance, in crank radii; > 0.
-    load : load torque over I_f W^2.
-    entry, exit_ : driver angles of the engagement [rad].
-
-    Returns
-    -------
-    Knock
-    """
-    path, nan = Path(False, numbers), np.nan
-    first = _entry(path, c, entry, exit_)
-    if np.isnan(first):
-        return landed(nan, nan, nan, nan, NOWHERE)
-    _a, slope, _bend, g, _dg, radius = lead_at(path, c, first)
-    speed, start = g - slope, _lift_off(path, c, load, first, exit_)
-    wall, at = NOWHERE, nan
-    if not np.isnan(start):
-        wall, at = _landing(path, c, load, start, exit_)
-    if wall == NOWHERE:
-        return landed(first, speed, radius, start, NOWHERE)
-    _a, slope, _bend, g, _dg, _radius = lead_at(path, c, start)
-    flying = max(g - slope - load * (at - start), 0.0)
-    _a, slope, _bend, g, _dg, radius_at = lead_at(path, c, at)
-    met = abs(flying - (g - wall * slope))
-    return landed(first, speed, radius, start, wall, reversal=(at, met, radius_at))
-
-
 @inner_jit
-def landed(first, speed, radius, start, wall, reversal=(np.nan, np.nan, np.nan)):
+def _landed(first, speed, radius, start, wall, reversal=(np.nan, np.nan, np.nan)):
     """The impacts, of which the last ones may not happen."""
     at, met, radius_at = reversal
     return Knock(
@@ -138,41 +94,110 @@ def landed(first, speed, radius, start, wall, reversal=(np.nan, np.nan, np.nan))
 
 
 @inner_jit
-def _entry(path, c, entry, exit_):
-    """Driver angle at which the front wall meets the follower at rest; NaN if it never does."""
-    turned = 0.0
-    for i in range(_STEPS):
-        # without clearance they meet at the entry, so the steps grow from there
-        low = entry + (exit_ - entry) * (i / _STEPS) ** 2
-        high = entry + (exit_ - entry) * ((i + 1) / _STEPS) ** 2
-        after = turned + _turned(path, low, high)
-        if after >= lead_at(path, c, high)[0]:
-            start, theta = low, high
+def _curve(phi, begin, scene):
+    """The load that changes, at a follower angle of the cell that begins at a driver angle."""
+    return load_over(phi, 0.0, begin, scene)[0] if has_load_curve(scene) else 0.0
+
+
+@inner_jit
+def _stride(phi, speed, time, sense, begin, scene):
+    """Angle and speed after a time in which the follower does not stop."""
+    held = sense * scene.load
+    first = -_curve(phi, begin, scene) - held
+    middle = phi + 0.5 * time * (speed + 0.25 * time * first)
+    second = -_curve(middle, begin, scene) - held
+    last = -_curve(phi + time * (speed + 0.5 * time * second), begin, scene) - held
+    angle = phi + time * (speed + time * (first + 2.0 * second) / 6.0)
+    return angle, speed + time * (first + 4.0 * second + last) / 6.0
+
+
+@inner_jit
+def _started(phi, begin, scene):
+    """Sense in which the curve moves a follower at rest; 0 where the constant load holds it."""
+    pushed = -_curve(phi, begin, scene)
+    return np.sign(pushed) if abs(pushed) > scene.load else 0.0
+
+
+@inner_jit
+def _moved(phi, speed, time, begin, scene):
+    """Angle and speed of the free follower after a time."""
+    strides = _STRIDES if has_load_curve(scene) else 1
+    part = time / strides
+    for _ in range(strides):
+        sense = np.sign(speed) if speed != 0.0 else _started(phi, begin, scene)
+        if sense == 0.0:
+            return phi, 0.0
+        angle, after = _stride(phi, speed, part, sense, begin, scene)
+        if scene.load > 0.0 and sense * after < 0.0:
+            low, high = 0.0, part
             for _ in range(_HALVINGS):
-                lead, slope, _bend, g, _dg, _radius = lead_at(path, c, theta)
-                value = turned + _turned(path, start, theta) - lead
-                guess, low, high = newton_in_bracket(theta, value, g - slope, low, high, True)
+                middle = 0.5 * (low + high)
+                if sense * _stride(phi, speed, middle, sense, begin, scene)[1] < 0.0:
+                    high = middle
+                else:
+                    low = middle
+            phi = _stride(phi, speed, low, sense, begin, scene)[0]
+            sense = _started(phi, begin, scene)
+            angle, after = phi, 0.0
+            if sense != 0.0:
+                angle, after = _stride(phi, 0.0, part - low, sense, begin, scene)
+        phi, speed = angle, after
+    return phi, speed
+
+
+@inner_jit
+def _flight(start, phi, speed, left, c, begin, scene):
+    """The wall that a free follower meets first, where, and its speed there.
+
+    left : the wall that it has left, `NOWHERE` at the entry.
+    """
+    path, exit_ = scene.path, scene.edges[-1]
+    for i in range(_STEPS):
+        # the way is short if the clearance is small, so the steps grow from its beginning
+        low = start + (exit_ - start) * (i / _STEPS) ** 3
+        high = start + (exit_ - start) * ((i + 1) / _STEPS) ** 3
+        angle, after = _moved(phi, speed, high - low, begin, scene)
+        for wall in (REAR, FRONT):
+            lead = _lead(path, c, high)[0]
+            gap = wall * (angle - angle_in_slot(path, high)) + lead
+            if gap > 0.0 or (wall == left and i < _OPENING):
+                continue
+            origin, theta = low, high
+            for _ in range(_HALVINGS):
+                angle, after = _moved(phi, speed, theta - origin, begin, scene)
+                lead, slope, _bend, g, _dg, _radius = _lead(path, c, theta)
+                gap = wall * (angle - angle_in_slot(path, theta)) + lead
+                closing = wall * (after - g) + slope
+                guess, low, high = newton_in_bracket(theta, gap, closing, low, high, False)
                 step = abs(guess - theta)
                 theta = guess
                 if step <= _FOUND:
                     break
-            return theta
-        turned = after
-    return np.nan
+            return wall, theta, after
+        phi, speed = angle, after
+    return NOWHERE, np.nan, np.nan
 
 
 @inner_jit
-def _lift_off(path, c, load, start, exit_):
-    """Driver angle at which the front wall is left: phi_+'' + load becomes negative."""
-    step = (exit_ - start) / _STEPS
-    for i in range(_STEPS + 1):
-        _a, _slope, bend, _g, dg, _radius = lead_at(path, c, start + i * step)
-        if dg - bend + load < 0.0:
+def _pressed(theta, wall, c, begin, scene):
+    """Moment by which a wall carries the follower that moves with it; below zero it does not."""
+    lead, slope, bend, g, dg, _radius = _lead(scene.path, c, theta)
+    phi = angle_in_slot(scene.path, theta) - wall * lead
+    held = scene.load * np.sign(g - wall * slope)
+    return wall * (dg - wall * bend + _curve(phi, begin, scene) + held)
+
+
+@inner_jit
+def _leaves(start, wall, c, begin, scene):
+    """Driver angle at which the follower leaves a wall; NaN if it does not before the exit."""
+    steps = _FINER * _STEPS if has_load_curve(scene) else _STEPS
+    step = (scene.edges[-1] - start) / steps
+    for i in range(steps + 1):
+        if _pressed(start + i * step, wall, c, begin, scene) < 0.0:
             low, high = start + max(i - 1, 0) * step, start + i * step
             for _ in range(_HALVINGS):
                 middle = 0.5 * (low + high)
-                _a, _slope, bend, _g, dg, _radius = lead_at(path, c, middle)
-                if dg - bend + load < 0.0:
+                if _pressed(middle, wall, c, begin, scene) < 0.0:
                     high = middle
                 else:
                     low = middle
@@ -181,52 +206,61 @@ def _lift_off(path, c, load, start, exit_):
 
 
 @inner_jit
-def _landing(path, c, load, start, exit_):
-    """The wall that the follower meets first after it has left the front wall, and where."""
-    a, slope, _bend, g, _dg, _radius = lead_at(path, c, start)
-    flight = FlightStart(start, -a, g - slope, load)
-    turned = 0.0
-    for i in range(_STEPS):
-        # the flight is short if the clearance is small, so the steps grow from its beginning
-        low = start + (exit_ - start) * (i / _STEPS) ** 3
-        high = start + (exit_ - start) * ((i + 1) / _STEPS) ** 3
-        after = turned + _turned(path, low, high)
-        for wall in (REAR, FRONT):
-            # the gap to the front wall opens from zero: rounding there is no impact
-            hidden = wall == FRONT and i < _STEPS // 8
-            if hidden or _gap(path, c, high, after, flight, wall) > 0.0:
-                continue
-            begin, theta = low, high
-            for _ in range(_HALVINGS):
-                there = turned + _turned(path, begin, theta)
-                value = _gap(path, c, theta, there, flight, wall)
-                slope = _closing(path, c, theta, flight, wall)
-                guess, low, high = newton_in_bracket(theta, value, slope, low, high, False)
-                step = abs(guess - theta)
-                theta = guess
-                if step <= _FOUND:
-                    break
-            return wall, theta
-        turned = after
-    return NOWHERE, np.nan
+def _of_index(c, begin, scene):
+    """The impacts of the index that begins at a driver angle, without those that do not happen."""
+    path, entry = scene.path, scene.edges[0]
+    wall, first, speed = _flight(entry, angle_in_slot(path, entry), 0.0, NOWHERE, c, begin, scene)
+    if wall == NOWHERE:
+        return _landed(np.nan, np.nan, np.nan, np.nan, NOWHERE)
+    _a, slope, _bend, g, _dg, radius = _lead(path, c, first)
+    met, start = abs(speed - (g - wall * slope)), _leaves(first, wall, c, begin, scene)
+    if np.isnan(start):
+        return _landed(first, met, radius, start, NOWHERE)
+    lead, slope, _bend, g, _dg, _radius = _lead(path, c, start)
+    phi = angle_in_slot(path, start) - wall * lead
+    other, at, speed = _flight(start, phi, g - wall * slope, wall, c, begin, scene)
+    if other == NOWHERE:
+        return _landed(first, met, radius, start, NOWHERE)
+    _a, slope, _bend, g, _dg, there = _lead(path, c, at)
+    last = abs(speed - (g - other * slope))
+    return _landed(first, met, radius, start, other, reversal=(at, last, there))
 
 
-@inner_jit
-def _gap(path, c, theta, turned, flight, wall):
-    """Distance in angle from a wall to the follower in flight, which ends where it is zero.
+@jit(allocates=True)
+def knock(packed, c, count):
+    """The hardest impacts of the indexes after which a load over the follower angle repeats.
 
-    turned : angle by which the slot's middle has turned since the beginning of the flight.
+    Parameters
+    ----------
+    packed : of a scene, in units of I_f, I_f W^2 and 1/W, as `model.scene.packed` makes it.
+    c : half the clearance, in crank radii; > 0.
+    count : number of indexes, 1 without such a load.
+
+    Returns
+    -------
+    Knock
+        The entry is that of the index with the hardest one, and so are the reversal and what is
+        before it. Angles count from the first dead centre.
     """
-    time = theta - flight.start
-    # the load stops the follower, and then holds it
-    time = min(time, flight.speed / flight.load) if flight.load > 0.0 else time
-    follower = flight.angle + (flight.speed - 0.5 * flight.load * time) * time
-    return wall * (follower - turned + wall * lead_at(path, c, theta)[0])
+    return hardest_knock(scene_of(packed), c, count)
 
 
 @inner_jit
-def _closing(path, c, theta, flight, wall):
-    """Derivative of `_gap` by the driver angle."""
-    _a, slope, _bend, g, _dg, _radius = lead_at(path, c, theta)
-    speed = max(flight.speed - flight.load * (theta - flight.start), 0.0)
-    return wall * (speed - g) + slope
+def hardest_knock(scene, c, count):
+    """As `knock`, of a scene."""
+    best = _of_index(c, 0.0, scene)
+    for k in range(1, count):
+        begin = k * cell_of(scene)
+        found = _of_index(c, begin, scene)
+        if found.entry_speed > best.entry_speed or np.isnan(best.entry_speed):
+            entry = found.entry_angle + begin, found.entry_speed, found.entry_distance
+        else:
+            entry = best.entry_angle, best.entry_speed, best.entry_distance
+        if found.reversal_speed > best.reversal_speed or np.isnan(best.reversal_speed):
+            back = found.reversal_angle + begin, found.reversal_speed, found.reversal_distance
+            start, wall = found.lift_off + begin, found.wall
+        else:
+            back = best.reversal_angle, best.reversal_speed, best.reversal_distance
+            start, wall = best.lift_off, best.wall
+        best = _landed(entry[0], entry[1], entry[2], start, wall, reversal=back)
+    return best

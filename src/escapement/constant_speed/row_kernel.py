@@ -3,8 +3,7 @@
 import numpy as np
 
 from escapement.constant_speed.cycle_figures import CycleFigures, figures_of, join_steps
-from escapement.constant_speed.knock import Knock, knock
-from escapement.constant_speed.load_knock import hardest_knock
+from escapement.constant_speed.knock import Knock, hardest_knock
 from escapement.constant_speed.ringing import ringing
 from escapement.dynamics.law import scene_of, scene_with
 from escapement.dynamics.load import cell_of_round, has_load_curve, in_torque_units
@@ -57,11 +56,10 @@ def fill_rows(packed, half, numbers, units, over, table):
             _put(steps[k], 0, figures)
         found[:KNOCK] = join_steps(steps, exit_ - entry + shared.dwell)
         if row[HALF_CLEARANCE] > 0.0:
-            blows = knock(scene.path.numbers, row[HALF_CLEARANCE], scene.load, entry, exit_)
+            step = scene
             if has_load_curve(shared):
                 step = altered(scene, "load_curve", in_torque_units(over, units[i]))
-                blows = hardest_knock(step, row[HALF_CLEARANCE], count)
-            _put(found, KNOCK, blows)
+            _put(found, KNOCK, hardest_knock(step, row[HALF_CLEARANCE], count))
         if row[SWING] > 0.0:
             _put(found, RINGING, ringing(scene.path, edges, row[SWING], row[DAMPING]))
 

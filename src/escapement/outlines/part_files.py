@@ -1,4 +1,4 @@
-"""Files of parts for cutting: DXF and SVG at 1:1, after a check of the motion."""
+"""Files of parts for cutting and printing: DXF, SVG and STL at 1:1, after a check of the motion."""
 
 import math
 from collections.abc import Callable, Sequence
@@ -18,6 +18,7 @@ from escapement.outlines.fits import Fits
 from escapement.outlines.interference import Nearest, least_gaps
 from escapement.outlines.parts import outline_of, parts_of
 from escapement.outlines.sheet import LAYERS, Sheet, lay_out
+from escapement.outlines.solids import check_solid, stl
 from escapement.outlines.title_block import title_block
 from escapement.outlines.touching import least_gaps as touching_gaps
 
@@ -70,15 +71,17 @@ def export(
     crosses: bool = True,
     title: str = "",
     tolerance: float = 0.0,
+    thickness: float | None = None,
 ) -> list[Nearest]:
-    """Write the parts of a mechanism to a DXF or SVG file at 1:1.
+    """Write the parts of a mechanism to a DXF, SVG or STL file at 1:1.
 
     Parameters
     ----------
     mechanism : Mechanism
         As for `parts_of`.
     path : path
-        FILE.dxf, which needs the extra `cad`, or FILE.svg.
+        FILE.dxf, which needs the extra `cad`; FILE.svg; or FILE.stl, which needs the extra
+        `print`, and has solids without engravings.
     fits : Fits, optional
         Allowances of holes, shafts, and the kerf.
     inches : bool
@@ -98,6 +101,8 @@ def export(
         Title of a block with all dimensions, in the layer TITLE beside the sheet.
     tolerance : float
         General tolerance of the dimensions [m], for this block, which it makes, too.
+    thickness : float, optional
+        Thickness of the parts in FILE.stl [m].
 
     Returns
     -------
@@ -110,13 +115,13 @@ def export(
         If the mechanism has no size, a hole leaves no wall, the parts do not fit on the sheet, or
         two bodies overlap by more than 1 um anywhere in a turn.
     MissingPackage
-        Where ezdxf is not installed.
+        Where the extra is not installed.
     CannotCreate, StorageError
         As `escapement.base.files.write_file`.
     """
     data, gaps = drawn(
         mechanism, file_format(path, CUTS), fits or Fits(), inches, r12, sheet, title, tolerance,
-        segments=segments, crosses=crosses,
+        thickness, segments=segments, crosses=crosses,
     )  # fmt: skip
     write_file(path, [data], force)
     return gaps
@@ -131,6 +136,7 @@ def drawn(
     sheet: Sequence[float] | None = None,
     title: str = "",
     tolerance: float = 0.0,
+    thickness: float | None = None,
     **how: bool,
 ) -> tuple[bytes, list[Nearest]]:
     """The content of a file of this suffix, and the least gaps; arguments as of `export`."""
@@ -147,6 +153,12 @@ def drawn(
             )
     unit = (_INCH, "in") if inches else (_MILLIMETRE, "mm")
     parts, block = parts_of(mechanism, fits), list[tuple[str, str]]()
+    if suffix == ".stl":
+        thick = validate.positive("thickness", thickness, "give it in m for solids")
+        check_solid(parts)
+        return stl(
+            lay_out(parts, fits.kerf, 1.0 / unit[0], True, stock=stock), thick / unit[0]
+        ), gaps
     if title or tolerance:
         block = title_block(title, tolerance, mechanism, fits, parts, gaps, unit)
     laid = lay_out(parts, fits.kerf, 1.0 / unit[0], stock=stock, block=block, **how)

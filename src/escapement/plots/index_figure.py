@@ -169,7 +169,8 @@ def _mark_walls(ax: Axes, drive: IndexingDrive, angle: Any, values: Any, rear: A
     if at.size:
         ax.plot(at, np.zeros_like(at), "o", ms=5, zorder=5, **style.REVERSAL)
     impacts = _degrees(drive, np.array([drive.entry_impact_angle, drive.reversal_impact_angle]))
-    impacts = impacts[np.isfinite(impacts)]
+    # of several indexes only those in the one that is drawn
+    impacts = impacts[(impacts >= angle[0]) & (impacts <= angle[-1])]
     if impacts.size:
         heights = np.interp(impacts, angle, values)
         ax.plot(impacts, heights, "x", color=style.VERMILLION, ms=7, mew=1.6, label="impact")
