@@ -65,8 +65,8 @@ from escapement.measurement.rounds import BeatLine, BeatSpectrum, Rounds, beat_s
 from escapement.measurement.timekeeping import Stability, Timekeeping, timekeeping
 
 __all__ = [
-    "Backlash", "BeatFit", "BeatLine", "BeatSpectrum", "BeatTimes", "Change", "Combination",
-    "Encoder", "Estimate", "Fit", "Glitch", "Histogram", "Measurement", "MotionFit",
+    "Backlash", "BeatFit", "BeatLine", "BeatSpectrum", "BeatTimes", "Change", "Encoder",
+    "Estimate", "Fit", "Glitch", "Histogram", "Measurement", "MotionFit",
     "NormalityTest", "Periodogram", "Readings", "Recording", "Resonances", "Rounds", "SensorShare",
     "ShaftError", "SlotError", "Stability", "Timekeeping", "Verdict", "anderson_darling",
     "beat_spectrum", "chi_squared", "class_count", "fit_beats", "fit_motion", "fit_run_up",
@@ -75,6 +75,3 @@ __all__ = [
     "synthetic_readings", "synthetic_recording", "timekeeping", "write_beats", "write_errors",
     "write_readings", "write_recording",
 ]  # fmt: skip
-
-Combination = Estimate
-"""An angle that the beats determine although they do not determine the single errors."""

@@ -2,7 +2,6 @@
 
 from dataclasses import dataclass
 from functools import partial
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -95,22 +94,11 @@ class BeatTimes(Shown):
             )
         return "; ".join(found)
 
-    def _shown(self) -> list[tuple[str, Any, str]]:
-        return [
-            ("beats", self.heard.size, ""),
-            ("missed", self.missed, ""),
-            ("period", self.period, "s"),
-            ("duration", self.duration, "s"),
-        ]
-
 
 def read_beats(
-    path: AnyPath,
-    *,
-    nominal: float | None = None,
-    time_unit: str | None = None,
+    path: AnyPath, *, nominal: float | None = None, time_unit: str | None = None,
     run_up: bool = False,
-) -> BeatTimes:
+) -> BeatTimes:  # fmt: skip
     """Read the times of beats from a recording, or from a text file.
 
     Parameters

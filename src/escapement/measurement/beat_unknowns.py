@@ -24,7 +24,6 @@ import numpy as np
 
 from escapement.base.errors import InvalidValue
 from escapement.engines.energy.beat_times import pattern_beats
-from escapement.measurement.rounds import Rounds
 from escapement.mechanisms import Geneva
 from escapement.mechanisms.pattern import follower_angle_at
 from escapement.mechanisms.protocol import FloatArray
@@ -133,12 +132,12 @@ class Parts:
         computed = pattern_beats(self.built(unknowns), _RTOL)
         return None if computed is None else unknowns[0] * computed
 
-    def residuals(self, unknowns: FloatArray, rounds: Rounds) -> FloatArray:
-        """Computed less measured mean beats, made independent; great where the wheel cannot run."""
+    def residuals(self, unknowns: FloatArray, means: FloatArray, root: FloatArray) -> FloatArray:
+        """Computed less mean beats, made independent; great where the wheel cannot run."""
         computed = self.beats(unknowns)
         if computed is None:
-            return np.full(rounds.pattern, _FAILED * rounds.means.mean())
-        return np.asarray(rounds.root @ (computed - rounds.means))
+            return np.full(means.size, _FAILED * means.mean())
+        return np.asarray(root @ (computed - means))
 
     def perfect(self) -> tuple[FloatArray, FloatArray]:
         """Unknowns of perfect parts, and their beats [s]."""

@@ -40,6 +40,11 @@ class BeatFit(Fit):
 
     Attributes
     ----------
+    pin_angle_errors, slot_angle_errors : ndarray, shapes (m,) and (n,)
+        Estimates [rad]; NaN if the beats do not determine them. For a slot with only bounds, the
+        middle of its interval.
+    pin_half_widths, slot_half_widths : ndarray, shapes (m,) and (n,)
+        Half the widths of the intervals [rad].
     combinations : tuple of Estimate
         Other angles that are determined; empty if all single errors are.
     computed : ndarray, shape (pattern,)
@@ -50,33 +55,14 @@ class BeatFit(Fit):
         Number of unknowns of the fit.
     """
 
+    pin_angle_errors: FloatArray
+    slot_angle_errors: FloatArray
+    pin_half_widths: FloatArray
+    slot_half_widths: FloatArray
     combinations: tuple[Estimate, ...]
     computed: FloatArray = field(repr=False)
     rounds: Rounds = field(repr=False)
     unknowns: int
-
-    def _of(self, kind: str, name: str) -> FloatArray:
-        return np.array([getattr(one, name) for one in self.numbers if one.name.startswith(kind)])
-
-    @property
-    def pin_angle_errors(self) -> FloatArray:
-        """Estimates, shape (m,) [rad]; NaN if the beats do not determine them."""
-        return self._of("pin", "value")
-
-    @property
-    def slot_angle_errors(self) -> FloatArray:
-        """The same of slots, shape (n,) [rad]; with only bounds, the middle of the interval."""
-        return self._of("slot", "value")
-
-    @property
-    def pin_half_widths(self) -> FloatArray:
-        """Half the widths of the intervals, shape (m,) [rad]."""
-        return self._of("pin", "half_width")
-
-    @property
-    def slot_half_widths(self) -> FloatArray:
-        """Half the widths of the intervals, shape (n,) [rad]."""
-        return self._of("slot", "half_width")
 
     @property
     def rate(self) -> float:
@@ -246,11 +232,16 @@ def fit_beats(
         found, several = joined_estimates(sets, noise, share)
         combinations, told = best.told_steps(known)
         combinations, reasons = combinations if len(sets) == 1 else (), [several, told]
+    pins, slots = (
+        np.array([one[1:3] for one in found if one.name.startswith(kind)]).T
+        for kind in ("pin", "slot")
+    )
     fit = BeatFit(
         escapement=best.parts.built(best.unknowns), numbers=tuple(found), confidence=share,
         residuals=(rounds.table - best.computed).ravel(), noise=known.noise,
         p_value=best.p_value(noise), autocorrelation=_alike(rounds, best.computed),
-        combinations=combinations, computed=best.computed, rounds=rounds,
+        pin_angle_errors=pins[0], slot_angle_errors=slots[0], pin_half_widths=pins[1],
+        slot_half_widths=slots[1], combinations=combinations, computed=best.computed, rounds=rounds,
         unknowns=best.unknowns.size,
     )  # fmt: skip
     vars(fit)["message"] = "; ".join(fit._remarks(reasons))

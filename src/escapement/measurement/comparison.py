@@ -141,14 +141,10 @@ class Measurement(Found):
 
 
 def measure(
-    readings: Readings | str | PathLike[str],
-    mechanism: Mechanism,
-    *,
-    bins: int | str = "sturges",
-    confidence: float = 0.99,
-    encoder: Encoders | None = None,
+    readings: Readings | str | PathLike[str], mechanism: Mechanism, *, bins: int | str = "sturges",
+    confidence: float = 0.99, encoder: Encoders | None = None,
     zeros: tuple[float, float] | None = None,
-) -> Measurement:
+) -> Measurement:  # fmt: skip
     """Compare readings of encoders with a mechanism's position function.
 
     Parameters

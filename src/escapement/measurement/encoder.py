@@ -146,10 +146,8 @@ def step_of(angle: FloatArray, several: int = 1) -> float:
 def check_drive(mechanism: Any, encoder: Any) -> None:
     """Raise InvalidValue unless these are a mechanism, and one or two encoders or None."""
     checked(mechanism)
-    pair = isinstance(encoder, tuple) and len(encoder) == 2
-    if encoder is not None and not all(
-        isinstance(one, Encoder) for one in (encoder if pair else [encoder])
-    ):
+    both = encoder if isinstance(encoder, tuple) and len(encoder) == 2 else (encoder,)
+    if encoder is not None and not all(isinstance(one, Encoder) for one in both):
         remedy = "give Encoder(4096, 0.003), or a pair of them for input and output"
         raise validate.fail("encoder", "an Encoder", encoder, remedy)
 
@@ -166,23 +164,12 @@ def checked_zeros(zeros: Any) -> tuple[float, float]:
 
 
 def synthetic_readings(
-    mechanism: Mechanism,
-    *,
-    seed: int,
-    samples: int = 148,
-    turns: float = 3.0,
-    encoder: Encoders | None = None,
-    noise: float = 0.0,
-    input_eccentricity: float = 0.0,
-    output_eccentricity: float = 0.0,
-    backlash: float = 0.0,
-    input_backlash: float = 0.0,
-    both_ways: bool = False,
-    phase: float = 0.0,
-    offset: float = 0.0,
-    sense: int = 1,
+    mechanism: Mechanism, *, seed: int, samples: int = 148, turns: float = 3.0,
+    encoder: Encoders | None = None, noise: float = 0.0, input_eccentricity: float = 0.0,
+    output_eccentricity: float = 0.0, backlash: float = 0.0, input_backlash: float = 0.0,
+    both_ways: bool = False, phase: float = 0.0, offset: float = 0.0, sense: int = 1,
     missing: float = 0.0,
-) -> Readings:
+) -> Readings:  # fmt: skip
     """Synthetic readings of a drive whose input turns at constant speed.
 
     Parameters

@@ -23,7 +23,6 @@ from escapement.study.plan import unit_kind
 special = Lazy("scipy.special")
 SURE = 1e-3
 """A smaller probability that noise alone causes what was found counts as certainty."""
-_ALIKE = 0.05  # a smaller correlation of neighbouring residuals hardly changes an interval
 
 
 class Estimate(NamedTuple):
@@ -197,11 +196,6 @@ def chance_of(rest: FloatArray, slopes: FloatArray, waves: FloatArray) -> float:
     explained, count = float(np.sum((basis.T @ rest) ** 2)), basis.shape[1]
     freedom = rest.size - slopes.shape[1] - count
     return f_test(explained, count, float(rest @ rest) - explained, freedom)
-
-
-def contradicted(p_value: float, autocorrelation: float, samples: int) -> bool:
-    """Whether residuals have what independent noise does not have."""
-    return p_value < SURE or autocorrelation > max(3.3 / math.sqrt(samples), _ALIKE)
 
 
 def correlation(residuals: FloatArray) -> float:

@@ -36,13 +36,9 @@ CELLS = 2.0
 
 
 def find_errors(
-    mechanism: Mechanism,
-    driver: FloatArray,
-    sense: int,
-    errors: FloatArray,
-    line: np.ndarray,
+    mechanism: Mechanism, driver: FloatArray, sense: int, errors: FloatArray, line: np.ndarray,
     steps: tuple[float, float] = (0.0, 0.0),
-) -> Found:
+) -> Found:  # fmt: skip
     """Find the causes of errors.
 
     An error counts as found if noise alone would cause one as great anywhere in less than one of a

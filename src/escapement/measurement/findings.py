@@ -47,11 +47,6 @@ class ShaftError(NamedTuple):
     p_value: float
     turns: float
 
-    @property
-    def key(self) -> Key:
-        """What it is looked for as."""
-        return self.shaft, self.order
-
     def text(self, certain: bool) -> str:
         """A sentence about this error, with "may" if it is not certain."""
         where = "cell" if self.shaft == "cell" else f"turn of the {self.shaft}"
@@ -86,11 +81,6 @@ class SlotError(NamedTuple):
     standard_error: float
     p_value: float
 
-    @property
-    def key(self) -> Key:
-        """What it is looked for as."""
-        return self.shaft, "parts"
-
     def text(self, certain: bool) -> str:
         """A sentence about this part, with "may" if it is not certain."""
         part = "pin" if self.shaft == "input" else "slot"
@@ -121,11 +111,6 @@ class Backlash(NamedTuple):
     standard_error: float
     p_value: float
 
-    @property
-    def key(self) -> Key:
-        """What it is looked for as."""
-        return self.shaft, "lag"
-
     def text(self, certain: bool) -> str:
         """A sentence about the backlash, with "may" if it is not certain."""
         size = interval(self.width, self.standard_error)
@@ -152,11 +137,6 @@ class Change(NamedTuple):
     size: float
     standard_error: float
     p_value: float
-
-    @property
-    def key(self) -> Key:
-        """What it is looked for as."""
-        return "change", self.line
 
     def text(self, certain: bool) -> str:
         """A sentence about the change, with "may" if it is not certain."""

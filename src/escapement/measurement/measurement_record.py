@@ -62,9 +62,7 @@ def record_of(result: Any, fit: Any, units: str) -> dict[str, Any]:
     if fit is not None:
         apart = fit.speeds - fit.computed_speeds
         record["motion"] = {
-            "samples": fit.time.size,
-            "release_time": fit.start,
-            "fitted": fit.record(units),
+            **{"samples": fit.time.size, "release_time": fit.start, "fitted": fit.record(units)},
             **_attributes(fit, "confidence", "noise", "autocorrelation", "p_value"),
             "speed_max": float(fit.speeds.max()),
             "speed_max_computed": float(fit.computed_speeds.max()),
@@ -131,13 +129,10 @@ def record_of_beats(
     units : the system of units of fitted numbers.
     """
     values: dict[str, Any] = {
-        "beats": int(beats.heard.size),
-        "missed": beats.missed,
-        "other_sounds": int(beats.doubles.size),
-        "sounds_of_a_beat": beats.sounds,
-        "duration": beats.duration,
-        "period": beats.period,
-    }
+        "beats": int(beats.heard.size), "missed": beats.missed,
+        "other_sounds": int(beats.doubles.size), "sounds_of_a_beat": beats.sounds,
+        "duration": beats.duration, "period": beats.period,
+    }  # fmt: skip
     if keeping is not None:
         values |= _of_timekeeping(keeping)
     if fit is not None:
@@ -166,13 +161,8 @@ def _of_fit(fit: Any, units: str) -> dict[str, Any]:
 
     def angles(kind: str) -> list[dict[str, Any]]:
         some: list[Estimate] = [one for one in fit.numbers if one.name.startswith(kind)]
-        return [
-            {
-                "error_deg": math.degrees(one.value),
-                "interval_deg": [math.degrees(one.low), math.degrees(one.high)],
-            }
-            for one in some
-        ]
+        each = [[*map(math.degrees, (one.value, one.low, one.high))] for one in some]
+        return [{"error_deg": error, "interval_deg": ends} for error, *ends in each]
 
     found = {"verdict": fit.verdict.text, "good": fit.verdict.good}
     if isinstance(fit, BeatFit):

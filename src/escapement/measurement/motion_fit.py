@@ -13,12 +13,12 @@ import numpy as np
 from escapement.base.lazy import Lazy
 from escapement.measurement.beat_times import BeatTimes
 from escapement.measurement.estimate import (
+    SURE,
     Estimate,
     Fit,
     Verdict,
     chance_of,
     checked_confidence,
-    contradicted,
     correlation,
     tangent_of,
 )
@@ -31,6 +31,7 @@ optimize = Lazy("scipy.optimize")
 _TOLERANCES = {"xtol": 1e-9, "ftol": 1e-12, "gtol": 1e-12, "max_nfev": 60}
 _SLOW = 6  # slow changes that are looked for have up to so many half waves, of beats two
 _FADING = 0.7, 2.5  # beats in which errors of a model fade as the motion settles
+_ALIKE = 0.05  # a smaller correlation of neighbouring residuals hardly changes an interval
 _EXACT = 1e-8  # a scatter below this share of the travel is rounding, and is no evidence
 _DEGREE = 3  # of the smooth curve
 _ODDS = 1000.0  # the model must be so much more likely than the smooth curve
@@ -111,7 +112,8 @@ class MotionFit(Fit):
     @property
     def contradicted(self) -> bool:
         """Whether the residuals have what independent noise does not have."""
-        return contradicted(self.p_value, self.autocorrelation, self.residuals.size)
+        least = max(3.3 / math.sqrt(self.residuals.size), _ALIKE)
+        return self.p_value < SURE or self.autocorrelation > least
 
     @property
     def explained(self) -> bool:
@@ -131,12 +133,9 @@ class MotionFit(Fit):
 
 
 def fit_motion(
-    readings: Readings,
-    escapement: Escapement,
-    parameters: Sequence[str] = ("friction", "torque"),
-    *,
-    confidence: float = 0.95,
-) -> MotionFit:
+    readings: Readings, escapement: Escapement, parameters: Sequence[str] = ("friction", "torque"),
+    *, confidence: float = 0.95,
+) -> MotionFit:  # fmt: skip
     """Fit numbers of an escapement to a measured run-up.
 
     Parameters
@@ -179,12 +178,9 @@ def fit_motion(
 
 
 def fit_run_up(
-    beats: BeatTimes,
-    escapement: Escapement,
-    parameters: Sequence[str] = ("friction",),
-    *,
+    beats: BeatTimes, escapement: Escapement, parameters: Sequence[str] = ("friction",), *,
     confidence: float = 0.95,
-) -> MotionFit:
+) -> MotionFit:  # fmt: skip
     """Fit numbers of an escapement to the times of beats of a motion from rest.
 
     A beat sounds as a pin hands over to the next one.
@@ -265,13 +261,12 @@ def _judged(
     if np.abs(rest).max() <= _EXACT * np.ptp(measured):
         return 0.0, math.nan, ""
     if task.beats is not None:
-        chance = chance_of(rest, slopes, _waves_of_beats(rest.size))
+        chance = chance_of(rest, slopes, _waves(task, rest))
         return correlation(rest), chance, "they are few" if math.isnan(chance) else ""
     moving, doubt, chance = task.time > start, "", math.nan
     if rest.size - slopes.shape[1] - 1 >= _LEAST:
-        cells = (task.angle - rest) / task.escapement.mechanism.cell_angle
         fitted = np.column_stack([np.ones(rest.size), slopes])
-        waves = _waves(cells)[:, : (rest.size - fitted.shape[1]) // 3]
+        waves = _waves(task, rest)[:, : (rest.size - fitted.shape[1]) // 3]
         chance = chance_of(rest, fitted, waves)
     if math.isnan(chance):
         doubt = f"{rest.size} samples are too few to test it; take more samples"
@@ -283,23 +278,15 @@ def _judged(
     return correlation(rest), chance, doubt
 
 
-def _half_waves(size: int, count: int) -> list[FloatArray]:
-    """Slow changes over a recording."""
-    halves = np.pi * (np.arange(size) + 0.5) / size
-    return [np.cos(k * halves) for k in range(1, count + 1)]
-
-
-def _waves(cells: FloatArray) -> FloatArray:
-    """Slow changes, and one and two waves over a cell, at driver angles in cells."""
-    slow = _half_waves(cells.size, _SLOW)
-    repeated = [wave(2.0 * np.pi * k * cells) for k in (1, 2) for wave in (np.cos, np.sin)]
+def _waves(task: MotionTask, rest: FloatArray) -> FloatArray:
+    """What noise does not leave: slow changes, and waves over a cell, or errors that fade."""
+    halves = np.pi * (np.arange(rest.size) + 0.5) / rest.size
+    slow = [np.cos(k * halves) for k in range(1, _SLOW + 1)]
+    if task.beats is not None:
+        return np.column_stack([*(np.exp(-np.arange(rest.size) / k) for k in _FADING), *slow[:2]])
+    cells = (task.angle - rest) * (2.0 * np.pi / task.escapement.mechanism.cell_angle)
+    repeated = [wave(k * cells) for k in (1, 2) for wave in (np.cos, np.sin)]
     return np.column_stack([*slow[:2], *repeated, *slow[2:]])
-
-
-def _waves_of_beats(size: int) -> FloatArray:
-    """Errors of a model that fade as the motion settles, and slow changes."""
-    fading = [np.exp(-np.arange(size) / beats) for beats in _FADING]
-    return np.column_stack([*fading, *_half_waves(size, 2)])
 
 
 def _smooth_as_well(time: FloatArray, angle: FloatArray, rest: FloatArray) -> bool:

@@ -2,7 +2,6 @@
 
 import math
 from collections.abc import Iterable, Iterator
-from functools import partial
 from typing import NamedTuple
 
 import numpy as np
@@ -53,7 +52,7 @@ class BeatSolution(NamedTuple):
         mean = rounds.means.mean()
 
         def rest(at: FloatArray) -> FloatArray:
-            return np.asarray(parts.residuals(at, rounds) / mean)
+            return np.asarray(parts.residuals(at, rounds.means, rounds.root) / mean)
 
         found = optimize.least_squares(rest, start, bounds=parts.bounds(start[0]), **tolerances)
         return cls(parts, rounds, found.x, 2.0 * float(found.cost) * mean**2)
@@ -69,11 +68,14 @@ class BeatSolution(NamedTuple):
         """Whether both are the same errors of the parts."""
         return self.parts.errors(self.unknowns).same_as(other.parts.errors(other.unknowns))
 
+    def _residuals(self, unknowns: FloatArray) -> FloatArray:
+        return self.parts.residuals(unknowns, self.rounds.means, self.rounds.root)
+
     def tangent(self, noise: float | None, confidence: float) -> Tangent:
         """The fit linearised; intervals follow Student's law unless the noise is given."""
-        rounds, apart = self.rounds, partial(self.parts.residuals, rounds=self.rounds)
+        rounds, at = self.rounds, self._residuals(self.unknowns)
         steps = self.unknowns + _STEP * np.eye(self.unknowns.size)
-        slopes = np.array([apart(one) - apart(self.unknowns) for one in steps]).T / _STEP
+        slopes = np.array([self._residuals(one) - at for one in steps]).T / _STEP
         squares, freedom = self.cost + rounds.scatter, rounds.samples - self.unknowns.size
         return tangent_of(slopes, squares, freedom, confidence, noise or 0.0)
 
@@ -102,7 +104,7 @@ class BeatSolution(NamedTuple):
             for end in (self.unknowns + forward, self.unknowns - forward):
                 # bounds are physical, and the intervals of slots allow for those of impacts
                 if width > 0.0 and (end >= low).all() and (end <= high).all():
-                    rise = np.sum(self.parts.residuals(end, self.rounds) ** 2) - self.cost
+                    rise = np.sum(self._residuals(end) ** 2) - self.cost
                     found[index] |= rise < _RISE * known.unit**2
         return found
 

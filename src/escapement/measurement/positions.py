@@ -157,11 +157,9 @@ class _Task(NamedTuple):
 
 
 def fit_zeros(
-    mechanism: Mechanism,
-    angle: FloatArray,
-    output: FloatArray,
+    mechanism: Mechanism, angle: FloatArray, output: FloatArray,
     zeros: tuple[float, float] | None = None,
-) -> Positions:
+) -> Positions:  # fmt: skip
     """Fit the sense of the output, and phase and offset unless they are given.
 
     Parameters

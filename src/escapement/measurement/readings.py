@@ -159,16 +159,11 @@ def blocks(count: int) -> Iterator[slice]:
 
 
 def read_readings(
-    path: str | PathLike[str],
-    *,
-    input: str | None = None,
-    output: str | None = None,
-    time: str | None = None,
-    angle_unit: str | None = None,
-    resolution: int | tuple[int, int] | None = None,
-    skip_rows: int = 0,
+    path: str | PathLike[str], *, input: str | None = None, output: str | None = None,
+    time: str | None = None, angle_unit: str | None = None,
+    resolution: int | tuple[int, int] | None = None, skip_rows: int = 0,
     time_unit: str | None = None,
-) -> Readings:
+) -> Readings:  # fmt: skip
     """Read the angles of two encoders from a CSV file.
 
     Parameters
@@ -284,12 +279,9 @@ def write_readings(
 
 
 def write_table(
-    path: str | PathLike[str],
-    columns: dict[str, FloatArray],
-    synthetic: bool,
-    note: str,
+    path: str | PathLike[str], columns: dict[str, FloatArray], synthetic: bool, note: str,
     force: bool,
-) -> None:
+) -> None:  # fmt: skip
     """Write columns of angles [rad] as CSV in degrees, with comments at its head."""
     label = f"{_SYNTHETIC} data: computed by escapement, not measured\n" if synthetic else ""
     comments = "".join(f"# {line}\n" for line in note.splitlines())

@@ -129,16 +129,10 @@ class Resonances(NamedTuple):
 
 
 def synthetic_recording(
-    times: ArrayLike,
-    loudness: ArrayLike = 1.0,
-    *,
-    rate: int = 48000,
-    signal_to_noise: float = 30.0,
-    room: float = 0.0,
-    resonances: Resonances | None = None,
-    duration: float | None = None,
-    seed: int = 0,
-) -> FloatArray:
+    times: ArrayLike, loudness: ArrayLike = 1.0, *, rate: int = 48000,
+    signal_to_noise: float = 30.0, room: float = 0.0, resonances: Resonances | None = None,
+    duration: float | None = None, seed: int = 0,
+) -> FloatArray:  # fmt: skip
     """A recording of ticks in noise.
 
     Parameters

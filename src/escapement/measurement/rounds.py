@@ -132,19 +132,25 @@ class Rounds(Shown):
         Beats [s], NaN where one is missing.
     faults : tuple of str
         Ticks that were missed, doubled or out of place, in words.
-    intervals, solution :
-        The measured beats as combinations of the means, and these.
+    intervals : Intervals
+        The measured beats as combinations of the means.
+    means : ndarray, shape (pattern,)
+        Best estimate of the beat of each engagement of the pattern [s].
+    covariance : ndarray, shape (pattern, pattern)
+        That of the means, for noise of a beat of size 1.
+    scatter : float
+        Sum of the squared deviations from the means, made independent [s^2].
+    weights : ndarray, shape (21,)
+        Probability of each of `SHARES`.
     """
 
     table: FloatArray
     faults: tuple[str, ...]
     intervals: Intervals = field(repr=False)
-    solution: IntervalSolution = field(repr=False)
-
-    @property
-    def weights(self) -> FloatArray:
-        """Probability of each of `SHARES`, shape (21,)."""
-        return self.solution.weights
+    means: FloatArray = field(repr=False)
+    covariance: FloatArray = field(repr=False)
+    scatter: float = field(repr=False)
+    weights: FloatArray = field(repr=False)
 
     @property
     def jitter(self) -> float:
@@ -169,15 +175,10 @@ class Rounds(Shown):
         """Indices of the measured beats in turn, shape (samples,)."""
         return np.flatnonzero(np.isfinite(self.table.ravel()))
 
-    @property
-    def means(self) -> FloatArray:
-        """Best estimate of the beat of each engagement of the pattern, shape (pattern,) [s]."""
-        return self.solution.values
-
     @cached_property
     def root(self) -> FloatArray:
         """R such that R (means - true means) is independent noise of one beat's size."""
-        return np.asarray(linalg.cholesky(np.linalg.inv(self.solution.covariance)))
+        return np.asarray(linalg.cholesky(np.linalg.inv(self.covariance)))
 
     @property
     def spread(self) -> FloatArray:
@@ -188,11 +189,6 @@ class Rounds(Shown):
         """
         weights = np.eye(self.pattern) - 1.0 / self.pattern
         return np.asarray(np.linalg.norm(weights @ np.linalg.inv(self.root), axis=1))
-
-    @property
-    def scatter(self) -> float:
-        """Sum of the squared deviations from the means, made independent [s^2]."""
-        return self.solution.scatter
 
     def independent(self, computed: FloatArray) -> FloatArray:
         """Measured beats less computed ones of one pattern, made independent, shape (samples,)."""
@@ -224,8 +220,9 @@ def rounds_of(given: ArrayLike, mechanism: Mechanism, times: bool = False) -> Ro
     design, joined = np.eye(size)[known % size], np.diff(known) == 1
     intervals = Intervals(table[known], design, np.ones(known.size), joined)
     # the shares are closer to each other by their square root near 1
-    solution = intervals.average(SHARES, _ROOTS, 0.0 if times else _SURE)
-    return Rounds(table.reshape(-1, size), faults, intervals, solution)
+    found = intervals.average(SHARES, _ROOTS, 0.0 if times else _SURE)
+    means = found.values, found.covariance, found.scatter, found.weights
+    return Rounds(table.reshape(-1, size), faults, intervals, *means)
 
 
 class BeatLine(NamedTuple):

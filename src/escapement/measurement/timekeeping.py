@@ -81,12 +81,9 @@ class Timekeeping(Shown):
     confidence: float
 
     def _shown(self) -> list[tuple[str, Any, str]]:
-        return [
-            ("beats_per_hour", self.beats_per_hour.value, ""),
-            ("rate", self.rate.value, "s/d"),
-            ("beat_error", self.beat_error.value, "s"),
-            ("scatter", self.scatter, "s"),
-        ]
+        units = {"beats_per_hour": "", "rate": "s/d", "beat_error": "s"}
+        values = [(name, getattr(self, name).value, unit) for name, unit in units.items()]
+        return [*values, ("scatter", self.scatter, "s")]
 
 
 def timekeeping(

@@ -74,20 +74,19 @@ def _causes(result: Any) -> Iterator[Cause]:
     """
     small, through = _SMALL * abs(result.mechanism.follower_step), _through(result)
     rooms = {"cell": small, "input": 2.0 * small / through if through else 0.0}
-    listed: list[tuple[Any, float, float]] = [
-        (wave, SURE, wave.amplitude / (rooms.get(wave.shaft, 2.0 * small) or math.inf))
-        for wave in result.shaft_errors
+    listed: list[tuple[Any, Key, float, float]] = [
+        (wave, (wave.shaft, wave.order), SURE, wave.amplitude) for wave in result.shaft_errors
     ]
     listed += [
-        (part, DOUBT_PARTS, abs(part.size) / (rooms.get(part.shaft, 2.0 * small) or math.inf))
-        for part in result.slot_errors
+        (part, (part.shaft, "parts"), DOUBT_PARTS, abs(part.size)) for part in result.slot_errors
     ]
-    listed += [(play, SURE, 0.0) for play in result.backlash]
-    listed += [(change, math.inf, 0.0) for change in result.changes]
-    for found, level, effect in listed:
+    listed += [(play, (play.shaft, "lag"), SURE, 0.0) for play in result.backlash]
+    listed += [(one, ("change", one.line), math.inf, 0.0) for one in result.changes]
+    for found, key, level, size in listed:
         if found.p_value < level:
-            doubt = _doubt(result, found.p_value, found.key)
-            yield Cause(found.text(not doubt), doubt, effect)
+            doubt = _doubt(result, found.p_value, key)
+            room = rooms.get(found.shaft, 2.0 * small) or math.inf
+            yield Cause(found.text(not doubt), doubt, size / room)
     for certain in (True, False):
         if some := [one for one in result.glitches if (one.p_value < SURE) == certain]:
             yield _far_out(some, certain)
@@ -97,8 +96,8 @@ def _causes(result: Any) -> Iterator[Cause]:
         p_value = math.erfc(abs(result.mean) / error / math.sqrt(2.0))
         if p_value < SURE:
             alike = _chance(p_value, result.autocorrelation) >= SURE
-            size = f"{'may be' if alike else 'is'} {interval(result.mean, error)}"
-            yield Cause(f"the mean error {size} with the zeros given", _CORRELATED * alike)
+            words = f"{'may be' if alike else 'is'} {interval(result.mean, error)}"
+            yield Cause(f"the mean error {words} with the zeros given", _CORRELATED * alike)
 
 
 def _far_out(some: list[Glitch], certain: bool) -> Cause:
