@@ -1,6 +1,7 @@
 """The notice that kernels are being compiled."""
 
 import contextlib
+import gc
 import os
 import shutil
 import sys
@@ -11,7 +12,8 @@ class Notice:
     """Explains the wait on first use: one line, which a terminal updates as kernels are compiled.
 
     A terminal removes the line when compiling ends, so that it does not disturb a progress bar.
-    Numba compiles under a lock, so calls never overlap.
+    Numba compiles under a lock, so calls never overlap. The garbage collector rests meanwhile: it
+    would look through all objects of the compiler again and again.
 
     silent : whether it says nothing; the environment variable ESCAPEMENT_QUIET asks for that.
     lost : the folder in which compiled code cannot be kept, and why; shown once.
@@ -22,7 +24,7 @@ class Notice:
         self.silent = bool(os.environ.get("ESCAPEMENT_QUIET"))
         self._depth = self.done = 0
         self._start = self.spent = 0.0
-        self._shown_once = self._python_shown = False
+        self._shown_once = self._python_shown = self._collects = False
         self.lost = ""
 
     @property
@@ -53,6 +55,8 @@ class Notice:
         """A kernel has to be compiled, and perhaps others for it."""
         if self._depth == 0:
             self._start = time.monotonic() - self.spent
+            self._collects = gc.isenabled()
+            gc.disable()
         self._depth += 1
         self._show()
 
@@ -60,6 +64,8 @@ class Notice:
         """It is compiled."""
         self._depth, self.done = self._depth - 1, self.done + 1
         self.spent = time.monotonic() - self._start
+        if self._depth == 0 and self._collects:
+            gc.enable()
         self._show()
 
     def _show(self) -> None:

@@ -183,10 +183,10 @@ def figures_of(scene, edges, half, efficiency):
             left, right = pending[count, 0], pending[count, 1]
             width = 0.5 * (right - left)
             _fill(samples, left, right, side, slide, scene, efficiency)
-            torque = samples[1:-1, TORQUE]
+            torque, size = samples[1:-1, TORQUE], 1e-300
             for i in range(N):
                 square[i] = torque[i] * torque[i]
-            size = max(np.max(square), 1e-300)
+                size = max(size, square[i])
             rough = tail_of(square, N) > _RESOLVED * size
             if rough and width > _NARROWEST and count < _PENDING - 2:
                 inside = left + width
@@ -249,7 +249,16 @@ def _fill(samples, left, right, side, slide_sign, scene, efficiency):
     half = 0.5 * (right - left)
     for i in range(N + 2):
         theta = left + half * (1.0 + _point(i))
-        samples[i] = contact_at(theta, side, slide_sign, scene, efficiency)
+        _fill_row(samples[i], theta, side, slide_sign, scene, efficiency)
+
+
+@inner_jit
+def _fill_row(row, theta, side, slide_sign, scene, efficiency):
+    """Fill a row with what `contact_at` returns, the last of it if there is room."""
+    torque, moment, force, g, dg, rubbing = contact_at(theta, side, slide_sign, scene, efficiency)
+    row[TORQUE], row[MOMENT], row[FORCE], row[RATIO], row[BEND] = torque, moment, force, g, dg
+    if len(row) > RUBBING:
+        row[RUBBING] = rubbing
 
 
 @inner_jit
@@ -289,4 +298,4 @@ def contact_states(packed, theta, efficiency, table):
     for i in range(theta.size):
         side = 1.0 if follower_moment(theta[i], scene) >= 0.0 else -1.0
         slide = sliding_sign(theta[i], side, scene)
-        table[i] = contact_at(theta[i], side, slide, scene, efficiency)[:RUBBING]
+        _fill_row(table[i], theta[i], side, slide, scene, efficiency)

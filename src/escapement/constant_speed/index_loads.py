@@ -154,7 +154,7 @@ class IndexLoads(IndexTorque):
         """Amplitude that is left when the index ends [rad]."""
         return self.ringing.residual_amplitude
 
-    @property
+    @cached_property
     def settling_time_load(self: Any) -> Any:
         """Time after the index until the amplitude is `load_tolerance` [s]; inf without damping."""
         ratio = self.residual_amplitude / self.load_tolerance

@@ -152,6 +152,7 @@ INDEX = {
     ),
     "reversal_limits": Result(
         "ratio", "inertia ratios between the zones", label="reversal limits F12, F23",
+        exists=_constant,
         missing="the follower's deceleration ends at zero, so no inertia ratio lets it drive up to "
         "the end",
     ),
@@ -179,27 +180,27 @@ INDEX = {
     ),
 }  # fmt: skip
 """Figures of an indexing drive by name. Those with "_deg" are angles in degrees."""
+_ATTRIBUTES = {name: name.replace("_deg", "_angle") for name in INDEX}
 
 
 def in_si(drive: Any, name: str) -> Any:
     """A figure of a drive, or of many, in SI."""
-    return getattr(drive, name.removesuffix("_deg") + "_angle" if name.endswith("_deg") else name)
+    return getattr(drive, _ATTRIBUTES[name])
 
 
 def record_of(drive: "IndexingDrive") -> Record:
     """The figures of a drive in SI; those that it cannot have are left out."""
     import numpy as np
 
-    found: dict[str, Any] = {"reversals_deg": np.degrees(drive.reversals).tolist()}
-    if _constant(drive):
-        found["reversal_limits"] = [*drive.reversal_limits]
+    lists: dict[str, Any] = {"reversals_deg": np.degrees(drive.reversals).tolist()}
+    lists["reversal_limits"] = [*drive.reversal_limits]
+    found: dict[str, Any] = {}
     for name, result in INDEX.items():
-        if name not in (*found, "reversal_limits") and (
-            result.exists is None or result.exists(drive)
-        ):
-            value = in_si(drive, name)
-            found[name] = math.degrees(value) if name.endswith("_deg") else value
-    return Record({name: found[name] for name in INDEX if name in found}, INDEX)
+        if result.exists is None or result.exists(drive):
+            value = lists[name] if name in lists else in_si(drive, name)
+            degrees = result.kind == "degrees" and name not in lists
+            found[name] = math.degrees(value) if degrees else value
+    return Record(found, INDEX)
 
 
 def doubt_of(drive: "IndexingDrive") -> str:

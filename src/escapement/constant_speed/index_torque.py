@@ -82,8 +82,11 @@ class IndexTorque:
     def torque_dwell(self: Any) -> Any:
         """Torque in the dwell: bearing, drag, and the locking disc [N m]."""
         drag = (self.driver_drag * self.speed + self.driver_viscous) * self.speed
-        locked = np.any(self.locking_friction) and np.nan_to_num(self.locking_torque)
-        return (self.driver_bearing_torque + drag + locked) / self.efficiency
+        unlocked = self.driver_bearing_torque + drag
+        if not np.any(self.locking_friction):
+            return unlocked / self.efficiency
+        locked = self.locking_torque
+        return (unlocked + np.where(np.isnan(locked), 0.0, locked)) / self.efficiency
 
     @cached_property
     def torque_mean(self: Any) -> Any:

@@ -54,7 +54,7 @@ def fill_rows(packed, half, numbers, units, over, table):
                 cuts = np.unique(np.concatenate((edges, knots)))
             figures, _reversals = figures_of(step, cuts, half, row[EFFICIENCY])
             _put(steps[k], 0, figures)
-        found[:KNOCK] = join_steps(steps, exit_ - entry + shared.dwell)
+        _put(found, 0, join_steps(steps, exit_ - entry + shared.dwell))
         if row[HALF_CLEARANCE] > 0.0:
             step = scene
             if has_load_curve(shared):
@@ -68,12 +68,13 @@ def fill_rows(packed, half, numbers, units, over, table):
 def _in_units(load, unit):
     """A load over the driver angle in another unit of torque."""
     found = load.copy()
-    found[EDGES + int(load[PIECES]) + 1 :] /= unit
+    for i in range(EDGES + int(load[PIECES]) + 1, load.size):
+        found[i] /= unit
     return found
 
 
 @inner_jit
 def _put(row, start, values):
-    """Put the values of a tuple into a row."""
+    """Put values into a row."""
     for i in range(len(values)):
         row[start + i] = values[i]

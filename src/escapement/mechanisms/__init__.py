@@ -23,6 +23,7 @@ Read `protocol` first, then `geneva`.
   elliptical gears, and the function through the rows of a table
 """
 
+from functools import cache
 from pkgutil import resolve_name
 from typing import TYPE_CHECKING, Any
 
@@ -66,6 +67,7 @@ KINDS = {
 DEFAULT_KIND = "geneva"
 
 
+@cache
 def kind_of(name: str) -> "type[Kind]":
     """The class of a kind."""
     kind: type[Kind] = resolve_name(f"{__name__}.{KINDS[name]}")

@@ -7,6 +7,7 @@ motion except for the unit of time.
 
 from __future__ import annotations
 
+from itertools import accumulate
 from typing import TYPE_CHECKING, NamedTuple
 
 from escapement.base.lazy import Lazy
@@ -111,5 +112,5 @@ def packed(scene: Scene) -> NDArray[np.float64]:
     """
     path, edges, dwell, torque, driver_angle, load_curve, *numbers = scene
     arrays = path.numbers, edges, torque, load_curve
-    ends = np.cumsum([ARRAYS, *(array.size for array in arrays)])[1:-1]
+    ends = [*accumulate((array.size for array in arrays[:-1]), initial=ARRAYS)][1:]
     return np.concatenate([[*numbers, dwell, driver_angle, path.table, *ends], *arrays])

@@ -14,11 +14,13 @@ import tempfile
 from collections.abc import Iterator
 from functools import cache, partial
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 import numba
 from llvmlite.binding import get_host_cpu_name
 from numba.core import types
+from numba.core.codegen import JITCodeLibrary
+from numba.core.compiler import Compiler
 from numba.core.runtime import rtsys  # type: ignore[attr-defined]
 
 from escapement.base.notice import notice
@@ -179,13 +181,14 @@ def _watch_cache(dispatcher: Any) -> None:
     store.save_overload = save_or_skip
 
 
-def _ignore_literals(dispatcher: Any) -> None:
-    """Compile once for all integers, and once for both truth values.
+def _let_kernels_call(dispatcher: Any, part: Any) -> None:
+    """Kernels that call `dispatcher` contain `part`.
 
-    Numba gives a constant of the source a type of its own, even where it only is the first value of
-    a variable, and compiles a kernel that is called with it another time.
+    That is compiled once for all integers, and once for both truth values. Numba gives a constant
+    of the source a type of its own, even where it only is the first value of a variable, and
+    compiles a kernel that is called with it another time.
     """
-    resolve = dispatcher.get_call_template
+    resolve, dispatcher.get_overload = part.get_call_template, part.get_overload
 
     def without_literals(args: Any, named: Any) -> Any:
         plain = {name: types.unliteral(kind) for name, kind in named.items()}
@@ -194,14 +197,53 @@ def _ignore_literals(dispatcher: Any) -> None:
     dispatcher.get_call_template = without_literals
 
 
+class _Part(JITCodeLibrary):
+    """The code of a kernel as a part of those that call it.
+
+    Numba optimises each kernel and makes machine code of it, then does so again for its callers,
+    which contain it. A part is left as it is until a kernel that Python calls is complete.
+    """
+
+    def _optimize_final_module(self) -> None:
+        pass
+
+    def _finalize_final_module(self) -> None:
+        self._finalize_dynamic_globals()
+        self._finalized = True
+
+    def get_pointer_to_function(self, name: str) -> int:
+        return 0
+
+    @property
+    def codegen(self) -> Any:
+        return self
+
+    def set_env(self, name: str, env: Any) -> None:
+        pass
+
+
+class _PartCompiler(Compiler):
+    """Makes a part of a kernel."""
+
+    def compile_extra(self, func: Any) -> Any:
+        self.state.library = _Part(self.state.targetctx.codegen(), func.__qualname__)
+        return super().compile_extra(func)
+
+
 _TRAITS: dict[str, dict[str, Any]] = {
     "allocates": {"_nrt": True},
     "reorders": {"fastmath": {"reassoc"}},
     "inlined": {"inline": "always"},
     "merged": {"forceinline": True},
-    "inner": {"no_cpython_wrapper": True},
+    "inner": {},
+    "addressed": {"no_cpython_wrapper": True},
 }
 """Options of Numba by what `jit` calls them."""
+PLAIN: dict[str, Any] = {"nogil": True, "error_model": "numpy", "_nrt": False}
+"""Options of all kernels."""
+PLAIN |= {"no_cfunc_wrapper": True}  # nobody calls a kernel from C
+PART: Any = PLAIN | {"no_cpython_wrapper": True, "pipeline_class": _PartCompiler}
+"""Options of a kernel that only kernels call."""
 
 
 def jit(function: Any = None, **traits: bool) -> Any:
@@ -218,30 +260,37 @@ def jit(function: Any = None, **traits: bool) -> Any:
         compiled separately.
     merged : its machine code becomes part of every caller's, for a kernel of few lines that is
         called often; handing over the numbers of a scene would take as long as its work.
-    inner : only kernels call it, so no entry point for Python is compiled; these would take a
-        fifth of all time.
+    inner : only kernels call it, so it is compiled as a part of these, without an entry point for
+        Python and machine code of its own.
+    addressed : only kernels call it, and only by its address, so it has no entry point for Python.
 
     Division by zero follows IEEE 754 (`error_model="numpy"`), since kernels report
     through a status code and never raise.
     """
     if function is None:
         return partial(jit, **traits)
-    options: dict[str, Any] = {"nogil": True, "error_model": "numpy", "_nrt": False}
-    options["no_cfunc_wrapper"] = True  # nobody calls a kernel from C
+    options = dict(PLAIN)
     for trait in traits:
         options |= _TRAITS[trait]
-    folder = _cache_directory()
-    config: Any = numba.config
-    if config.DISABLE_JIT:
+    if numba.config.DISABLE_JIT:  # type: ignore[attr-defined]
         return numba.njit(**options)(function)
+    dispatcher = part = numba.njit(**(PART | options))(function)
+    if not traits.get("inner"):
+        dispatcher = _kept(function, options)
+        _watch_cache(dispatcher)
+    _watch_cache(part)
+    _let_kernels_call(dispatcher, part)
+    return Kernel(dispatcher, function) if interprets() else dispatcher
+
+
+def _kept(function: Any, options: dict[str, Any]) -> Any:
+    """A kernel of which the code is kept on disk."""
+    folder, config = _cache_directory(), cast(Any, numba.config)
     previous, config.CACHE_DIR = config.CACHE_DIR, folder or config.CACHE_DIR
     try:
-        dispatcher = numba.njit(cache=folder is not None, **options)(function)
+        return numba.njit(cache=folder is not None, **options)(function)
     finally:
         config.CACHE_DIR = previous
-    _watch_cache(dispatcher)
-    _ignore_literals(dispatcher)
-    return Kernel(dispatcher, function) if interprets() else dispatcher
 
 
 _choose()

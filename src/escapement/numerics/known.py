@@ -15,7 +15,7 @@ from numba.core.imputils import lower_constant
 from numba.core.typeconv.castgraph import Conversion
 from numba.extending import lower_cast, overload, register_model, typeof_impl
 
-_OPTIONS: Any = {"nogil": True, "error_model": "numpy", "_nrt": False, "no_cfunc_wrapper": True}
+from escapement.numerics.jit import PART
 
 
 class Known(float):
@@ -69,7 +69,7 @@ def where_known(field: str, short: Callable[..., Any]) -> Callable[..., Any]:
     def decorate(function: Callable[..., Any]) -> Callable[..., Any]:
         position = list(signature(function).parameters).index("scene")
 
-        @overload(function, strict=False, jit_options=_OPTIONS)
+        @overload(function, strict=False, jit_options=PART)
         def _choose(*given: Any) -> Callable[..., Any]:
             return short if knows(given[position], field) else function
 

@@ -116,7 +116,8 @@ def figures(case, handoffs, rows, w, rtol, extent, out):
         time = _note_round(case, handoffs, k, time)
         if cycle_known:
             in_band = _judge(case, noted, in_band, out)
-            _note_falls(case, start, handoffs, k, rtol, out)
+            if extent == Extent.FALLEN:
+                _note_falls(case, start, handoffs, k, rtol, out)
         if not sought:
             step = cycle.newton_step(w, found, has_reversal(case.events, first, used))
             first = used
@@ -127,7 +128,7 @@ def figures(case, handoffs, rows, w, rtol, extent, out):
                 if known or status in (NOT_CONVERGED, NO_TERMINAL):
                     return status
                 if cycle_known:
-                    for passed in range(0, k + 1, size):
+                    for passed in range(0, k + 1 if extent == Extent.FALLEN else 0, size):
                         _note_falls(case, start, handoffs, passed, rtol, out)
                     in_band = _judge(case, EventRows(NO_EVENTS, used), in_band, out)
                     # from rest it takes log(0.02)/log(contraction) rounds or so, here

@@ -25,7 +25,7 @@ from escapement.engines.energy.panels import (
 from escapement.engines.energy.sampling import duration, sample_panel
 from escapement.engines.energy.solve import solve_side
 from escapement.numerics.gauss import POINTS, N, cumulate, dot
-from escapement.numerics.jit import inner_jit
+from escapement.numerics.jit import inner_jit, jit
 from escapement.numerics.records import record_dtype
 
 EVENT = record_dtype(
@@ -139,7 +139,7 @@ def _rough_square(scene, work, panel, solution, point):
     return w + (before * y - behind * x) * x * y
 
 
-@inner_jit
+@jit(addressed=True)
 def refine(kind, scene, store, events, i):
     """Make the angle, time and w of event i exact.
 

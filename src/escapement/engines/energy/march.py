@@ -49,7 +49,7 @@ from escapement.engines.energy.sampling import CLOSE_PAIR, NEGLIGIBLE, Points
 from escapement.mechanisms.slotted import transmission_at
 from escapement.numerics.altered import altered
 from escapement.numerics.gauss import N
-from escapement.numerics.jit import inner_jit
+from escapement.numerics.jit import inner_jit, jit
 
 OK, NO_TERMINAL = int(Status.OK), int(Status.NO_TERMINAL)
 STALL, PAINLEVE, NOT_CONVERGED = int(Status.STALL), int(Status.PAINLEVE), int(Status.NOT_CONVERGED)
@@ -63,7 +63,7 @@ TOO_MANY_PANELS = 128
 TOO_MANY_NARROW = 24
 
 
-@inner_jit
+@jit(addressed=True)
 def march(kind, scene, cells, store, count, request, w, rising, events, used):
     """March over one cell: from the entry to the exit of an engagement, and over the dwell.
 

@@ -17,7 +17,7 @@ from escapement.constant_speed.index_case import refuse_with_curve
 from escapement.engines.solver import DEFAULT_ENGINE, Solver, solver_for
 from escapement.mechanisms import DEFAULT_KIND, KINDS, kind_of
 from escapement.mechanisms.protocol import Mechanism
-from escapement.mechanisms.wheel_checks import check_lengths
+from escapement.mechanisms.wheel_checks import IMPERFECT, check_lengths
 from escapement.model.load_curve import Load
 from escapement.model.torque_curve import TorqueCurve
 from escapement.model.train import check_ratios
@@ -97,7 +97,9 @@ def parse_plan(configuration: Mapping[str, Any], mechanism: Mechanism | None = N
         build = kind_of(machine["kind"])
         content = with_numbers_of_sizes(content, build, system)
     meshed = build.meshed if mechanism is None else mechanism.path.table
-    counts = build.counts(table(content, "mechanism"))
+    named = {x for part in ("mechanism", "sweep", "sample") for x in table(content, part)}
+    listed = any(name.startswith(IMPERFECT) for name in named)
+    counts = build.counts(table(content, "mechanism")) if listed else {}
     subject = subject_of(content)
     every = settings_of(build, meshed, system, subject)
     content, settings = part_lists(content, every, counts)
@@ -133,7 +135,7 @@ def parse_plan(configuration: Mapping[str, Any], mechanism: Mechanism | None = N
     contact = subject is ESCAPEMENT and plan.contact
     solver = solver_for("any" if contact else "", solver)
     solver = solver if solver.engine else replace(solver, engine=DEFAULT_ENGINE)
-    plan = replace(plan, solver=solver)
+    vars(plan)["solver"] = solver  # a copy would convert all columns once more
     if subject is ESCAPEMENT:
         plain["solver"] = solver.given
     values = fixed | {name: column for along in varied.values() for name, column in along.items()}
@@ -177,6 +179,8 @@ def _check_lengths(plan: StudyPlan, values: Mapping[str, Any]) -> None:
     greatest: dict[str, float] = {}
     for name, value in values.items():
         number = isinstance(value, int | float)
+        if number and not value:  # as most of them are
+            continue
         size = abs(value) if number else float(np.max(np.abs(value), initial=0.0))
         if name[-1].isdigit():  # a list that varies is identified by its numbers
             name = re.sub(r"_\d+$", "", name)
