@@ -16,6 +16,8 @@ import numpy as np
 from escapement.mechanisms.features import CONVEX, LINE
 from escapement.numerics.jit import inner_jit, jit
 
+ALLOWED = 1e-9
+"""A contact that begins deeper than this came from behind."""
 FAR = 0.3
 """From an arc farther than this share of its radius, the nearest of its points may jump."""
 
@@ -133,22 +135,33 @@ def touch_at(pair, at):
 
 @inner_jit
 def nearness(pair, at):
-    """Distance from the disc of the nose to the points of the track."""
+    """Distance from the disc of the nose to the points of the track.
+
+    Where the disc covers such points although its sector does not, or lies behind the track, it is
+    the distance from the surface of which the track is a part.
+    """
     x = at.at - pair.at
+    distance, foot = max(abs(x), 1e-300), x * pair.along.conjugate()
     if pair.kind == LINE:
-        foot = min(max(dot(x, pair.along), 0.0), pair.extent)
-        return _from(x - foot * pair.along, pair.rho, False)
-    distance = max(abs(x), 1e-300)
-    if pair.kind == CONVEX and distance - pair.radius - pair.rho > -1e-12:
-        return _from(x, pair.rho + pair.radius, False)
-    angle = cmath.phase(x * pair.along.conjugate())
-    if abs(angle) > pair.extent:
-        # the nearer end of the arc
-        x -= pair.along * cmath.rect(pair.radius, pair.extent if angle > 0.0 else -pair.extent)
-        return _from(x, pair.rho, abs(x) > FAR * pair.radius)
-    gap = abs(distance - pair.radius) - pair.rho
-    outwards = x / distance if distance > pair.radius else -x / distance
-    return Near(gap, outwards, 1.5 * abs(at.v) ** 2 / distance, gap > FAR * pair.radius)
+        near = _from(x - min(max(foot.real, 0.0), pair.extent) * pair.along, pair.rho, False)
+        gap, normal, bend = -foot.imag - pair.rho, -1j * pair.along, 0.0
+    else:
+        angle, sign = cmath.phase(foot), float(pair.kind)
+        gap, normal = sign * (distance - pair.radius) - pair.rho, sign / distance * x
+        bend = 1.5 * abs(at.v) ** 2 / distance
+        if pair.kind == CONVEX and gap > -ALLOWED:
+            return Near(gap, normal, 0.0, False)
+        if abs(angle) > pair.extent:
+            # the nearer end of the arc
+            end = pair.along * cmath.rect(pair.radius, pair.extent if angle > 0.0 else -pair.extent)
+            near = _from(x - end, pair.rho, abs(x - end) > FAR * pair.radius)
+        else:
+            apart = distance - pair.radius
+            outwards = x / distance if apart > 0.0 else -x / distance
+            near = Near(abs(apart) - pair.rho, outwards, bend, abs(apart) > FAR * pair.radius)
+    if near.distance >= -ALLOWED:
+        return near
+    return Near(abs(gap), normal if gap > 0.0 else -normal, bend, False)
 
 
 @inner_jit
