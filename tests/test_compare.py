@@ -9,12 +9,14 @@ import pytest
 import escapement as esc
 from escapement.base.errors import InvalidValue
 from escapement.cli import main
+from escapement.model.numbers import numbers_of, with_number
 from escapement.model.similar import similar
 
 TIMER = esc.Escapement(
     esc.Geneva(4, crank_radius=0.0127), esc.Inertia(3.39e-7, 5.65e-6), torque=0.0113, friction=0.3,
     driver_drag=1e-9, follower_viscous=1e-7, driver_bearing_torque=1e-4, load_torque=1e-4,
 )  # fmt: skip
+PLAIN = esc.Escapement(TIMER.mechanism, TIMER.inertia, TIMER.torque, friction=0.3)
 OTHER = replace(
     TIMER, mechanism=esc.Geneva(6, crank_radius=0.02), inertia=esc.Inertia(1e-6, 2e-6), friction=0.2
 )
@@ -40,33 +42,43 @@ def test_similarity_takes_trains_curves_and_motors_along():
     )
 
 
-def test_designs_at_one_clock_keep_what_similarity_keeps():
-    own, scaled = esc.compare(TIMER, OTHER), esc.compare(TIMER, OTHER, equal_period=True)
+@pytest.fixture(scope="module")
+def own():
+    return esc.compare(PLAIN, OTHER)
+
+
+def test_designs_at_one_clock_keep_what_similarity_keeps(own):
+    scaled = esc.compare(PLAIN, OTHER, equal_period=True)
     for one in scaled:
         assert one.values["period"] == pytest.approx(own[0].values["period"], rel=1e-12)
-        assert one.values["torque"] == pytest.approx(TIMER.torque, rel=1e-12)
+        assert one.values["torque"] == pytest.approx(PLAIN.torque, rel=1e-12)
     kept = ("turn_deg", "friction_share", "period_by_friction", "period_by_torque")
     for name in kept:
         assert scaled[1].values[name] == pytest.approx(own[1].values[name], rel=1e-7)
     assert own[0].name == "geneva 1"
 
 
-def test_what_is_compared_is_what_other_functions_find():
-    one, _ = esc.compare(TIMER, OTHER)
-    slopes = esc.sensitivities(TIMER, errors=True)
+def test_what_is_compared_is_what_differences_and_ledger_say(own):
+    one, _ = own
+    step = 1e-4
+
+    def slope(less, more, width=2.0 * step):
+        ends = [math.log(esc.terminal(timer).period) for timer in (less, more)]
+        return (ends[1] - ends[0]) / width
+
     for name in ("torque", "friction", "driver_inertia", "follower_inertia"):
-        expected = slopes.relative["period"][name]
-        assert one.values[f"period_by_{name}"] == pytest.approx(expected, rel=1e-7)
-    own, name = slopes.absolute["period"], "centre_distance_error"
-    ends = slopes.one_sided["period"]
-    below, above = ends[name] if name in ends else (own[name], own[name])
-    scale = TIMER.mechanism.centre_distance * 0.0127 / one.figures.period
-    assert one.values["period_by_centre_distance"] == pytest.approx(scale * above, rel=1e-6)
-    if below != above:
-        shorter = one.values["period_by_shorter_centre_distance"]
-        assert shorter == pytest.approx(scale * below, rel=1e-6)
+        value = numbers_of(PLAIN)[name]
+        both = (with_number(PLAIN, name, (1.0 + way * step) * value) for way in (-1.0, 1.0))
+        assert one.values[f"period_by_{name}"] == pytest.approx(slope(*both), abs=1e-6)
+    apart = PLAIN.mechanism.centre_distance * 0.0127
+    for way, key in ((1.0, ""), (-1.0, "shorter_")):
+        moved = replace(PLAIN.mechanism, centre_distance_error=way * step * apart)
+        found = slope(PLAIN, replace(PLAIN, mechanism=moved), way * step)
+        told = one.values[f"period_by_{key}centre_distance"]
+        assert math.isnan(told) or told == pytest.approx(found, rel=0.02)
     ledger = one.figures.motion.ledger
     assert one.values["friction_share"] == pytest.approx(ledger.friction / ledger.work)
+    assert one.values["friction_share"] == pytest.approx(1.0)
     assert one.values["blow_share"] == 0.0
     assert one.reasons["period_with_rebound"] == "pins fit their slots exactly, without blows"
     missing = {name for name, value in one.values.items() if math.isnan(value)}
@@ -75,7 +87,7 @@ def test_what_is_compared_is_what_other_functions_find():
 
 def test_a_friction_of_zero_and_a_wheel_without_a_size_are_told():
     bare = esc.Escapement(esc.Geneva(4), TIMER.inertia, TIMER.torque, driver_drag=1e-9)
-    one, _ = esc.compare(bare, TIMER)
+    one, _ = esc.compare(bare, bare)
     assert one.reasons["period_by_friction"] == "there is no friction in the contact"
     assert "its size" in one.reasons["period_by_centre_distance"]
     assert one.reasons["contact_force_max"] == "a force needs a crank_radius"
