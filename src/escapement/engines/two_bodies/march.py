@@ -1,6 +1,6 @@
 """The motion from handoff to handoff, mode by mode and step by step."""
 
-from typing import NamedTuple
+from collections import namedtuple
 
 import numpy as np
 
@@ -33,12 +33,8 @@ AT_ONCE, MOST_STEPS = 20_000, 100_000
 SMALLEST = 1e-14
 
 
-class Notes(NamedTuple):
-    """The record: its rows, how many are used, and the steps taken; the engagement."""
-
-    rows: np.ndarray
-    used: np.ndarray
-    engagement: int
+Notes = namedtuple("Notes", "rows used engagement")
+"""The record: its rows, how many are used, and the steps taken; the engagement."""
 
 
 @inner_jit

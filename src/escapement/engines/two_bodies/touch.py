@@ -9,7 +9,7 @@ the axes of both bodies to the nose's centre, and angles q of nose and track,
 """
 
 import cmath
-from typing import NamedTuple
+from collections import namedtuple
 
 import numpy as np
 
@@ -22,44 +22,21 @@ FAR = 0.3
 """From an arc farther than this share of its radius, the nearest of its points may jump."""
 
 
-class Place(NamedTuple):
-    """Where a nose is: its centre from both axes, its velocity and acceleration as far as it does
-    not depend on those of the bodies, and the direction in which its body has turned.
-    """
-
-    arm: complex
-    at: complex
-    v: complex
-    a: complex
-    turned: complex
+Place = namedtuple("Place", "arm at v a turned")
+"""Where a nose is: its centre from both axes, its velocity and acceleration as far as it does
+not depend on those of the bodies, and the direction in which its body has turned."""
 
 
-class Touch(NamedTuple):
-    """A nose at a track: gap, rates G and H by the angles of driver and follower, kappa, and what
-    is left to the ends of the track (length or angle) and of the nose's sector, negative outside.
-    """
-
-    gap: float
-    g0: float
-    g1: float
-    h0: float
-    h1: float
-    kappa: float
-    on_track: float
-    on_nose: float
+Touch = namedtuple("Touch", "gap g0 g1 h0 h1 kappa on_track on_nose")
+"""A nose at a track: gap, rates G and H by the angles of driver and follower, kappa, and what
+is left to the ends of the track (length or angle) and of the nose's sector, negative outside."""
 
 
-class Near(NamedTuple):
-    """How near a nose is to the points of a track: the distance and its direction.
+Near = namedtuple("Near", "distance direction bend jumps")
+"""How near a nose is to the points of a track: the distance and its direction.
 
-    Towards the centre of an arc the distance bends by `bend` less than the motion along that
-    direction, elsewhere not less than it. If the nearest point `jumps`, only the speed bounds it.
-    """
-
-    distance: float
-    direction: complex
-    bend: float
-    jumps: bool
+Towards the centre of an arc the distance bends by `bend` less than the motion along that
+direction, elsewhere not less than it. If the nearest point `jumps`, only the speed bounds it."""
 
 
 @inner_jit

@@ -6,7 +6,7 @@ that follows from them. Pairs are looked at again only when their times have com
 become exact as D goes to zero. No contact is missed, however short it is.
 """
 
-from typing import NamedTuple
+from collections import namedtuple
 
 import numpy as np
 
@@ -26,16 +26,9 @@ NEAR = 0.03
 """Share of the longest step after which a gap that stays zero is looked at again."""
 
 
-class Bounds(NamedTuple):
-    """The accelerations of driver and follower, the time for which they are known, how many times
-    greater they may become then, and whether they change.
-    """
-
-    cap: float
-    driver: float
-    follower: float
-    share: float
-    changes: float
+Bounds = namedtuple("Bounds", "cap driver follower share changes")
+"""The accelerations of driver and follower, the time for which they are known, how many times
+greater they may become then, and whether they change."""
 
 
 @inner_jit
@@ -70,18 +63,16 @@ def _free_time(pair, at, near, bounds, y):
         bend = dot(near.direction, at.a + 1j * (rate_a * at.arm - rate_b * at.at)) - near.bend
         jerk = arm * spin * (spin * spin + more * turning)
         jerk += centre * swing * (swing * swing + more * swinging)
-    free, longest, distance = 0.0, bounds.cap, max(near.distance, 0.0)
-    for _ in range(4):
+    free, longest, distance = 0.0, bounds.cap, near.distance
+    while longest > free:
         most, found = bend - jerk * longest / 3.0, longest
         root = np.sqrt(max(slope * slope - 2.0 * most * distance, 0.0))
         if most < 0.0 and slope > 0.0:
-            found = min((slope + root) / -most, longest)
+            found = (slope + root) / -most
         elif root > 0.0 or most < 0.0:
-            found = min(2.0 * distance / max(root - slope, 1e-100), longest)
-        free = max(free, found)
-        if found == longest:
-            break
-        longest = min(longest, 2.0 * found)
+            found = 2.0 * distance / max(root - slope, 1e-100)
+        free = max(free, min(found, longest))
+        longest *= 0.4
     return free
 
 
@@ -119,8 +110,7 @@ def look(law, pairs, joints, watch, i, mode, y, push, bounds, time):
         return False
     at = place(pair, law.centre, y, nose, track)
     near = nearness(pair, at)
-    opens = near.distance > -ALLOWED and dot(near.direction, at.v) > STILL
-    if near.distance > CLOSED or opens:
+    if near.distance > CLOSED:
         seen.until = min(seen.until, time + _free_time(pair, at, near, bounds, y))
         return False
     touch = touch_at(pair, at)
@@ -128,6 +118,8 @@ def look(law, pairs, joints, watch, i, mode, y, push, bounds, time):
     rate = touch.g0 * y[2] + touch.g1 * y[3]
     bend = touch.kappa + touch.g0 * push.driver + touch.g1 * push.follower
     seen.until = time + bounds.cap * NEAR
+    if rate > STILL and bend < 0.0:
+        seen.until = min(seen.until, time - rate / bend)  # the top of a rebound
     # a nose that has just left the end of a feature would return to its continuation
     pressed = rate <= STILL and bend < -STILL and left > EDGE
     return abs(touch.gap) <= ALLOWED and ((rate < -STILL and left >= -EDGE) or pressed)
