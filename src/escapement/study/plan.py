@@ -284,7 +284,8 @@ class StudyPlan(Shown):
             lengths: dict[str, float] = self.build.lengths
             return lengths
         given = self.fixed_si
-        radii = [self.every(name) for name in ("crank_radius", "fixed_radius") if name in given]
+        names = ("crank_radius", "fixed_radius", "wheel_radius")
+        radii = [self.every(name) for name in names if name in given]
         crank = next((float(np.min(radius)) for radius in radii if radius is not None), 0.0)
         return {name: given.get(name) or 0.0 for name in LENGTHS} | {"crank_radius": crank}
 
