@@ -14,6 +14,7 @@ LENGTHS = ("crank_radius", "pin_radius", "kerf", "follower_shaft_radius")
 TORQUES = ("torque", "load_torque", "driver_inertia", "follower_inertia")
 FILES = {
     "sweep": {"config": "study.toml"},
+    "compare": {"config": ["timer.toml", "timer.toml"]},
     "reproduce": {"source": "filemon"},
     "bench": {"quick": True},
 }

@@ -88,6 +88,8 @@ from escapement.study.running import sweep as sweep
 from escapement.study.writer import write_study as write_study
 from escapement.tolerance.sensitivities import Sensitivities as Sensitivities
 from escapement.tolerance.sensitivities import sensitivities as sensitivities
+from escapement.tolerance.side_by_side import Compared as Compared
+from escapement.tolerance.side_by_side import compare as compare
 from escapement.tolerance.tolerance_budget import Budget as Budget
 from escapement.tolerance.tolerance_budget import budget as budget
 

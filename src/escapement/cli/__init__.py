@@ -5,9 +5,9 @@ A command is a module of this package: its docstring is the summary in its help,
 that are not SI. Only the module of the command is imported, and it imports nothing heavy before
 its arguments are parsed, so that help appears at once.
 
-Each command is a file of its name: `run`, `rundown`, `sweep`, `budget`, `design`, `explore`,
-`plot`, `mechanism`, `export`, `index`, `measure` with its part `measure_beats`, `reproduce`,
-`compile` and `bench`. Read `run` as an example.
+Each command is a file of its name: `run`, `rundown`, `sweep`, `compare`, `budget`, `design`,
+`explore`, `plot`, `mechanism`, `export`, `index`, `measure` with its part `measure_beats`,
+`reproduce`, `compile` and `bench`. Read `run` as an example.
 
 - `_arguments`: the parser, options that several commands share, and the objects they describe
 - `_inputs`, `_output`: what went in; JSON and tables, which are those of a `Record`, notes, files
@@ -31,6 +31,7 @@ COMMANDS = {
     "run": "one motion and its figures of merit",
     "rundown": "a timer whose spring runs down: rate, turns and stop",
     "sweep": "a study on a grid or a sample, to an HDF5 file",
+    "compare": "several designs side by side, at one clock if asked for",
     "budget": "effects of the tolerances of a drawing, and which to tighten",
     "design": "find timers or indexing drives for a task, within bounds",
     "explore": "write a page that computes a motion while numbers are dragged",

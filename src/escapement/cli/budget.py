@@ -49,7 +49,7 @@ def execute(args: Arguments) -> int:
     plan, tables = load_tables(args.config, "limits")
     system, date = plan.configuration["units"], plan.configuration.get("date", "")
     try:
-        limits = {name: _limits(name, ends, system) for name, ends in tables["limits"].items()}
+        limits = {name: limits_in_si(name, ends, system) for name, ends in tables["limits"].items()}
         options: Any = {"indices": args.indices or 0, "path": args.output}
         options["yields"] = args.yields or ()
         found = budget_of(plan, limits, **options)
@@ -89,7 +89,7 @@ def execute(args: Arguments) -> int:
     return SOME_FAILED if found.failed.value else 0
 
 
-def _limits(name: str, ends: Any, system: str) -> Any:
+def limits_in_si(name: str, ends: Any, system: str) -> Any:
     """Limits of a study file in SI; what is no pair of numbers stays as it is."""
     from escapement.study.plan import unit_kind
 

@@ -22,14 +22,15 @@ EVENT = {
 
 
 class NotedTrajectory(Trajectory):
-    """Base of trajectories whose pieces and events are rows of `EVENT` in natural units.
-
-    A subclass has `_happened`: all rows of the motion, and the engagement of each.
-    """
+    """Base of trajectories whose pieces and events are rows of `EVENT` in natural units."""
 
     escapement: Escapement
     end_time: float
-    _happened: tuple[np.ndarray, np.ndarray]
+
+    @property
+    def _happened(self) -> tuple[np.ndarray, np.ndarray]:
+        """All rows of the motion, and the engagement of each."""
+        raise NotImplementedError
 
     def _seconds(self, rows: np.ndarray) -> FloatArray:
         """Times of rows [s]."""

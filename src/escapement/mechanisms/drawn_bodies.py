@@ -22,7 +22,6 @@ else:
     chains = Lazy("escapement.mechanisms.chains")
 
 _MOST_FOLD = 1000
-_SAMPLES = 24
 
 Rows = Sequence[Sequence[Sequence[float]]]
 """Chains of rows x, y and bulge."""
@@ -100,7 +99,8 @@ class Outlines(TwoBodies):
     Raises
     ------
     InvalidValue
-        When an argument breaks its rule, or the bodies overlap at the start.
+        When an argument breaks its rule. `motion_check` tells whether the bodies overlap at the
+        start.
     """
 
     kind: ClassVar[str] = "outlines"

@@ -9,6 +9,6 @@ Read `escapement` first, then `scene`.
 - `load_curve`, `load_cells`: a load over the follower angle, and what engines see of it
 - `friction_pairs`: published coefficients of friction of pairs of materials
 - `materials`: elastic constants by name, and the stresses of a pin
-- `checks`: whether numbers fit together
+- `checks`: whether numbers fit together; `similar`: the same in another time
 - `scene`, `natural`: the input of an engine, and its numbers in natural units
 """

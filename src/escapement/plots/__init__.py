@@ -8,8 +8,8 @@ Functions for one panel draw into given axes, or into a new figure; nothing is s
 - `motion_plots`, `motor_panels`, `rundown_curve`, `animation`, `clearance_drawing`: motions, and
   films of them
 - `drawing`, `geneva`, `gear_driven`, `planetary`, `touching_bodies`: mechanisms to scale
-- `study`, `study_panels`, `study_table`, `sample`, `budget_bars`, `designs`: studies, budgets and
-  designs
+- `study`, `study_panels`, `study_table`, `sample`, `budget_bars`, `designs`, `comparison_bars`:
+  studies, budgets and designs
 - `measurement`, `beat_plots`, `timing`: readings and beats
 - `drive_torque_curve`, `index_figure`: drives at constant speed
 """
@@ -19,6 +19,7 @@ from escapement.plots.animation import animate as animate
 from escapement.plots.beat_plots import plot_beat_spectrum as plot_beat_spectrum
 from escapement.plots.beat_plots import plot_beats as plot_beats
 from escapement.plots.budget_bars import plot_budget as plot_budget
+from escapement.plots.comparison_bars import plot_comparison as plot_comparison
 from escapement.plots.designs import plot_designs as plot_designs
 from escapement.plots.drawing import plot_mechanism as plot_mechanism
 from escapement.plots.drawing import plot_table as plot_table

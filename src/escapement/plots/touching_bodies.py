@@ -7,9 +7,10 @@ from matplotlib.axes import Axes
 
 from escapement.base import validate
 from escapement.base.spoken import drawn_unit
+from escapement.mechanisms.escape_wheel import EscapeWheel
 from escapement.mechanisms.two_bodies import TwoBodies
 from escapement.outlines.bodies import Body, arc
-from escapement.outlines.touching import bodies, verge_angle
+from escapement.outlines.touching import PLATE, bodies, verge_angle
 from escapement.plots import drawing, style
 
 _LOOKS: dict[str, dict[str, Any]] = {
@@ -52,7 +53,9 @@ def plot_touching(
     phi = verge_angle(mechanism, angle) if follower_angle is None else follower_angle
     apart, size = mechanism.axes_distance, _reach(mechanism)
     room = _MARGIN * apart
-    left, right = min(-size[0], apart - size[1]), max(size[0], apart + size[1])
+    # a verge only swings, and nothing of it is far behind its axis
+    beyond = 2.0 * PLATE if isinstance(mechanism, EscapeWheel) else size[1]
+    left, right = min(-size[0], apart - size[1]), max(size[0], apart + beyond)
     high = max(size)
     ax = drawing.dress_scene(ax, (left - room, right + room, -high - room, high + room))
     drawing.bodies(ax, bodies(mechanism, angle, phi), _LOOKS, edgecolor=style.BLACK)

@@ -7,6 +7,7 @@ Read `tolerance_budget` and `sensitivities` first.
 - `permitted`: the inverse, ranges that give a wanted yield
 - `scatter_record`: what is told of it, in JSON, tables and reports
 - `sensitivities`: derivatives of figures of merit
+- `side_by_side`: several designs compared
 - `derivatives`: derivatives of several figures by several numbers
 - `differences`: derivatives by one number, from differences
 """

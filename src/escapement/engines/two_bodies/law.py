@@ -8,7 +8,7 @@ With the touch of `touch`, the sign sigma of the slip and the torques Q without 
 The sign of N does not depend on friction while A > 0.
 """
 
-from typing import NamedTuple
+from collections import namedtuple
 
 import numpy as np
 
@@ -21,63 +21,31 @@ MOTION, STATE = 4, 10
 contact, both bearings and the drag of both bodies, and to the load."""
 
 
-class Law(NamedTuple):
-    """Two bodies in natural units, see `model.scene.Scene` for the fields of the same name.
+Law = namedtuple("Law", (
+    "rho mu_plus torque gain load bearing driver_drag follower_drag "
+    "driver_viscous follower_viscous driver_journal follower_journal centre "
+    "begin spring weight rest restitution plain"
+))  # fmt: skip
+"""Two bodies in natural units, see `model.scene.Scene` for the fields of the same name.
 
-    centre : distance of the axes. begin : driver angle at the start. spring, weight, rest :
-    stiffness of the follower's spring, moment of its weight, and the angle at which both are at
-    rest. restitution : of blows. plain : whether torques are constant in a flight.
-    """
-
-    rho: float
-    mu_plus: float
-    torque: np.ndarray
-    gain: float
-    load: float
-    bearing: float
-    driver_drag: float
-    follower_drag: float
-    driver_viscous: float
-    follower_viscous: float
-    driver_journal: float
-    follower_journal: float
-    centre: float
-    begin: float
-    spring: float
-    weight: float
-    rest: float
-    restitution: float
-    plain: bool
+centre : distance of the axes. begin : driver angle at the start. spring, weight, rest :
+stiffness of the follower's spring, moment of its weight, and the angle at which both are at
+rest. restitution : of blows. plain : whether torques are constant in a flight."""
 
 
 SHARED = Law._fields[: Law._fields.index("centre")]
 """Fields that are those of a `Scene`."""
 
 
-class Mode(NamedTuple):
-    """What the bodies do: the pair in contact, or -1, its images, and signs that last.
+Mode = namedtuple("Mode", "pair nose track sigma driver_sense follower_sense")
+"""What the bodies do: the pair in contact, or -1, its images, and signs that last.
 
-    sigma : sign of the slip. driver_sense, follower_sense : of the speeds; 0 of a body at rest that
-        friction of its bearing holds.
-    """
-
-    pair: int
-    nose: int
-    track: int
-    sigma: float
-    driver_sense: float
-    follower_sense: float
+sigma : sign of the slip. driver_sense, follower_sense : of the speeds; 0 of a body at rest that
+    friction of its bearing holds."""
 
 
-class Push(NamedTuple):
-    """Accelerations of both bodies, normal force and its torque on the follower, slip, and A."""
-
-    driver: float
-    follower: float
-    force: float
-    moment: float
-    slip: float
-    yielding: float
+Push = namedtuple("Push", "driver follower force moment slip yielding")
+"""Accelerations of both bodies, normal force and its torque on the follower, slip, and A."""
 
 
 @inner_jit

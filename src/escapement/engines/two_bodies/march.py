@@ -1,6 +1,6 @@
 """The motion from handoff to handoff, mode by mode and step by step."""
 
-from typing import NamedTuple
+from collections import namedtuple
 
 import numpy as np
 
@@ -9,7 +9,7 @@ from escapement.dynamics.event_rows import EVENT
 from escapement.engines.two_bodies import step
 from escapement.engines.two_bodies.change import behind_event, close, contact_of, flight, rate_of
 from escapement.engines.two_bodies.law import MOTION, STATE, Mode, energy, push_at, touching
-from escapement.engines.two_bodies.watch import WATCH, bounds_of, look, passes
+from escapement.engines.two_bodies.watch import WATCH, bounds_of, look
 from escapement.numerics.altered import altered
 from escapement.numerics.jit import inner_jit, jit
 from escapement.numerics.records import record_dtype
@@ -33,12 +33,8 @@ AT_ONCE, MOST_STEPS = 20_000, 100_000
 SMALLEST = 1e-14
 
 
-class Notes(NamedTuple):
-    """The record: its rows, how many are used, and the steps taken; the engagement."""
-
-    rows: np.ndarray
-    used: np.ndarray
-    engagement: int
+Notes = namedtuple("Notes", "rows used engagement")
+"""The record: its rows, how many are used, and the steps taken; the engagement."""
 
 
 @inner_jit
@@ -87,24 +83,6 @@ def _first_closed(law, pairs, joints, watch, mode, y, push, time):
 
 
 @inner_jit
-def _passed(law, pairs, watch, mode, y, length, work):
-    """A near pair whose track is passed within a step, or -1, and the length to there."""
-    found = -1
-    for i in range(len(watch)):
-        if watch[i].near == 0 or not passes(law, pairs, watch, i, work.out):
-            continue
-        low, high = 0.0, length
-        while low < 0.5 * (low + high) < high:
-            middle = 0.5 * (low + high)
-            step.advance(law, pairs, mode, y, middle, work)
-            late = passes(law, pairs, watch, i, work.out)
-            low, high = (low, middle) if late else (middle, high)
-        length, found = high, i
-        step.advance(law, pairs, mode, y, length, work)
-    return found, length
-
-
-@inner_jit
 def _look_anew(watch, time):
     for i in range(len(watch)):
         watch[i].until = time
@@ -132,7 +110,6 @@ def _engage(law, pairs, joints, watch, notes, y, work, mode, goal, end_time):
                 _note(law, pairs, notes, kind if begun else STEP, time, mode, y)
             begun, trend = False, np.sign(push.driver)
             part, event = step.first_event(law, pairs, mode, y, part, goal, trend, work)
-            closed, part = _passed(law, pairs, watch, mode, y, part, work)
             time += part
             for i in range(len(y)):
                 y[i] = work.out[i]

@@ -11,7 +11,7 @@ from itertools import product
 
 import numpy as np
 
-from escapement.mechanisms.features import CONVEX, LINE, Features
+from escapement.mechanisms.features import CONVEX, HOLLOW, LINE, Features
 from escapement.numerics.records import record_dtype
 
 PAIR = record_dtype({
@@ -83,14 +83,25 @@ def ends_of(body: Features, i: int) -> np.ndarray:
 
 
 def joints_of(body: Features) -> np.ndarray:
-    """Which features of a body meet: shape (n, n, 3), that of the same sector and its neighbours.
+    """Which features of a body meet in a joint that is tangent or sticks out, so that a nose or a
+    track of the other body touches only one of them: shape (n, n, 3).
 
-    ``joints[i, k, 1 + d]`` tells whether feature i meets feature k of the sector that is d ahead.
-    A feature meets itself.
+    ``joints[i, k, 1 + d]`` is that of feature i with feature k of the sector that is d ahead. A
+    feature meets itself.
     """
+    lines, sign = body.kind == LINE, np.where(body.kind == HOLLOW, -1.0, 1.0)
+    half = np.where(lines, 0.0, sign * body.extent)
+    normal = body.direction - np.where(lines, 0.5 * math.pi, 0.5 * math.pi * (1.0 - sign))
     ends = np.array([ends_of(body, i)[:2] for i in range(body.kind.size)])
-    turned = ends[..., None] * np.exp(2j * math.pi * np.array([-1.0, 0.0, 1.0]) / body.fold)
-    apart = np.abs(ends[:, None, :, None, None] - turned[None, :, None, :, :]).min(axis=(2, 3))
-    meets = apart <= _SAME * np.abs(ends).max()
-    meets[:, :, 1] |= np.eye(body.kind.size, dtype=bool)
-    return np.asarray(meets.astype(np.int64))
+    ends[body.kind == HOLLOW] = ends[body.kind == HOLLOW, ::-1]
+    joints = np.zeros((body.kind.size, body.kind.size, 3), np.int64)
+    for d in (-1, 0, 1):
+        turn = 2.0 * math.pi * d / body.fold
+        apart = np.abs(ends[:, None, 1] - ends[None, :, 0] * np.exp(1j * turn))
+        bend = (normal - half)[None] + turn - (normal + half)[:, None]
+        outwards = np.remainder(bend + 1e-6, 2.0 * math.pi) < math.pi
+        follows = (apart <= _SAME * np.abs(ends).max()) & outwards
+        joints[:, :, 1 + d] |= follows
+        joints[:, :, 1 - d] |= follows.T
+    joints[:, :, 1] |= np.eye(body.kind.size, dtype=np.int64)
+    return joints

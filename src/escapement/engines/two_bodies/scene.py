@@ -40,10 +40,10 @@ def _prepare(escapement: Escapement, machine: Any) -> Prepared:
     spring, weight = escapement.follower_spring / unit, escapement.follower_gravity / unit
     changing = spring, weight, scene.torque.size - 3, scene.driver_drag, scene.follower_drag
     plain = not any((*changing, scene.driver_viscous, scene.follower_viscous))
-    law = Law(
-        *(getattr(scene, name) for name in SHARED), float(machine.axes_distance), theta, spring,
-        weight, escapement.follower_rest_angle, escapement.restitution, plain,
-    )  # fmt: skip
+    shared = (getattr(scene, name) for name in SHARED)
+    place, swing = (float(machine.axes_distance), theta), (spring, weight)
+    rest, restitution = escapement.follower_rest_angle, escapement.restitution
+    law = Law._make((*shared, *place, *swing, rest, restitution, plain))
     pitches = 2.0 * np.pi / driver.fold, 2.0 * np.pi / follower.fold
     joints = joints_of(driver), joints_of(follower)
     return Prepared(law, pairs_of(driver, follower), joints, pitches, (theta, phi))

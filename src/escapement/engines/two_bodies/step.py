@@ -4,7 +4,7 @@ A step takes extrapolated midpoint rules (Gragg, Bulirsch and Stoer), of order 8
 a kept contact back to a gap of zero. In a flight with constant torques it is exact.
 """
 
-from typing import NamedTuple
+from collections import namedtuple
 
 import numpy as np
 
@@ -21,12 +21,8 @@ slip in its sense, what is left of track and nose, A, and the driver's accelerat
 NOTHING = -1
 
 
-class Memory(NamedTuple):
-    """The state at the end of a step, and memory: rows as long as a state, and the `MARGINS`."""
-
-    out: np.ndarray
-    table: np.ndarray
-    marks: np.ndarray
+Memory = namedtuple("Memory", "out table marks")
+"""The state at the end of a step, and memory: rows as long as a state, and the `MARGINS`."""
 
 
 @inner_jit(allocates=True)

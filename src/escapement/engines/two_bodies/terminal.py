@@ -1,8 +1,7 @@
 """The cycle of a motion of two bodies, which repeats itself after a pitch, after several, or never.
 
-The map from pitch to pitch mostly contracts so fast that it is followed. Where it does not, such as
-that of a clock with a pendulum, Newton's method finds the state that repeats itself, and the motion
-is then followed from there.
+The map from pitch to pitch contracts, so it is followed: that of a runaway for ten pitches or so,
+that of a clock with a pendulum for some hundreds.
 """
 
 import math
@@ -14,19 +13,12 @@ from escapement.base.status import Status
 from escapement.dynamics.codes import Ending
 from escapement.dynamics.figures_of_merit import BatchSpread, Figures, cycle_figures, read_figures
 from escapement.dynamics.motion import Motion
+from escapement.engines.two_bodies import simulate as following
 from escapement.engines.two_bodies.march import PAIR, SPEED, STEPS, THETA, TIME
-from escapement.engines.two_bodies.simulate import (
-    LONGEST,
-    first_state,
-    march_from,
-    motion_from,
-    outcome,
-    simulate,
-)
 from escapement.mechanisms.protocol import FloatArray
 from escapement.model.escapement import Escapement
 
-_AT_ONCE, _TRIES, _KEPT = 10, 40, 200
+_AT_ONCE, _TRIES, _KEPT = 10, 60, 200
 """Engagements between two looks, how often, and how many of a motion that never repeats."""
 _SAME, _ALIKE = 1e-13, 1e-9
 """Engagements repeat if their states are the same to this share of the speed, and are said to
@@ -39,13 +31,13 @@ def terminal(
     escapement: Escapement, base: Figures, *, initial_speed: float, rtol: float
 ) -> Figures:
     """Figures of merit of two bodies; see `escapement.terminal`."""
-    state = first_state(escapement, initial_speed)
+    state = following.first_state(escapement, initial_speed)
     for k in range(_TRIES + 1):
         count = _AT_ONCE if k < _TRIES else _KEPT
-        ending, states, theta, _end = march_from(escapement, state, count)
+        ending, states, theta, _end = following.march_from(escapement, state, count)
         if ending != Ending.DONE:
             passed = k * _AT_ONCE + len(states) - 1
-            status, message = outcome(escapement, ending, theta, passed)
+            status, message = following.outcome(escapement, ending, theta, passed)
             return replace(base, status=status, message=message)
         for size in range(1, _MOST + 1):
             one, two = states[-1], states[-1 - size]
@@ -53,8 +45,6 @@ def terminal(
             if one[PAIR] == two[PAIR] and apart <= _SAME:
                 return _figures(escapement, base, _restarted(one), size, initial_speed, rtol)
         state = _restarted(states[-1])
-        if k % 3 == 1:
-            state = _newton(escapement, state)
     return _scattered(escapement, base, states, rtol)
 
 
@@ -64,34 +54,11 @@ def _restarted(state: FloatArray) -> FloatArray:
     return state
 
 
-def _newton(escapement: Escapement, state: FloatArray) -> FloatArray:
-    """A state nearer to one that repeats itself, if the motion is in flight there."""
-
-    def behind(moving: FloatArray) -> FloatArray:
-        start = state.copy()
-        start[_MOVING] = moving
-        ending, states, _theta, _end = march_from(escapement, start, 1)
-        flies = ending == Ending.DONE and max(states[0, PAIR], states[-1, PAIR]) < 0.0
-        return states[-1, _MOVING] if flies else np.full(moving.size, np.nan)
-
-    x = state[_MOVING].copy()
-    for _ in range(4):
-        steps = np.diag(1e-6 * np.maximum(np.abs(x), 1e-3))
-        slopes = [(behind(x + h) - behind(x - h)) / (2.0 * h.max()) for h in steps]
-        matrix = np.eye(x.size) - np.array(slopes).T
-        if not np.isfinite(matrix).all():
-            return state
-        x = x + np.linalg.solve(matrix, behind(x) - x)
-    state = state.copy()
-    state[_MOVING] = x
-    return state
-
-
 def _figures(
     escapement: Escapement, base: Figures, state: FloatArray, size: int, speed: float, rtol: float
 ) -> Figures:
     """Figures of the round of so many engagements that begins with a state and leads back to it."""
-    cycle = motion_from(escapement, state, rtol, size)
+    cycle = following.motion_from(escapement, state, rtol, size)
     if size > 1:
         told = ", ".join(f"{x:.9g}" for x in np.diff(cycle.handoff_times, prepend=0.0))
         message = f"the motion repeats itself after {size} pitches, with periods of {told} s"
@@ -99,23 +66,23 @@ def _figures(
 
     def follow(count: int) -> Motion:
         start = {"duration": None, "initial_speed": speed, "rtol": rtol}
-        return simulate(escapement, engagements=count, **start)  # type: ignore[arg-type]
+        return following.simulate(escapement, engagements=count, **start)  # type: ignore[arg-type]
 
     ends = []
     for share in (1.0 - 1e-5, 1.0 + 1e-5):
         changed = state.copy()
         changed[[SPEED, SPEED + 2]] *= share
-        ending, states, _theta, _end = march_from(escapement, changed, 1)
+        ending, states, _theta, _end = following.march_from(escapement, changed, 1)
         ends.append(states[-1, SPEED] ** 2 if ending == Ending.DONE else math.nan)
     contraction = float((ends[1] - ends[0]) / (4e-5 * state[SPEED] ** 2))
-    return read_figures(base, cycle, contraction, speed, follow, LONGEST)
+    return read_figures(base, cycle, contraction, speed, follow, following.LONGEST)
 
 
 def _scattered(escapement: Escapement, base: Figures, states: FloatArray, rtol: float) -> Figures:
     """Means over engagements that never repeat themselves, with their scatter."""
     periods = np.diff(states[:, TIME]) * escapement.time_unit
     mean, spread = float(periods.mean()), float(np.ptp(periods))
-    cycle = motion_from(escapement, _restarted(states[-1]), rtol, 1)
+    cycle = following.motion_from(escapement, _restarted(states[-1]), rtol, 1)
     found = cycle_figures(cycle) | {"motion": cycle}
     if spread <= _ALIKE * mean:
         return replace(base, **found, message=f"the pitches repeat to {spread / mean:.1g}")

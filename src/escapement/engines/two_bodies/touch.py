@@ -9,55 +9,34 @@ the axes of both bodies to the nose's centre, and angles q of nose and track,
 """
 
 import cmath
-from typing import NamedTuple
+from collections import namedtuple
 
 import numpy as np
 
 from escapement.mechanisms.features import CONVEX, LINE
 from escapement.numerics.jit import inner_jit, jit
 
+ALLOWED = 1e-9
+"""A contact that begins deeper than this came from behind."""
 FAR = 0.3
 """From an arc farther than this share of its radius, the nearest of its points may jump."""
 
 
-class Place(NamedTuple):
-    """Where a nose is: its centre from both axes, its velocity and acceleration as far as it does
-    not depend on those of the bodies, and the direction in which its body has turned.
-    """
-
-    arm: complex
-    at: complex
-    v: complex
-    a: complex
-    turned: complex
+Place = namedtuple("Place", "arm at v a turned")
+"""Where a nose is: its centre from both axes, its velocity and acceleration as far as it does
+not depend on those of the bodies, and the direction in which its body has turned."""
 
 
-class Touch(NamedTuple):
-    """A nose at a track: gap, rates G and H by the angles of driver and follower, kappa, and what
-    is left to the ends of the track (length or angle) and of the nose's sector, negative outside.
-    """
-
-    gap: float
-    g0: float
-    g1: float
-    h0: float
-    h1: float
-    kappa: float
-    on_track: float
-    on_nose: float
+Touch = namedtuple("Touch", "gap g0 g1 h0 h1 kappa on_track on_nose")
+"""A nose at a track: gap, rates G and H by the angles of driver and follower, kappa, and what
+is left to the ends of the track (length or angle) and of the nose's sector, negative outside."""
 
 
-class Near(NamedTuple):
-    """How near a nose is to the points of a track: the distance and its direction.
+Near = namedtuple("Near", "distance direction bend jumps")
+"""How near a nose is to the points of a track: the distance and its direction.
 
-    Towards the centre of an arc the distance bends by `bend` less than the motion along that
-    direction, elsewhere not less than it. If the nearest point `jumps`, only the speed bounds it.
-    """
-
-    distance: float
-    direction: complex
-    bend: float
-    jumps: bool
+Towards the centre of an arc the distance bends by `bend` less than the motion along that
+direction, elsewhere not less than it. If the nearest point `jumps`, only the speed bounds it."""
 
 
 @inner_jit
@@ -133,22 +112,33 @@ def touch_at(pair, at):
 
 @inner_jit
 def nearness(pair, at):
-    """Distance from the disc of the nose to the points of the track."""
+    """Distance from the disc of the nose to the points of the track.
+
+    Where the disc covers such points although its sector does not, or lies behind the track, it is
+    the distance from the surface of which the track is a part.
+    """
     x = at.at - pair.at
+    distance, foot = max(abs(x), 1e-300), x * pair.along.conjugate()
     if pair.kind == LINE:
-        foot = min(max(dot(x, pair.along), 0.0), pair.extent)
-        return _from(x - foot * pair.along, pair.rho, False)
-    distance = max(abs(x), 1e-300)
-    if pair.kind == CONVEX and distance - pair.radius - pair.rho > -1e-12:
-        return _from(x, pair.rho + pair.radius, False)
-    angle = cmath.phase(x * pair.along.conjugate())
-    if abs(angle) > pair.extent:
-        # the nearer end of the arc
-        x -= pair.along * cmath.rect(pair.radius, pair.extent if angle > 0.0 else -pair.extent)
-        return _from(x, pair.rho, abs(x) > FAR * pair.radius)
-    gap = abs(distance - pair.radius) - pair.rho
-    outwards = x / distance if distance > pair.radius else -x / distance
-    return Near(gap, outwards, 1.5 * abs(at.v) ** 2 / distance, gap > FAR * pair.radius)
+        near = _from(x - min(max(foot.real, 0.0), pair.extent) * pair.along, pair.rho, False)
+        gap, normal, bend = -foot.imag - pair.rho, -1j * pair.along, 0.0
+    else:
+        angle, sign = cmath.phase(foot), float(pair.kind)
+        gap, normal = sign * (distance - pair.radius) - pair.rho, sign / distance * x
+        bend = 1.5 * abs(at.v) ** 2 / distance
+        if pair.kind == CONVEX and gap > -ALLOWED:
+            return Near(gap, normal, 0.0, False)
+        if abs(angle) > pair.extent:
+            # the nearer end of the arc
+            end = pair.along * cmath.rect(pair.radius, pair.extent if angle > 0.0 else -pair.extent)
+            near = _from(x - end, pair.rho, abs(x - end) > FAR * pair.radius)
+        else:
+            apart = distance - pair.radius
+            outwards = x / distance if apart > 0.0 else -x / distance
+            near = Near(abs(apart) - pair.rho, outwards, bend, abs(apart) > FAR * pair.radius)
+    if near.distance >= -ALLOWED:
+        return near
+    return Near(abs(gap), normal if gap > 0.0 else -normal, bend, False)
 
 
 @inner_jit

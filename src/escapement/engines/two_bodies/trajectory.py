@@ -41,7 +41,7 @@ class TwoBodyTrajectory(NotedTrajectory):
         return self.end_time / self.escapement.time_unit
 
     @cached_property
-    def _happened(self) -> tuple[np.ndarray, np.ndarray]:  # type: ignore[override]
+    def _happened(self) -> tuple[np.ndarray, np.ndarray]:
         """All rows of the motion, and the engagement of each."""
         scene, used = prepared(self.escapement), np.zeros(2, np.int64)
         # a motion that ends at a handoff has no part of the next engagement

@@ -6,39 +6,29 @@ that follows from them. Pairs are looked at again only when their times have com
 become exact as D goes to zero. No contact is missed, however short it is.
 """
 
-from typing import NamedTuple
+from collections import namedtuple
 
 import numpy as np
 
 from escapement.engines.two_bodies.pairs import TURN
-from escapement.engines.two_bodies.touch import dot, images, nearness, place, touch_at
+from escapement.engines.two_bodies.touch import ALLOWED, dot, images, nearness, place, touch_at
 from escapement.numerics.jit import inner_jit
 from escapement.numerics.records import record_dtype
 
-WATCH = record_dtype(
-    {"until": float, **dict.fromkeys(("nose", "track", "near", "behind"), np.int64)}
-)
-"""A pair: no contact begins `until` that time. The images; whether it is so `near` that every step
-ends with a look; whether the nose is `behind` the track."""
-CLOSED, ALLOWED = 1e-13, 1e-9
-"""A gap below this is closed, and a contact that begins deeper than that came from behind."""
+WATCH = record_dtype({"until": float, "nose": np.int64, "track": np.int64})
+"""A pair: no contact begins until that time; the images that it means."""
+CLOSED = 1e-13
+"""A gap below this is closed."""
 EDGE, STILL = 1e-7, 1e-12
 """A foot may be outside of a feature by this length or angle. A gap that changes at less than that
 speed stays as it is."""
 NEAR = 0.03
-"""Share of the longest step while a pair is near."""
+"""Share of the longest step after which a gap that stays zero is looked at again."""
 
 
-class Bounds(NamedTuple):
-    """The accelerations of driver and follower, the time for which they are known, how many times
-    greater they may become then, and whether they change.
-    """
-
-    cap: float
-    driver: float
-    follower: float
-    share: float
-    changes: float
+Bounds = namedtuple("Bounds", "cap driver follower share changes")
+"""The accelerations of driver and follower, the time for which they are known, how many times
+greater they may become then, and whether they change."""
 
 
 @inner_jit
@@ -73,15 +63,16 @@ def _free_time(pair, at, near, bounds, y):
         bend = dot(near.direction, at.a + 1j * (rate_a * at.arm - rate_b * at.at)) - near.bend
         jerk = arm * spin * (spin * spin + more * turning)
         jerk += centre * swing * (swing * swing + more * swinging)
-    free, longest = 0.0, bounds.cap
-    for _ in range(4):
-        root = slope * slope - 2.0 * (bend - jerk * longest / 3.0) * near.distance
-        root = np.sqrt(max(root, 0.0)) - slope if root >= 0.0 else 0.0
-        found = min(2.0 * near.distance / root, longest) if root > 0.0 else longest
-        free = max(free, found)
-        if found == longest:
-            break
-        longest = min(longest, 2.0 * found)
+    free, longest, distance = 0.0, bounds.cap, near.distance
+    while longest > free:
+        most, found = bend - jerk * longest / 3.0, longest
+        root = np.sqrt(max(slope * slope - 2.0 * most * distance, 0.0))
+        if most < 0.0 and slope > 0.0:
+            found = (slope + root) / -most
+        elif root > 0.0 or most < 0.0:
+            found = 2.0 * distance / max(root - slope, 1e-100)
+        free = max(free, min(found, longest))
+        longest *= 0.4
     return free
 
 
@@ -113,7 +104,7 @@ def look(law, pairs, joints, watch, i, mode, y, push, bounds, time):
     """Look at a pair; returns whether a contact begins."""
     seen, pair = watch[i], pairs[i]
     nose, track = images(pair, law.centre, y)
-    seen.nose, seen.track, seen.near, seen.behind = nose, track, 0, 0
+    seen.nose, seen.track = nose, track
     seen.until = time + bounds.cap * pair.rest
     if joined(pairs, joints, mode, i, nose, track):
         return False
@@ -126,17 +117,9 @@ def look(law, pairs, joints, watch, i, mode, y, push, bounds, time):
     left = min(touch.on_track, touch.on_nose)
     rate = touch.g0 * y[2] + touch.g1 * y[3]
     bend = touch.kappa + touch.g0 * push.driver + touch.g1 * push.follower
-    seen.near, seen.until = 1, time + bounds.cap * NEAR
-    seen.behind = 1 if left >= -EDGE and touch.gap < -10.0 * CLOSED else 0
+    seen.until = time + bounds.cap * NEAR
+    if rate > STILL and bend < 0.0:
+        seen.until = min(seen.until, time - rate / bend)  # the top of a rebound
     # a nose that has just left the end of a feature would return to its continuation
     pressed = rate <= STILL and bend < -STILL and left > EDGE
     return abs(touch.gap) <= ALLOWED and ((rate < -STILL and left >= -EDGE) or pressed)
-
-
-@inner_jit
-def passes(law, pairs, watch, i, y):
-    """Whether a near pair is behind a track in front of which it was."""
-    seen, pair = watch[i], pairs[i]
-    touch = touch_at(pair, place(pair, law.centre, y, seen.nose, seen.track))
-    inside = touch.on_track >= 0.0 and touch.on_nose >= 0.0
-    return inside and touch.gap < -10.0 * CLOSED and seen.behind == 0

@@ -57,13 +57,18 @@ def load_plan(path: AnyPath) -> StudyPlan:
     return load_tables(path, "limits")[0]
 
 
-def load_tables(path: AnyPath, *apart: str) -> tuple[StudyPlan, dict[str, Any]]:
-    """The plan of a study file, and tables of it that are not the study's; errors as above."""
+def load_tables(path: AnyPath, *apart: str, lone: bool = False) -> tuple[StudyPlan, dict[str, Any]]:
+    """The plan of a study file, and tables of it that are not the study's; errors as above.
+
+    lone : whether the file may describe one case, without an axis or a sample.
+    """
     content = read_toml(path, "study file")
     try:
         others = {name: table(content, name) for name in apart}
         for name in apart:
             content.pop(name, None)
+        if lone and content.keys().isdisjoint(("sweep", "sample")):
+            content["sweep"] = {"initial_speed": [content.pop("initial_speed", 0.0)]}
         for curve in (content.get("torque"), content.get("load_curve")):
             if isinstance(curve, dict) and isinstance(curve.get("file"), str):
                 # its path is relative to the study file
@@ -132,8 +137,7 @@ def parse_plan(configuration: Mapping[str, Any], mechanism: Mechanism | None = N
     )  # fmt: skip
     if subject is not ESCAPEMENT:
         _check_drives(plan)
-    contact = subject is ESCAPEMENT and plan.contact
-    solver = solver_for("any" if contact else "", solver)
+    solver = solver_for(plan.contact if subject is ESCAPEMENT else "", solver)
     solver = solver if solver.engine else replace(solver, engine=DEFAULT_ENGINE)
     vars(plan)["solver"] = solver  # a copy would convert all columns once more
     if subject is ESCAPEMENT:
