@@ -7,7 +7,7 @@ import numpy as np
 from escapement.engines.two_bodies import march as marching
 from escapement.engines.two_bodies.law import Law
 from escapement.engines.two_bodies.pairs import joints_of, pairs_of
-from escapement.mechanisms.features import CONVEX, HOLLOW, LINE, Features
+from escapement.mechanisms.features import CONVEX, LINE, Features
 
 
 def features(rows, fold=1):
@@ -32,44 +32,6 @@ def geneva(slots, half_clearance, pin=0.0):
         (LINE, high.real, high.imag, np.angle(-along), end - first, 0.0),
     ]
     return driver, features(rows, slots), centre
-
-
-def deadbeat(teeth=30, span=7, lift=2.0, lock=0.5, drop=1.0, depth=0.2):
-    """Wheel, anchor and distance of a Graham escapement with pointed teeth."""
-    pitch, psi = 2.0 * math.pi / teeth, (span + 0.5) * math.pi / teeth
-    centre, rho = 1.0 / math.cos(psi), 0.002
-    lift, lock, drop = (math.radians(angle) for angle in (lift, lock, drop))
-    radii = [
-        math.sqrt(centre**2 + 1.0 - 2.0 * centre * math.cos(0.5 * angle))
-        for angle in (span * pitch + drop, (span + 1) * pitch - drop)
-    ]
-    inner, outer = radii
-    half = 0.5 * (lift + lock)
-
-    def polar(radius, side):
-        # direction from the anchor's axis of the point of the wheel's circle at this distance
-        x = (radius**2 - 1.0 - centre**2) / (-2.0 * centre)
-        return np.angle(x + 1j * side * math.sqrt(1.0 - x * x) - centre)
-
-    rows = []
-    for side in (-1, 1):
-        to_outer, to_inner = (
-            (polar(outer, side) - (lock - half), polar(inner, side) - half)
-            if side < 0
-            else (polar(outer, side) + half, polar(inner, side) - (half - lock))
-        )
-        corners = outer * np.exp(1j * to_outer), inner * np.exp(1j * to_inner)
-        # the material of the entry is ahead of its outer face, that of the exit beyond its inner
-        for corner in corners:
-            rows.append((CONVEX, corner.real, corner.imag, 0.0, math.pi, 0.0))
-        one, two = corners if side < 0 else corners[::-1]
-        if side < 0:
-            rows.append((LINE, two.real, two.imag, np.angle(one - two), abs(one - two), 0.0))
-            rows.append((CONVEX, 0.0, 0.0, to_outer - 0.15, 0.15, outer))
-        else:
-            rows.append((LINE, two.real, two.imag, np.angle(one - two), abs(one - two), 0.0))
-            rows.append((HOLLOW, 0.0, 0.0, to_inner + 0.15, 0.15, inner))
-    return rows, centre, rho, depth
 
 
 def followed(driver, follower, centre, inertias, count, start=(0.0, 0.0), rows=0, **numbers):

@@ -302,3 +302,17 @@ def test_other_engines_are_refused():
 def test_rule_for_jams_is_refused():
     with pytest.raises(InvalidValue, match="slots"):
         esc.jam_rule(runaway())
+
+
+def test_study_over_friction():
+    grid = esc.sweep(runaway(), friction=[0.10, 0.15])
+    assert grid["period"] == pytest.approx([0.9060003530, 0.9554163897], abs=1e-9)
+
+
+def test_sensitivities_obey_similarity():
+    # T = sqrt(I/torque) F(ratio of the inertias, friction, ...)
+    found = esc.sensitivities(runaway()).relative["period"]
+    assert found["torque"] == pytest.approx(-0.5, abs=1e-6)
+    assert found["driver_inertia"] + found["follower_inertia"] == pytest.approx(0.5, abs=1e-6)
+    assert found["friction"] == pytest.approx(0.159, abs=1e-3)
+    assert found["follower_inertia"] == pytest.approx(0.528, abs=1e-3)

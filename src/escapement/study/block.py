@@ -21,7 +21,13 @@ from escapement.study.result import Study, count_failed
 
 CELLS = 65536
 """Values per chunk of an axis: 512 KiB, half of HDF5's default chunk cache."""
-_CASES = {"energy": (1024, 16384), "index": (256, 2048), "ivp": (4, 4), "contact": (4, 4)}
+_CASES = {
+    "energy": (1024, 16384),
+    "index": (256, 2048),
+    "ivp": (4, 4),
+    "contact": (4, 4),
+    "two_bodies": (16, 256),
+}
 """Fewest and most cases of a block: `energy` takes up to 0.25 s for one, the others about 2 s.
 
 A block costs a call and a chunk, which take as long as tens of fast cases; with smaller blocks

@@ -314,12 +314,14 @@ class StudyPlan(Shown):
         return not any(np.any(self.every(name)) for name in errors)
 
     @cached_property
-    def contact(self) -> bool:
-        """Whether a case has clearance or stiffness."""
+    def contact(self) -> str:
+        """The law of contact of its cases: "outlines", "any" with clearance or stiffness, or ""."""
+        if self.build.pitch is not None:
+            return "outlines"
         if not isinstance(self.build, type) and self.build.clearance:
-            return True
+            return "any"
         names = {"clearance", "stiffness"} & {*self.fixed_si}
-        return any(np.any(self.every(name)) for name in names)
+        return "any" if any(np.any(self.every(name)) for name in names) else ""
 
     @property
     def unused(self) -> str:
@@ -333,6 +335,8 @@ class StudyPlan(Shown):
         values = {name: self.every(name) for name in self.fixed_si}
         if not isinstance(self.build, type):
             values["clearance"] = self.build.clearance
+        if self.contact == "outlines":
+            values["clearance"] = 1.0  # there always is some
         notes = [idle_settings(self.subject.owner, values)]
         if self.subject is not ESCAPEMENT:
             return notes[0]
@@ -348,7 +352,8 @@ class StudyPlan(Shown):
         varied = (self.parameters[name] for along in self.varied.values() for name in along)
         # if its numbers vary, a case that cannot be built gets a status instead
         if all(entry.section != "mechanism" for entry in varied):
-            _ = self.mechanism(0).path
+            machine = self.mechanism(0)
+            _ = machine.driver_features or machine.path
 
 
 @lru_cache(64)

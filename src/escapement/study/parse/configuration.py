@@ -135,8 +135,7 @@ def parse_plan(configuration: Mapping[str, Any], mechanism: Mechanism | None = N
     )  # fmt: skip
     if subject is not ESCAPEMENT:
         _check_drives(plan)
-    contact = subject is ESCAPEMENT and plan.contact
-    solver = solver_for("any" if contact else "", solver)
+    solver = solver_for(plan.contact if subject is ESCAPEMENT else "", solver)
     solver = solver if solver.engine else replace(solver, engine=DEFAULT_ENGINE)
     plan = replace(plan, solver=solver)
     if subject is ESCAPEMENT:

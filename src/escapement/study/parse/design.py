@@ -12,7 +12,8 @@ from numpy.typing import ArrayLike
 
 from escapement.base import validate
 from escapement.base.errors import InvalidValue
-from escapement.base.quantity import declared
+from escapement.base.quantity import Setting, declared
+from escapement.base.units import DEGREE
 from escapement.constant_speed.index_case import IndexCase
 from escapement.mechanisms import KINDS, kind_of
 from escapement.mechanisms.protocol import Mechanism
@@ -76,7 +77,7 @@ def plan_from(
     numbers |= {} if turns is None else {"turns": turns}
     entries = declared(type(escapement))
     given = escapement.settings.items()
-    numbers |= {name: value for name, value in given if value != entries[name].default}
+    numbers |= {n: _as_read(entries[n], x) for n, x in given if x != entries[n].default}
     tables: dict[str, Any] = {"mechanism": machine, "sweep": axes}
     if isinstance(escapement, Escapement):
         tables["inertia"] = asdict(escapement.inertia)
@@ -92,7 +93,8 @@ def _describe(mechanism: Mechanism) -> tuple[dict[str, Any], Mechanism | None]:
     """A mechanism as a [mechanism] table, or the mechanism itself if it is of no known kind."""
     for name in KINDS:
         if type(mechanism) is kind_of(name):
-            return {"kind": name} | _chosen(mechanism), None
+            entries, chosen = declared(kind_of(name)), _chosen(mechanism)
+            return {"kind": name} | {n: _as_read(entries[n], x) for n, x in chosen.items()}, None
     # the numbers distinguish two mechanisms with the same repr
     cell = (*mechanism.breaks, mechanism.cell_angle, mechanism.follower_step)
     checksum = zlib.crc32(np.concatenate([mechanism.path.numbers, cell]).tobytes())
@@ -100,6 +102,11 @@ def _describe(mechanism: Mechanism) -> tuple[dict[str, Any], Mechanism | None]:
     text = re.sub(r" at 0x[0-9a-fA-F]+", "", repr(mechanism))
     description = f"{text}, checksum {checksum:08x}"
     return {"kind": type(mechanism).__qualname__, "description": description}, mechanism
+
+
+def _as_read(entry: Setting, value: Any) -> Any:
+    """A value in SI as a study file has it, which tells some angles in degrees."""
+    return value / DEGREE if entry.unit == "degrees" and value is not None else value
 
 
 def _chosen(mechanism: Any) -> dict[str, Any]:
@@ -111,7 +118,7 @@ def _chosen(mechanism: Any) -> dict[str, Any]:
     # mostly it would choose all the others again; if not, each is tried by itself
     for left_out in [others, *([name] for name in others)]:
         without = {key: value for key, value in chosen.items() if key not in left_out}
-        with suppress(InvalidValue):  # there may be no such mechanism
+        with suppress(InvalidValue, TypeError):  # there may be no such mechanism
             settings = kind(**without).settings
             if all(settings[name] == chosen[name] for name in left_out):
                 chosen = without
