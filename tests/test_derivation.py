@@ -195,8 +195,8 @@ def dimensionless():
 def scene(rho, mu_plus, mu_minus, load, *, table=False):
     nothing, numbers = np.empty(0), (rho, mu_plus, mu_minus, load)
     path = np.zeros(11)  # a slot through the axis: the kernels read its distance
-    absent = (0.0,) * (len(Scene._fields) - 6 - len(numbers))
-    constant = np.array([0.0, 0.0, 1.0]), 0.0, np.zeros(1)
+    absent = (0.0,) * (len(Scene._fields) - 7 - len(numbers))
+    constant = np.array([0.0, 0.0, 1.0]), 0.0, np.zeros(1), np.zeros(1)
     found = Scene(Path(table, path), nothing, 0.0, *constant, *numbers, *absent)
     trains = {"barrel_efficiency": 1.0, "load_train_efficiency": 1.0}
     return found._replace(gain=1.0, flow=-1.0, **trains)

@@ -64,7 +64,8 @@ class IndexRows(IndexLoads):
         if (load := every["load_curve"]) is not None:
             cells = load_cells(load, self.mechanism)
             curve = in_a_round([(cell.edges, cell.numbers) for cell in cells])
-        shared = Scene(path, edges, dwell, torque, 0.0, curve, *rows[0, :GIVEN].tolist())
+        given = curve, np.array(NO_CURVE), *rows[0, :GIVEN].tolist()
+        shared = Scene(path, edges, dwell, torque, 0.0, *given)
         table = np.tile([*np.full(KNOCK, np.nan), *NO_KNOCK, *NO_RINGING], (count, 1))
         fill_rows(packed(shared), self.half, rows, units, table)
         return table.T

@@ -84,7 +84,7 @@ def page(
         drawn = sections.of_pictures(escapement, motion)
         parts.append(sections.section("Drawing and velocities", drawn))
     curve = escapement.curve
-    if curve is not None and not curve.periodic and curve.torque[-1] == 0.0:
+    if curve is not None and not curve.periodic and curve.at_rest[-1] == 0.0:
         run = rundown(escapement, initial_speed=initial_speed)
         text = sections.paragraph(
             f"{run.message[0].upper()}{run.message[1:]}."
