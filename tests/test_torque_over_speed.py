@@ -11,6 +11,7 @@ import pytest
 import escapement as esc
 from escapement.base.errors import InputFileError, InvalidValue
 from escapement.base.status import Status
+from escapement.dynamics.needs import FIXED, Kind, kind_of
 
 TORQUE, INERTIA = 0.0113, esc.Inertia(3.39e-7, 5.65e-6)
 TIMER = esc.Escapement(esc.Geneva(4), INERTIA, TORQUE, friction=0.3)
@@ -235,3 +236,15 @@ def test_sensitivities_scale_the_whole_table():
     found = esc.sensitivities(timer).relative["period"]["torque"]
     near = [esc.terminal(replace(timer, torque=FALLING * (1.0 + x))).period for x in (-1e-4, 1e-4)]
     assert found == pytest.approx(math.log(near[1] / near[0]) / 2e-4, rel=1e-6)
+
+
+def test_only_a_torque_over_the_speed_needs_its_kernels():
+    """Scenes without one are of the kinds that they were, and a motor's line needs no table."""
+    others = {"torque": esc.Motor(0.02, 300.0)}, {"spring_rate": 1e-4}, {"follower_viscous": 1e-6}
+
+    def kind(timer):
+        return kind_of(timer.scene.path, timer.scene.torque, timer.scene[FIXED:])
+
+    assert kind(TIMER) == Kind.IDEAL
+    assert {kind(replace(TIMER, **other)) for other in others} == {Kind.WHOLE}
+    assert kind(replace(TIMER, torque=FALLING)) == Kind.SPEED
