@@ -3,7 +3,7 @@
 import math
 from functools import partial
 from os import PathLike
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -118,6 +118,39 @@ def read_columns(
     *units, time_unit = table.layout.units
     kept = tuple(one for one, column in zip(units, both, strict=True) if column is not None)
     return Columns((first, second), time, table.line, kept, time_unit, table.comments)
+
+
+class _NoSpeed(Exception):
+    """A file has no column of speeds."""
+
+
+def read_speeds(path: str | PathLike[str], what: str) -> tuple[Any, Any, Any] | None:
+    """Angles [rad], None without a column of them, speeds [rad/s] and torques of a file.
+
+    None where no column is called speed. Errors are those of `read_columns`.
+    """
+    content = Content(what, "speeds", "a column of speeds and one of torques")
+    try:
+        return read_table(path, content, _speed_layout).columns  # type: ignore[return-value]
+    except _NoSpeed:
+        return None
+
+
+def _speed_layout(fields: list[str], names: list[str], header: bool) -> Layout:
+    """Layout of a file with a column called speed."""
+    speeds = [i for i, name in enumerate(names) if name.lower().startswith("speed")]
+    if not (header and speeds):
+        raise _NoSpeed
+    if len(fields) > 3 or speeds != [len(fields) - 2]:
+        rule = "name the columns angle, speed and torque, or speed and torque"
+        raise BrokenLine(rule, "put them in this order")
+    unit = name_and_unit(names[0])[1] if len(fields) > 2 else None
+    if (unit or "rad") not in UNITS:
+        raise wrong_unit(unit, False)
+    rpm = names[speeds[0]].lower().rstrip(")] ").endswith("rpm")
+    scales = UNITS[unit or "rad"], 2.0 * math.pi / 60.0 if rpm else 1.0, 1.0
+    indices = (None, 0, 1) if len(fields) < 3 else (0, 1, 2)
+    return Layout(indices, (unit, "rpm" if rpm else "rad/s", None), scales)
 
 
 def _find_layout(fields: list[str], names: list[str], header: bool, wanted: _Wanted) -> Layout:

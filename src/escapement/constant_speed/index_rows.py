@@ -68,7 +68,8 @@ class IndexRows(IndexLoads):
             curve = in_a_round([(cell.edges, cell.numbers) for cell in cells])
             step = float(self.mechanism.follower_step)
             over = over_follower(load, steps_of(load, abs(step)), step)
-        shared = Scene(path, edges, dwell, torque, 0.0, curve, *rows[0, :GIVEN].tolist())
+        given = curve, np.array(NO_CURVE), *rows[0, :GIVEN].tolist()
+        shared = Scene(path, edges, dwell, torque, 0.0, *given)
         table = np.tile([*np.full(KNOCK, np.nan), *NO_KNOCK, *NO_RINGING], (count, 1))
         fill_rows(packed(shared), self.half, rows, units, over, table)
         return table.T

@@ -89,6 +89,8 @@ def _passed(motion: Any, piece: int, times: FloatArray, train: str) -> FloatArra
         )
     curve, driver_angle = motion.escapement.curve, state.theta - motion.at(0.0).theta
     torque = referred["torque"] if curve is None else curve(driver_angle)
+    if (drive := motion.escapement.drive_curve) is not None:
+        torque = drive(driver_angle, np.abs(state.theta_dot))
     if "motor_viscous" in referred:
         torque = torque - referred["motor_viscous"] * state.theta_dot
     sense = np.where(state.theta_dot < 0.0, -1.0, 1.0)

@@ -48,7 +48,13 @@ from typing import NamedTuple
 import numpy as np
 
 from escapement.dynamics.load import load_at, whole_load
-from escapement.dynamics.torque import REST, is_undriven, same_angle_gap, torque_at
+from escapement.dynamics.torque import (
+    REST,
+    depends_on_speed,
+    drive_torque,
+    is_undriven,
+    same_angle_gap,
+)
 from escapement.mechanisms.path import OFFSET, PIN_RATE, Path
 from escapement.mechanisms.slotted import pose_at
 from escapement.model.scene import (
@@ -56,6 +62,7 @@ from escapement.model.scene import (
     DRIVER_ANGLE,
     DWELL,
     EDGES_END,
+    LOAD_END,
     PATH_END,
     TABLE,
     TORQUE_END,
@@ -82,17 +89,18 @@ SLIGHTEST_IMPACT = 1e-4
 def scene_with(shared, edges, row):
     """The scene `shared` with other edges, and with the numbers in a row."""
     return _numbered(
-        shared.path, edges, shared.dwell, shared.torque, shared.driver_angle, shared.load_curve, row
-    )
+        shared.path, edges, shared.dwell, shared.torque, shared.driver_angle, shared.load_curve,
+        shared.fall, row,
+    )  # fmt: skip
 
 
 @inner_jit(inlined=True)
-def _numbered(path, edges, dwell, torque, driver_angle, load_curve, row):
+def _numbered(path, edges, dwell, torque, driver_angle, load_curve, fall, row):
     """The scene with the numbers in a row."""
     return Scene(
-        path, edges, dwell, torque, driver_angle, load_curve,
+        path, edges, dwell, torque, driver_angle, load_curve, fall,
         row[0], row[1], row[2], row[3], row[4], row[5], row[6], row[7], row[8], row[9], row[10],
-        row[11], row[12], row[13], row[14], row[15], row[16], row[17], row[18],
+        row[11], row[12], row[13], row[14], row[15], row[16], row[17], row[18], row[19],
     )  # fmt: skip
 
 
@@ -100,10 +108,10 @@ def _numbered(path, edges, dwell, torque, driver_angle, load_curve, row):
 def scene_of(packed):
     """The scene that `model.scene.packed` has laid out in an array."""
     path, edges = int(packed[PATH_END]), int(packed[EDGES_END])
-    torque = int(packed[TORQUE_END])
+    torque, load = int(packed[TORQUE_END]), int(packed[LOAD_END])
     return _numbered(
         Path(packed[TABLE] != 0.0, packed[ARRAYS:path]), packed[path:edges], packed[DWELL],
-        packed[edges:torque], packed[DRIVER_ANGLE], packed[torque:], packed,
+        packed[edges:torque], packed[DRIVER_ANGLE], packed[torque:load], packed[load:], packed,
     )  # fmt: skip
 
 
@@ -122,8 +130,9 @@ def is_ideal(scene):
 
 @inner_jit
 def is_viscous(scene):
-    """Whether there is drag proportional to the speed, which makes the law nonlinear in w."""
-    return scene.driver_viscous != 0.0 or scene.follower_viscous != 0.0
+    """Whether drag or the torque depends on the speed, which makes the law nonlinear in w."""
+    dragged = scene.driver_viscous != 0.0 or scene.follower_viscous != 0.0
+    return dragged or depends_on_speed(scene)
 
 
 @inner_jit
@@ -262,7 +271,7 @@ class WallState(NamedTuple):
 def wall_state(theta, w, side, scene, slide_sign=0.0, ratio_sign=0.0):
     """`WallState` at a driver angle; the side is 0 in a dwell, and signs are as in `grip`."""
     pose = pose_at(scene.path, theta) if side != 0.0 else (0.0, 0.0, 0.0, 0.0)
-    torque, load = torque_at(theta, scene)[0], load_at(theta, side, scene)
+    torque, load = drive_torque(theta, w, scene), load_at(theta, side, scene)
     return state_of_pose(pose, torque, w, side, scene, slide_sign, ratio_sign, load)
 
 
@@ -312,7 +321,7 @@ def is_felt(share):
 
 
 @inner_jit
-def energy_rates(g, c, k, pull, inverse_inertia, dtheta_dx, root, scene, load=0.0):
+def energy_rates(g, c, k, pull, inverse_inertia, dtheta_dx, root, scene, load=0.0, slope=0.0):
     """Coefficients of dE/dx = A - B E for E = (rho + g^2) w, twice the kinetic energy.
 
     With J = rho + g^2 + g c
@@ -330,6 +339,7 @@ def energy_rates(g, c, k, pull, inverse_inertia, dtheta_dx, root, scene, load=0.
     inverse_inertia : 1/(rho + g^2).
     dtheta_dx : theta', the driver angle by the panel's coordinate x.
     root : speed about which viscous drag is linear; 0 without it.
+    slope : of the pull by the speed, at `root`.
 
     Returns
     -------
@@ -341,9 +351,9 @@ def energy_rates(g, c, k, pull, inverse_inertia, dtheta_dx, root, scene, load=0.
     air = scene.follower_drag * (g * g * abs(g))
     if root > 0.0:
         half = 0.5 * root
-        torque -= scene.driver_viscous * half
+        torque -= (scene.driver_viscous + slope) * half
         load += scene.follower_viscous * g * half
-        drag += scene.driver_viscous * (0.5 / root)
+        drag += (scene.driver_viscous - slope) * (0.5 / root)
         shear = scene.follower_viscous * g * (0.5 / root)
         k += shear
         air += shear * g

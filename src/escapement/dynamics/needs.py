@@ -1,9 +1,10 @@
 """What a scene needs is part of its type, so that kernels are compiled for that alone.
 
 A scene of kind `Kind.IDEAL` has friction and a load, one of kind `Kind.STEADY` also losses in pins,
-bearings and air, and one of kind `Kind.WHOLE` has everything. In the longest kernels, numbers that
-a kind does without are `Known`: what they decide is decided when a kernel is compiled, and neither
-passed on nor computed. All other kernels are compiled once, for scenes of any kind.
+bearings and air, one of kind `Kind.WHOLE` has everything but a torque over the speed, and one of
+kind `Kind.SPEED` has that too. In the longest kernels, numbers that a kind does without are
+`Known`: what they decide is decided when a kernel is compiled, and neither passed on nor computed.
+All other kernels are compiled once, for scenes of any kind.
 """
 
 from collections.abc import Iterable
@@ -26,7 +27,7 @@ NUMBERS = Scene._fields[FIXED:]
 CONSTANT: Any = (0.0, 0.0, 1.0)
 """A constant torque, as `Scene.torque` holds it."""
 NO_CURVE: Any = (0.0,)
-"""No load that changes, as `Scene.load_curve` holds it."""
+"""No load that changes, and no fall of the torque, as `Scene.load_curve` and `fall` hold it."""
 _NO, _ONE, _UNKNOWN = Known(0.0), Known(1.0), Known(-1.0)
 _LOSSES = dict.fromkeys(
     ("bearing", "driver_drag", "follower_drag", "pin", "driver_journal", "follower_journal"), _NO
@@ -37,6 +38,7 @@ _REST = {
     **dict.fromkeys(("gain", "barrel_efficiency", "load_train_efficiency"), _ONE),
     "flow": _UNKNOWN,
 }
+_AT_ALL_SPEEDS = {"pace": _NO}
 
 
 class Kind(IntEnum):
@@ -45,12 +47,14 @@ class Kind(IntEnum):
     IDEAL = 0
     STEADY = 1
     WHOLE = 2
+    SPEED = 3
 
 
 _KNOWN: dict[Kind, dict[str, Any]] = {
-    Kind.IDEAL: {**_LOSSES, **_REST},
-    Kind.STEADY: _REST,
-    Kind.WHOLE: {},
+    Kind.IDEAL: {**_LOSSES, **_REST, **_AT_ALL_SPEEDS},
+    Kind.STEADY: {**_REST, **_AT_ALL_SPEEDS},
+    Kind.WHOLE: _AT_ALL_SPEEDS,
+    Kind.SPEED: {},
 }
 """The numbers that scenes of a kind do without."""
 _PLAIN = np.array([float(_KNOWN[Kind.IDEAL].get(name, np.nan)) for name in NUMBERS])
@@ -65,15 +69,14 @@ def kind_of(path: Path, torque: Any, numbers: Iterable[Any]) -> Kind:
     path, torque : as in `Scene`.
     numbers : for each of `NUMBERS` a number, or an array of those of many scenes.
     """
-    if len(torque) != len(CONSTANT):
-        return Kind.WHOLE
+    least = Kind.IDEAL if len(torque) == len(CONSTANT) else Kind.WHOLE
     plain = (np.reshape([*numbers], (len(NUMBERS), -1)) == _PLAIN[:, None]).all(axis=1)
     for kind in Kind:
         # only a slot through the axis is ideal
         fits = kind > Kind.IDEAL or path.table or path.numbers[OFFSET] == 0.0
-        if fits and plain[_WITHOUT[kind]].all():
+        if kind >= least and fits and plain[_WITHOUT[kind]].all():
             return kind
-    return Kind.WHOLE
+    return Kind.SPEED
 
 
 _typeof: Any = numba.typeof
@@ -89,7 +92,9 @@ def _compiled(_context: Any, scene: Any, kind: Any) -> Any:
     known: dict[str, Any] = _KNOWN[Kind(int(kind.value))]
     if not known:
         return scene(scene, kind), lambda context, builder, signature, values: values[0]
-    fixed = {**known, "torque": CONSTANT, "driver_angle": 0.0, "load_curve": NO_CURVE}
+    fixed = {**known, "fall": NO_CURVE}
+    if "motor" in known:
+        fixed |= {"torque": CONSTANT, "driver_angle": 0.0, "load_curve": NO_CURVE}
     kinds: list[Any] = [*scene.types]
     for name, value in fixed.items():
         kinds[scene.fields.index(name)] = _typeof(value)

@@ -19,7 +19,7 @@ from escapement.dynamics.law import (
 )
 from escapement.dynamics.load import load_at
 from escapement.dynamics.power_flow import factors, weight
-from escapement.dynamics.torque import cell_after
+from escapement.dynamics.torque import cell_after, fall_at
 from escapement.dynamics.train_losses import flowing, is_lossy, train_losses
 from escapement.mechanisms.slotted import pose_at
 from escapement.numerics.jit import inner_jit, jit
@@ -89,11 +89,14 @@ class ForceAndLosses(NamedTuple):
 
 
 @inner_jit
-def losses_at(g, u, radius, k, pull, w, side, here, slide_sign=0.0, ratio_sign=0.0, load=0.0):
+def losses_at(
+    g, u, radius, k, pull, w, side, here, slide_sign=0.0, ratio_sign=0.0, load=0.0, fall=0.0
+):  # fmt: skip
     """Contact force and losses at a driver angle.
 
     `here` is the scene of the flow, whose pull and k these are; signs are as in
-    `dynamics.law.grip`.
+    `dynamics.law.grip`. `fall` is how much less torque the drive gives than at rest, which counts
+    as drag of the driver, as that of a motor does.
     """
     unit, ratio = weight(here), sign_of(g, ratio_sign) * g
     root, speed = root_of(w, here), np.sqrt(max(w, 0.0))
@@ -117,7 +120,8 @@ def losses_at(g, u, radius, k, pull, w, side, here, slide_sign=0.0, ratio_sign=0
         friction=unit * slot,
         driver_bearing=unit * (side * here.driver_journal * force + here.bearing),
         follower_bearing=unit * (side * here.follower_journal * ratio * force),
-        driver_drag=unit * (here.driver_drag * w + here.driver_viscous * speed) + slope * speed,
+        driver_drag=unit * (here.driver_drag * w + here.driver_viscous * speed)
+        + (slope * speed + fall),
         follower_drag=unit * (g * g * air),
         barrel=barrel,
         load_train=train,
@@ -136,7 +140,8 @@ def tabulate(scene, theta, inward, driver_angle, w, side, out):
         signs = signs_near(theta[i], inward[i], side, here)
         now = wall_state(theta[i], w[i], side, here, *signs)
         path = now.g, now.u, now.radius, now.k, now.pull
-        lost = losses_at(*path, w[i], side, here, *signs, load_at(theta[i], side, here))
+        load, fall = load_at(theta[i], side, here), fall_at(theta[i], w[i], here)
+        lost = losses_at(*path, w[i], side, here, *signs, load, fall)
         out[0, i], out[1, i], out[2, i] = now.g, now.dg, now.rate
         out[3, i], out[4, i] = weight(here) * now.moment / now.inertia, now.moment
         for j in range(ROWS - LOST + 1):

@@ -6,12 +6,17 @@ natural units the greatest torque is 1.
 
 `Scene.torque` holds the angle after which n knots repeat, or 0, then the angles of the knots
 [rad], ascending, and then the torques.
+
+Where the torque depends on the speed as well, these are the torques at rest. `Scene.fall` holds how
+much less the drive gives at a speed: the number of speeds, the speeds over the last one, and for
+each knot, or once for all angles, the coefficients of a cubic spline between any two speeds.
 """
 
 import numpy as np
 
 from escapement.numerics.altered import altered
 from escapement.numerics.jit import inner_jit, jit
+from escapement.numerics.known import where_known
 
 # Where nothing drives it a driver of this squared speed, in units of torque/I_f, is at rest.
 REST = 1e-6
@@ -92,6 +97,88 @@ def torque_at(theta, scene):
     """Torque at a driver angle of the cell after `scene.driver_angle`, and its slope by the
     angle."""
     return torque_after(scene.driver_angle + (theta - scene.edges[0]), scene)
+
+
+@where_known("pace", lambda scene: False)
+def depends_on_speed(scene):
+    """Whether the torque depends on the speed of the driver, besides a motor's straight line."""
+    return scene.pace > 0.0
+
+
+@where_known("pace", lambda scene: True)
+def is_alike(scene):
+    """Whether the fall of the torque with the speed is the same at all angles."""
+    speeds = int(scene.fall[0])
+    return scene.pace == 0.0 or len(scene.fall) == 1 + speeds + 4 * (speeds - 1)
+
+
+@inner_jit
+def _fall_of_row(row, x, scene):
+    """The fall of one row at a share x of the last speed, and its slope; a line beyond 1."""
+    speeds = int(scene.fall[0])
+    low, high = 1, speeds
+    while high - low > 1:
+        middle = (low + high) // 2
+        if scene.fall[middle] <= x:
+            low = middle
+        else:
+            high = middle
+    first = 1 + speeds + 4 * (row * (speeds - 1) + low - 1)
+    inside = min(x, 1.0)
+    t = inside - scene.fall[low]
+    a, b, c, d = (
+        scene.fall[first],
+        scene.fall[first + 1],
+        scene.fall[first + 2],
+        scene.fall[first + 3],
+    )
+    slope = (3.0 * a * t + 2.0 * b) * t + c
+    return ((a * t + b) * t + c) * t + d + (x - inside) * slope, slope
+
+
+@where_known("pace", lambda driver_angle, speed, scene: (0.0, 0.0))
+def fall_after(driver_angle, speed, scene):
+    """How much less torque the drive gives at a speed than at rest, and its slope by the speed."""
+    if scene.pace == 0.0:
+        return 0.0, 0.0
+    x = speed * scene.pace
+    if is_alike(scene):
+        fall, slope = _fall_of_row(0, x, scene)
+        return fall, slope * scene.pace
+    driver_angle -= _lap(driver_angle, scene)
+    k, count = _first_behind(driver_angle, scene), knots_of(scene)
+    fall, slope = _fall_of_row(max(k - 1, 0), x, scene)
+    if 0 < k < count:
+        share = (driver_angle - scene.torque[k]) / (scene.torque[1 + k] - scene.torque[k])
+        other, steeper = _fall_of_row(k, x, scene)
+        fall, slope = fall + share * (other - fall), slope + share * (steeper - slope)
+    return fall, slope * scene.pace
+
+
+@where_known("pace", lambda theta, w, scene: 0.0)
+def fall_at(theta, w, scene):
+    """As `fall_after`, at a driver angle of the cell and a squared speed, without the slope."""
+    return fall_after(angle_turned(theta, scene), np.sqrt(max(w, 0.0)), scene)[0]
+
+
+@inner_jit
+def angle_turned(theta, scene):
+    """Driver angle turned since the start, at one of the cell after `scene.driver_angle`."""
+    return scene.driver_angle + (theta - scene.edges[0])
+
+
+@where_known("pace", lambda pull, driver_angle, w, scene: pull)
+def at_speed(pull, driver_angle, w, scene):
+    """The pull of the drive at a squared speed, from that at rest."""
+    if scene.pace == 0.0:
+        return pull
+    return pull - scene.gain * fall_after(driver_angle, np.sqrt(max(w, 0.0)), scene)[0]
+
+
+@inner_jit
+def drive_torque(theta, w, scene):
+    """Torque at a driver angle of the cell and a squared speed."""
+    return at_speed(torque_at(theta, scene)[0], angle_turned(theta, scene), w, scene)
 
 
 @jit

@@ -20,7 +20,7 @@ import numpy as np
 from escapement.dynamics.law import state_of_pose
 from escapement.dynamics.load import load_at
 from escapement.dynamics.power_flow import FLOWS, UNKNOWN, factors, weight
-from escapement.dynamics.torque import torque_at
+from escapement.dynamics.torque import drive_torque
 from escapement.mechanisms.slotted import pose_at
 from escapement.numerics.altered import altered
 from escapement.numerics.jit import inner_jit, jit
@@ -79,13 +79,13 @@ def _misses(flow, q, z):
 @jit
 def flow_at(theta, side, w, scene):
     """The flow at a driver angle while the side s carries the force, 0 in a dwell."""
-    torque, best, least, held = torque_at(theta, scene)[0], 0.0, np.inf, False
+    torque, best, least, held = drive_torque(theta, w, scene), 0.0, np.inf, False
     pose = pose_at(scene.path, theta) if side != 0.0 else (0.0, 0.0, 0.0, 0.0)
     for i in range(FLOWS):
         flow = float(i)
         here = in_flow(scene, flow)
         load = load_at(theta, side, here)
-        now = state_of_pose(pose, torque_at(theta, here)[0], w, side, here, 0.0, 0.0, load)
+        now = state_of_pose(pose, drive_torque(theta, w, here), w, side, here, 0.0, 0.0, load)
         if not now.inertia > 0.0:
             # beyond the Painleve limit of this flow it would need a force of the other sign
             continue

@@ -314,9 +314,9 @@ def _turns_of_cell(cell: float) -> Fraction:
 def _spent_after(escapement: Escapement) -> float:
     """Driver turns after which there is no torque; infinite where there always is."""
     curve = escapement.curve
-    if curve is None or curve.periodic or curve.torque[-1] > 0.0:
+    if curve is None or curve.periodic or curve.at_rest[-1] > 0.0:
         return math.inf
-    last = max(k for k, torque in enumerate(curve.torque) if torque > 0.0)
+    last = max(k for k, torque in enumerate(curve.at_rest) if torque > 0.0)
     return float(curve.angle[last + 1]) / (2.0 * math.pi)
 
 

@@ -39,6 +39,7 @@ _OK = Status.OK
 _FULL = "the figures are those of the full spring, whose torque falls as it runs down"
 _AT_START = "the figures are those of the torque at the start of the motion"
 _NO_START = "the torque curve begins with no torque, which has no cycle"
+ROUNDING = 1e-9
 _TOO_UNEQUAL = (
     f"the numbers differ by a factor of more than {MOST_UNEQUAL:g}, whose square no double holds; "
     "choose inertias, torques and a speed of similar size"
@@ -121,6 +122,15 @@ def simulate(
         return no_motion(escapement, engine, settings["rtol"], why)
     run = _engine(engine, escapement.contact, "simulate")
     motion: Motion = run(escapement, engagements=engagements, duration=duration, **settings)
+    drive = escapement.drive_curve
+    if drive is not None and drive.speed:
+        parts = [
+            initial_speed,
+            *(part.extrema.theta_dot.max(initial=0.0) for part in motion.parts()),
+        ]
+        fastest = max(*parts, motion.handoff_velocities.max(initial=0.0))
+        if why := _too_fast(drive.speed[-1], fastest):
+            motion = replace(motion, status=Status.INVALID, message=why)
     outcome, note = motion.outcome, uniqueness_note(escapement)
     if note or escapement.notes or outcome is not _OK:
         note = note if outcome is not Status.PAINLEVE else ""
@@ -206,14 +216,37 @@ def _terminal(escapement: Escapement, engine: str, settings: dict[str, Any]) -> 
     """As `terminal`, without notes on settings that have no effect or are not given."""
     if why := _impossible(escapement, settings["initial_speed"]):
         return Figures(status=Status.INVALID, message=why)
-    base = limits(escapement)
-    if escapement.curve is not None:
-        first = escapement.curve.torque[0]
-        if first == 0.0:
+    base, curve = limits(escapement), escapement.curve
+    if curve is not None and not escapement.torque_cells:
+        if curve.at_rest[0] == 0.0:
             return replace(base, status=Status.STALL, message=_NO_START)
         found = _terminal(escapement.held, engine, settings)
         found.add_notes(_FULL if escapement.spring_rate else _AT_START)
         return found
+    found = _terminal_cycle(escapement.whole_round, engine, settings, base)
+    drive, fastest = escapement.drive_curve, max(found.velocity_max, settings["initial_speed"])
+    if drive is not None and drive.speed:
+        endless = found.outcome is Status.NO_TERMINAL
+        if why := _too_fast(drive.speed[-1], math.inf if endless else fastest):
+            return replace(base, status=Status.INVALID, message=why)
+    return found
+
+
+def _too_fast(last: float, fastest: float) -> str:
+    """Why a motion leaves a torque curve that ends at the speed `last`, or ""."""
+    if not fastest > last * (1.0 + ROUNDING):
+        return ""
+    reached = as_spoken(fastest, "speed") if fastest < math.inf else "any speed"
+    return (
+        f"the driver reaches {reached}, and the torque curve ends at {as_spoken(last, 'speed')} of "
+        "the driver: give its torque at higher speeds"
+    )
+
+
+def _terminal_cycle(
+    escapement: Escapement, engine: str, settings: dict[str, Any], base: Figures
+) -> Figures:
+    """As `_terminal`, where the torque repeats in the `pairs` of the escapement."""
     # the limit is decided before anything is integrated
     contact = escapement.contact
     if contact != "compliant" and (message := painleve_message(escapement)):
@@ -230,8 +263,9 @@ def _terminal(escapement: Escapement, engine: str, settings: dict[str, Any]) -> 
             mechanism = escapement.mechanism
             # what trains without inertias pass on is constant
             scene, held = escapement.scene, escapement.driver_bearing_torque
-            pull = scene.barrel_efficiency * escapement.torque_unit - held
             step, size = mechanism.follower_step, len(escapement.pairs)
+            mean = escapement.drive_work(size * mechanism.cell_angle) / size / mechanism.cell_angle
+            pull = scene.barrel_efficiency * mean - held
             lost = escapement.referred["load_torque"] * (1.0 / scene.load_train_efficiency - 1.0)
             load = escapement.load_work(size * step) - escapement.jump_works.sum()
             carries = pull * size * mechanism.cell_angle > load + lost * size * step

@@ -88,6 +88,14 @@ def check_pin(values: Mapping[str, Any], mechanism: Any) -> None:
         raise validate.fail("pin_length", rule, length, "give pin_radius or pressure_pin_radius")
 
 
+def check_speeds(owner: Any) -> None:
+    """Refuse a torque over the speed where no engine computes it."""
+    if owner.drive_curve is not None and owner.drive_curve.speed and owner.contact:
+        rule = "without speeds with clearance or stiffness"
+        remedy = "leave those out: engines energy and ivp have a torque over the speed"
+        raise validate.fail("torque", rule, owner.torque, remedy)
+
+
 def check_trains(owner: Any, running_down: bool) -> None:
     """Refuse trains that lose power where no engine computes them.
 
@@ -99,8 +107,11 @@ def check_trains(owner: Any, running_down: bool) -> None:
         name, value = f"{role}_efficiency", train.efficiency
         if not owner.mechanism.perfect:
             raise validate.fail(name, "1 with errors of the parts", value, "leave out one of them")
-        if running_down and any(value for _, value in _viscous(owner)):
+        over_speed = owner.drive_curve is not None and owner.drive_curve.speed
+        if running_down and (over_speed or any(value for _, value in _viscous(owner))):
             rule = "1 with viscous drag and a spring that runs down"
+            if over_speed:
+                rule = "1 with a torque over angle and speed"
             raise validate.fail(name, rule, value, "leave out one of them")
 
 

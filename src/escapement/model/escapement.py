@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
+from fractions import Fraction
 from functools import cached_property
 from typing import Any, cast
 
@@ -22,6 +23,7 @@ from escapement.model.checks import (
     check_losses,
     check_outlines,
     check_pin,
+    check_speeds,
     check_trains,
     idle_settings,
 )
@@ -46,6 +48,8 @@ CONTACT_LAWS = ("linear", "hunt-crossley")
 FRICTION, AIR, CONTACT = "Friction", "Air", "Clearance and contact"
 SWINGING = "Spring and weight of the follower"
 """Headings of the groups of numbers."""
+MOST_CELLS, SAME_CELLS = 64, 1e-9
+"""A torque repeats after so many cells at most, and cells and its period may differ by a share."""
 np: Any = Lazy("numpy")  # importing it takes longer than the rest of help
 
 
@@ -139,8 +143,8 @@ class Escapement(Declared):
         Moments of inertia [kg m^2].
     torque : float, TorqueCurve or Motor
         Torque on the driver [N m], > 0, at the start of the motion; constant unless there is a
-        spring rate. Meyer's "spring rate" K. A `TorqueCurve` gives it by the angle turned. A
-        `Motor` gives its stall torque and its no-load speed.
+        spring rate. Meyer's "spring rate" K. A `TorqueCurve` gives it over the angle turned, over
+        the driver speed, or over both. A `Motor` gives its stall torque and its no-load speed.
     friction : float
         Coefficient of friction between pin and slot [-], >= 0.
     load_torque : float
@@ -170,8 +174,8 @@ class Escapement(Declared):
         in between a straight line. By default the torque does not depend on the speed.
     barrel : Train, optional
         Train between a barrel and the driver, or the gearbox of a motor. `torque`, `spring_rate`
-        and `no_load_speed` are then those of the barrel, and the angles of a `TorqueCurve` its
-        angles.
+        and `no_load_speed` are then those of the barrel, and the angles and speeds of a
+        `TorqueCurve` its own.
     load_train : Train, optional
         Train after the follower. `load_torque` then acts on its last shaft.
 
@@ -213,7 +217,7 @@ class Escapement(Declared):
     inertia: Inertia
     torque: float | TorqueCurve | Motor = field(metadata=setting(Torque(
         long_name="driving torque", unit="torque", exclusive=True, metavar="M",
-        note=", or FILE.csv with driver angles turned and torques",
+        note=", or FILE.csv with driver angles turned, speeds or both, and torques",
         remedy="give the constant driving torque"
     )))  # fmt: skip
     friction: float = field(default=0.0, metadata=quantity(
@@ -305,6 +309,7 @@ class Escapement(Declared):
     wheel_material: Any = field(default="steel", metadata=_material("wheel"))
     barrel: Train | None = None
     load_train: Train | None = None
+    _cells = 1
 
     def __post_init__(self) -> None:
         checked(self.mechanism, perfect=False)
@@ -326,6 +331,7 @@ class Escapement(Declared):
         check_losses(self, self.mechanism.meshed)
         self._check_curve()
         check_lengths(vars(self), self.mechanism.crank_radius, self.mechanism.plain_crank)
+        check_speeds(self)
         check_trains(self, self.curve is not None)
         check_contact(self.contact, self.mechanism, vars(self))
         check_load(self)
@@ -356,17 +362,23 @@ class Escapement(Declared):
                 raise validate.fail(
                     "spring_rate", "0 with a torque curve", self.spring_rate, remedy
                 )
-            curve = self.torque.behind(self.barrel.ratio) if self.barrel else self.torque
-            most = curve.most_within(self.mechanism.cell_angle)
+            most = self.curve.most_within(self.mechanism.cell_angle) if self.curve else 0
             if most > MOST_KNOTS:
                 rule = f"a torque curve with at most {MOST_KNOTS} points in a cell"
                 raise validate.fail("torque", rule, most, "leave out points")
 
     @cached_property
+    def drive_curve(self) -> TorqueCurve | None:
+        """The torque curve that is given, as the driver sees it; None without one."""
+        if not isinstance(self.torque, TorqueCurve):
+            return None
+        return self.torque.behind(self.barrel.ratio) if self.barrel else self.torque
+
+    @cached_property
     def curve(self) -> TorqueCurve | None:
-        """The torque over the driver angle turned, None where it is constant."""
-        if isinstance(self.torque, TorqueCurve):
-            return self.torque.behind(self.barrel.ratio) if self.barrel else self.torque
+        """The torque over the driver angle turned, None where it is the same at all angles."""
+        if (drive := self.drive_curve) is not None:
+            return drive if len(drive.angle) > 1 else None
         torque, rate = self.referred["torque"], self.referred["spring_rate"]
         # a rate that changes no motion counts as 0
         if rate > torque / MOST_UNEQUAL:
@@ -388,6 +400,7 @@ class Escapement(Declared):
         }
         if isinstance(self.torque, TorqueCurve):
             values["torque"] = self.torque.greatest
+            values["top_speed"] = self.torque.speed[-1] if self.torque.speed else None
         return referred(values | self.mechanism.lengths | numbers_of_trains(self.trains))
 
     @property
@@ -403,8 +416,7 @@ class Escapement(Declared):
             return self
         found, none = self.referred, cast(Any, dict.fromkeys(ROLES))
         inertia = Inertia(found["driver_inertia"], found["follower_inertia"])
-        given = isinstance(self.torque, TorqueCurve)
-        torque: Any = self.curve if given else found["torque"]
+        torque: Any = self.drive_curve or found["torque"]
         numbers = {name: found[name] for name in ("load_torque", "spring_rate", "no_load_speed")}
         return replace(self, inertia=inertia, torque=torque, **numbers, **none)
 
@@ -474,11 +486,35 @@ class Escapement(Declared):
 
     @property
     def held(self) -> Escapement:
-        """The escapement with the torque of its start as a constant torque."""
-        if self.curve is None:
+        """The escapement of which there is a terminal cycle: itself, or the one with the torque of
+        its start at all angles where its torque does not repeat in whole cells.
+        """
+        if self.torque_cells:
             return self
-        torque = self.torque.torque[0] if isinstance(self.torque, TorqueCurve) else self.torque
+        torque = self.torque.at_start if isinstance(self.torque, TorqueCurve) else self.torque
         return replace(self, torque=torque, spring_rate=0.0)
+
+    @cached_property
+    def torque_cells(self) -> int:
+        """Cells after which its torque repeats, 1 where it is the same at all angles, 0 where it
+        never does.
+        """
+        if self.curve is None:
+            return 1
+        if not self.curve.periodic or self.contact:
+            return 0
+        share = float(self.mechanism.cell_angle) / self.curve.period
+        near = Fraction(share).limit_denominator(MOST_CELLS)
+        return near.denominator if abs(near - share) <= SAME_CELLS * share else 0
+
+    @cached_property
+    def whole_round(self) -> Escapement:
+        """The same with `pairs` for all cells after which its torque repeats, as in its cycle."""
+        if self.torque_cells < 2:
+            return self
+        found = replace(self)
+        vars(found)["_cells"] = self.torque_cells
+        return found
 
     @cached_property
     def pairs(self) -> tuple[Pair, ...]:
@@ -488,11 +524,11 @@ class Escapement(Declared):
         if self.mechanism.pitch is not None:
             return (one_pitch(self.mechanism.pitch),)
         pairs = self.mechanism.pairs
-        if self.load_curve is None:
+        if self.load_curve is None and self._cells == 1:
             return pairs
-        count = math.lcm(len(pairs), self._load_steps)
+        count = math.lcm(len(pairs), self._load_steps, self._cells)
         pairs = pairs * (count // len(pairs))
-        if self.contact:
+        if self.contact or self.load_curve is None:
             return pairs
         cells = zip(pairs, self._load_cells, strict=True)
         return tuple(pair._replace(edges=cell.edges) for pair, cell in cells)
@@ -510,7 +546,8 @@ class Escapement(Declared):
             return []
         from escapement.model.load_cells import load_cells
 
-        return load_cells(self.load_curve, self.mechanism)
+        found = load_cells(self.load_curve, self.mechanism)
+        return found * (math.lcm(len(found), self._cells) // len(found))
 
     @cached_property
     def scenes(self) -> tuple[Scene, ...]:
@@ -520,6 +557,8 @@ class Escapement(Declared):
         numbers = {name: float(value) for name, value in natural(self.referred, meshed).items()}
         torque = np.array([0.0, 0.0, 1.0]) if self.curve is None else self.curve.knots()
         pairs, loads = self.pairs, [np.zeros(1)] * len(self.pairs)
+        drive = self.drive_curve
+        fall = drive.fall() if drive is not None and drive.speed else np.zeros(1)
         if self._load_cells:
             loads = [cell.in_units(self.torque_unit) for cell in self._load_cells]
         elif self.load_curve is not None:
@@ -529,7 +568,7 @@ class Escapement(Declared):
             step = float(self.mechanism.follower_step)
             loads = [over_follower(load, self._load_steps, step)] * len(pairs)
         cells = zip(pairs, loads, strict=True)
-        return tuple(Scene(*m[:3], torque, 0.0, load, **numbers) for m, load in cells)
+        return tuple(Scene(*m[:3], torque, 0.0, load, fall, **numbers) for m, load in cells)
 
     @cached_property
     def scene(self) -> Scene:
@@ -557,6 +596,7 @@ class Escapement(Declared):
             "scene",
             "joint",
             "kept",
+            "whole_round",
             "jump_works",
             "_begins",
             "_load_cells",

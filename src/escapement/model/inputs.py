@@ -60,8 +60,13 @@ def inputs_of_settings(owner: Any, meshed: bool) -> Iterator[Input]:
 
 def inputs_of_curve(name: str, curve: TorqueCurve | LoadCurve) -> Iterator[Input]:
     """As `inputs_of`, of a torque curve or a load curve."""
-    yield f"{name}_angles", shortened([*curve.angle]), "angle"
-    yield name, shortened([*curve.torque]), "torque"
+    if curve.angle:
+        yield f"{name}_angles", shortened([*curve.angle]), "angle"
+    torques = [*curve.torque]
+    if isinstance(curve, TorqueCurve) and curve.speed:
+        yield f"{name}_speeds", shortened([*curve.speed]), "speed"
+        torques = curve.table.reshape(-1).tolist()
+    yield name, shortened(torques), "torque"
 
 
 def shortened(values: list[Any]) -> Any:

@@ -55,6 +55,8 @@ def natural(values: Mapping[str, Any], meshed: bool) -> dict[str, Any]:
     none = 0.0 * found["load"]
     found |= {"gain": none + 1.0, "flow": none - 1.0}
     found["motor"] = none + _behind_losses(values) / units["viscous"]
+    top = values.get("top_speed")
+    found["pace"] = none + (0.0 if top is None else (torque / follower) ** 0.5 / top)
     for name, far in (("barrel", -2.0), ("load_train", 2.0)):
         # the far shaft of a barrel's train turns slower, that of the other one faster
         ratio, inertia = values.get(f"{name}_ratio"), values.get(f"{name}_inertia")

@@ -20,6 +20,7 @@ def numbers_of(escapement: Escapement) -> dict[str, float]:
     mechanism: Any = escapement.mechanism
     meshed, length = escapement.scene.path.table, mechanism.crank_radius
     settings = {**escapement.inertia.settings, **escapement.settings}
+    settings["torque"] = full_torque(escapement)
     # the terminal cycle belongs to the full torque of a spring
     left_out = ("spring_rate", *(() if escapement.contact else _OF_CONTACT))
     left_out += () if escapement.pin_length else _OF_PIN
@@ -30,7 +31,7 @@ def numbers_of(escapement: Escapement) -> dict[str, float]:
         given = settings[entry.name] is not None
         if entry.applies_to(meshed) and bare and given and entry.name not in left_out:
             found[entry.name] = float(settings[entry.name])
-    found = {"torque": full_torque(escapement), **found, **numbers_of_trains(escapement.trains)}
+    found = {"torque": settings["torque"], **found, **numbers_of_trains(escapement.trains)}
     if mechanism.pitch is not None:
         numbers = quantities(type(mechanism))
         for name, value in mechanism.settings.items():
@@ -61,6 +62,8 @@ def with_number(escapement: Escapement, name: str, value: float) -> Escapement:
             return replace(escapement, **changed)
     mechanism: Any = escapement.mechanism
     given: Any = value
+    if name == "torque" and isinstance(escapement.torque, TorqueCurve):
+        given = escapement.torque * (value / escapement.torque.greatest)
     if name[-1].isdigit():
         name, role = name.rsplit("_", 1)
         # the lists of perfect parts may be empty

@@ -31,6 +31,8 @@ class Scene(NamedTuple):
     driver_angle : driver angle turned before the current cell [rad].
     load_curve : load that changes with the follower's angle, over the driver angle, as
         `dynamics.load` reads it; one number where there is none.
+    fall : by how much the torque of the drive falls with its speed, as `dynamics.torque` reads it;
+        one number where it does not depend on the speed.
     rho : inertia ratio I_d/I_f.
     mu_plus, mu_minus : loss on the side of the slot that drives the follower, and on the
         other: a pin's coefficient of friction, or 1/eta - 1 and 1 - eta of a mesh.
@@ -48,6 +50,8 @@ class Scene(NamedTuple):
     barrel_efficiency, load_train_efficiency : of their trains.
     motor : the part of `driver_viscous` that is the slope of a motor on a barrel whose train loses
         power; 0 elsewhere.
+    pace : unit of speed over the last speed of `fall`; 0 where the torque does not depend on the
+        speed.
     """
 
     path: Path
@@ -56,6 +60,7 @@ class Scene(NamedTuple):
     torque: NDArray[np.float64]
     driver_angle: float
     load_curve: NDArray[np.float64]
+    fall: NDArray[np.float64]
     rho: float
     mu_plus: float
     mu_minus: float
@@ -75,6 +80,7 @@ class Scene(NamedTuple):
     load_train: float
     load_train_efficiency: float
     motor: float
+    pace: float
 
 
 class Joint(NamedTuple):
@@ -97,7 +103,9 @@ class Joint(NamedTuple):
 
 
 _NUMBERS = len(Scene._fields) - Scene._fields.index("rho")
-DWELL, DRIVER_ANGLE, TABLE, PATH_END, EDGES_END, TORQUE_END, ARRAYS = range(_NUMBERS, _NUMBERS + 7)
+DWELL, DRIVER_ANGLE, TABLE, PATH_END, EDGES_END, TORQUE_END, LOAD_END, ARRAYS = range(
+    _NUMBERS, _NUMBERS + 8
+)
 """Places in a packed scene behind its numbers, which come first, in the order of the fields.
 
 The last ones are where each array ends, and where the first one, that of the path, begins.
@@ -110,7 +118,7 @@ def packed(scene: Scene) -> NDArray[np.float64]:
     Numba needs half a microsecond to find out the types of all fields of a tuple, a twentieth of
     a simulation, so the kernels that Python calls often take an array.
     """
-    path, edges, dwell, torque, driver_angle, load_curve, *numbers = scene
-    arrays = path.numbers, edges, torque, load_curve
+    path, edges, dwell, torque, driver_angle, load_curve, fall, *numbers = scene
+    arrays = path.numbers, edges, torque, load_curve, fall
     ends = [*accumulate((array.size for array in arrays[:-1]), initial=ARRAYS)][1:]
     return np.concatenate([[*numbers, dwell, driver_angle, path.table, *ends], *arrays])

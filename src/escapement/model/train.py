@@ -128,6 +128,8 @@ def referred(values: Mapping[str, Any]) -> dict[str, Any]:
         found["spring_rate"] = values["spring_rate"] / ratio**2
         if (inertia := values.get("barrel_inertia")) is not None:
             found["driver_inertia"] = values["driver_inertia"] + inertia / ratio**2
+    if (top := values.get("top_speed")) is not None and ratio is not None:
+        found["top_speed"] = top * ratio
     if (speed := values.get("no_load_speed")) is not None:
         found["no_load_speed"] = speed if ratio is None else speed * ratio
         found["motor_viscous"] = found["torque"] / found["no_load_speed"]

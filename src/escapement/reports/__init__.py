@@ -103,7 +103,8 @@ def page(
         parts.append(sections.section("Drawing and velocities", drawn))
     curve = escapement.curve
     asked = designs and designs.requirement.turns
-    if asked or (curve is not None and not curve.periodic and curve.torque[-1] == 0.0):
+    falls = curve is not None and not curve.periodic and curve.at_rest[-1] == 0.0
+    if asked or falls:
         run = rundown(escapement, turns=asked or None, initial_speed=initial_speed)
         text = sections.paragraph(
             f"{run.message[0].upper()}{run.message[1:]}."

@@ -1,5 +1,6 @@
 """The plan of a study: its configuration, fixed numbers, varied numbers, and solver."""
 
+import contextlib
 import math
 import re
 from collections.abc import Mapping, Sequence
@@ -343,9 +344,21 @@ class StudyPlan(Shown):
         named = "the torque behind the start" if self.curve else "spring_rate"
         if RUN_TIME in self.results:
             return notes[0]
+        if self.has_cycle:
+            return notes[0]
         if self.curve or np.any(self.every("spring_rate")):
             notes.append(f"{named} has no effect on results, which are those of the first torque")
         return "; ".join(filter(None, notes))
+
+    @cached_property
+    def has_cycle(self) -> bool:
+        """Whether a torque curve repeats in whole cells, so that results are those of all of it."""
+        varied = (self.parameters[name] for along in self.varied.values() for name in along)
+        if self.curve is None or any(entry.section == "mechanism" for entry in varied):
+            return self.curve is not None and (self.curve.periodic or not self.curve.angle)
+        with contextlib.suppress(InvalidValue):
+            return self.escapement(0).torque_cells > 0
+        return False
 
     def check_mechanism(self) -> None:
         """Raise InvalidValue for a mechanism that no case could have."""

@@ -322,6 +322,7 @@ def cost_note(plan: StudyPlan) -> str:
 def together(plan: StudyPlan) -> bool:
     """Whether many cases are solved at once; otherwise one by one."""
     apart = RUN_TIME in plan.results or plan.fixed_si.get("load_curve") is not None
+    apart |= plan.curve is not None and (plan.has_cycle or bool(plan.curve.speed))
     if plan.subject is not ESCAPEMENT or apart:
         return False
     if plan.solver.engine != "energy" or plan.perfect:

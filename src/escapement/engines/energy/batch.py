@@ -220,5 +220,6 @@ def _shared(mechanism: Mechanism, rows: FloatArray) -> tuple[Scene, bool]:
     if len(rows) and not own_pins and rows[0, _PIN] > 0.0:
         edges = slide_edges(path, rows[0, _PIN], edges)
     none = dict.fromkeys(NUMBERS, 0.0)
-    scene = Scene(path, edges, dwell, np.array(CONSTANT), 0.0, np.array(NO_CURVE), **none)
+    torque, flat = np.array(CONSTANT), np.array(NO_CURVE)
+    scene = Scene(path, edges, dwell, torque, 0.0, flat, flat, **none)
     return scene, own_pins

@@ -32,8 +32,8 @@ _KEY, _SCENE = "energy.cells", "energy.scene"
 # The types of the arguments are read off empty samples. A call by address needs them before
 # there is a caller, and they must be those of every caller.
 _numbers = np.empty(0)
-_path, _zeros = Path(False, _numbers), (0.0,) * (len(Scene._fields) - 6)
-_sample = Scene(_path, _numbers, 0.0, _numbers, 0.0, _numbers, *_zeros)
+_path, _zeros = Path(False, _numbers), (0.0,) * (len(Scene._fields) - 7)
+_sample = Scene(_path, _numbers, 0.0, _numbers, 0.0, _numbers, _numbers, *_zeros)
 _scene = typeof(_sample)
 _store = typeof(Store(np.empty(0, PANEL), np.empty(0, WORKSPACE)))
 _cells, _event = typeof(np.empty((0, 0), CELL)), typeof(np.empty(0, EVENT))
@@ -46,7 +46,7 @@ refine, _refine_address = by_address(_events.refine, 1, KINDS, (_scene, _store, 
 
 
 @cache
-def kernel_addresses(kind: Kind = Kind.WHOLE) -> np.ndarray:
+def kernel_addresses(kind: Kind = Kind.SPEED) -> np.ndarray:
     """Addresses of `march` and `refine` in this process, the first argument of their calls.
 
     They are 0 as long as kernels are not compiled.
@@ -100,7 +100,7 @@ def prepared(escapement: Escapement) -> tuple[Any, ...]:
     if _KEY not in kept:
         scene, pattern = scene_and_pattern(escapement)
         kind = max(kind_of(one.path, one.torque, one[FIXED:]) for one in escapement.scenes)
-        kind = Kind.WHOLE if scene.load_curve.size > 1 else kind
+        kind = max(kind, Kind.WHOLE) if scene.load_curve.size > 1 else kind
         cells = NO_CELLS if pattern.size else cells_of(scene.path, scene.edges)
         kept[_KEY] = kernel_addresses(kind), packed(scene), cells, pattern
     result: tuple[Any, ...] = kept[_KEY]

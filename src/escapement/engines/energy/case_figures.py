@@ -33,7 +33,7 @@ from escapement.engines.energy.march import NO_TERMINAL, NOT_CONVERGED, OK, STAL
 from escapement.engines.energy.pairs import (
     Start,
     lay_out_again,
-    make_exact,
+    make_exact_in_round,
     pass_round,
     round_events,
 )
@@ -292,7 +292,7 @@ def _in_band(case, request, w, rising, band, every, out):
     for i in range(found.used):
         event = case.events[i]
         if is_extremum(event.kind) and (event.outermost or not every):
-            make_exact(case, i, 0.0)
+            make_exact_in_round(case, i)
             error = _error_of(case, i)
             inside, outside = inside + (error <= band), outside + (error > band)
     return inside > 0 and (outside == 0 or not every)
@@ -393,8 +393,8 @@ def _is_outermost(case, noted, i):
             continue
         # rough speeds that are too close to be compared, or NaN, are made exact first
         if not abs(other.w / event.w - 1.0) > ROUGH_ERROR:
-            make_exact(case, i, 0.0)
-            make_exact(case, j, 0.0)
+            make_exact_in_round(case, i)
+            make_exact_in_round(case, j)
         further = other.w > event.w
         if further == (event.kind == Event.MAXIMUM) and other.w != event.w:
             return False
@@ -423,10 +423,10 @@ def _judge_one(case, i, in_band, out):
     # the relative error of a speed is half of that of w
     unsure = 0.5 * ROUGH_ERROR
     if not (abs(error - RISE_BAND) > unsure and abs(error - SETTLING_BAND) > unsure):
-        make_exact(case, i, 0.0)
+        make_exact_in_round(case, i)
         error = _error_of(case, i)
     if np.isnan(out[cycle.RISE]) and error <= RISE_BAND:
-        make_exact(case, i, 0.0)
+        make_exact_in_round(case, i)
         out[cycle.RISE] = event.engagement_start + event.time
     if not event.outermost:
         return in_band
@@ -434,6 +434,6 @@ def _judge_one(case, i, in_band, out):
         out[cycle.SETTLING] = np.nan
         return 0
     if np.isnan(out[cycle.SETTLING]):
-        make_exact(case, i, 0.0)
+        make_exact_in_round(case, i)
         out[cycle.SETTLING] = event.engagement_start + event.time
     return in_band + 1

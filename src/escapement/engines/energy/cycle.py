@@ -15,6 +15,7 @@ from escapement.dynamics.codes import Event, is_extremum
 from escapement.dynamics.figures_of_merit import BOUNDLESS, MAX_ENGAGEMENTS
 from escapement.dynamics.law import is_drag_free
 from escapement.dynamics.load import has_load_curve
+from escapement.dynamics.torque import is_constant
 from escapement.dynamics.train_losses import is_lossy
 from escapement.engines.energy.leap import fall
 from escapement.engines.energy.located_events import ROUGH_ERROR, has_reversal
@@ -22,7 +23,7 @@ from escapement.engines.energy.march import NO_TERMINAL, NOT_CONVERGED, OK, STAL
 from escapement.engines.energy.pairs import (
     Start,
     lay_out_again,
-    make_exact,
+    make_exact_in_round,
     pass_round,
     start_inertia,
 )
@@ -118,7 +119,7 @@ def terminal_cycle(case, start, last_good, before, rtol, rows, out):
     to_follow, longer = 0, FOLLOWED
     # with a load or drag two reversals may lie in one panel, and a march for the map misses them
     alone = scene.load == 0.0 and is_drag_free(scene) and not is_lossy(scene)
-    alone = alone and not has_load_curve(scene)
+    alone = alone and not has_load_curve(scene) and is_constant(scene)
     far_detail = Detail.MAP if alone else Detail.TIME
     near = False
     for _ in range(MAX_ENGAGEMENTS):
@@ -205,7 +206,7 @@ def _read_extremum(case, i):
     # only an extremum that may be the greatest or the least has to be exact
     ratio = np.sqrt(event.w) / known
     if not (ratio < 1.0 - ROUGH_ERROR if highest else ratio > 1.0 + ROUGH_ERROR):
-        make_exact(case, i, 0.0)
+        make_exact_in_round(case, i)
     speed = np.sqrt(event.w)
     if highest:
         one.top = known if speed < known else speed

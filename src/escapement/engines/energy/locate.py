@@ -18,7 +18,7 @@ from escapement.dynamics.law import (
     root_of,
 )
 from escapement.dynamics.load import load_at
-from escapement.dynamics.torque import torque_at
+from escapement.dynamics.torque import at_speed, drive_torque
 from escapement.engines.energy import sampling
 from escapement.engines.energy.panels import points_of, pull_at, solution_of
 from escapement.engines.energy.sampling import CLOSE_PAIR, NEGLIGIBLE, Points
@@ -146,7 +146,7 @@ def reversal_at(scene, work, panel, side, x, slope, w):
     elapsed = dot(work.from_left, work.scratch, count)
     w = dot(work.at_x, work.energy, count) / (scene.rho + g * g)
     # one step of Newton's method on s X, as a part of the panel and then as an angle
-    k, pull = dragged_slope(g, dg, scene), torque_at(angle, scene)[0] - scene.bearing
+    k, pull = dragged_slope(g, dg, scene), drive_torque(angle, w, scene) - scene.bearing
     load = load_at(angle, side, scene)
     distance = side * contact(g, k, pull, w, root_of(w, scene), scene, load) / -slope
     distance = panel.half * (distance if abs(distance) < LARGEST_CORRECTION else 0.0)
@@ -258,6 +258,7 @@ def _run_behind(scene, work, panel, solution, side, energy, reversal, trend):
         work.slowness[i] = slowness
         root = np.sqrt(w) if viscous else 0.0
         g, k, pull = panel.g[i], panel.dg[i], pull_at(left_pull, panel.pull, i, scene)
+        pull = at_speed(pull, panel.turned[i], w, scene)
         c = -side * contact(g, k, pull, w, root, scene, panel.load[i])
         a = net_torque(g, solution.friction_ratio[i], k, pull, w, root, scene, panel.load[i])
         work.contact[i] = c

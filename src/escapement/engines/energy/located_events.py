@@ -10,7 +10,7 @@ from escapement.dynamics.codes import Event
 from escapement.dynamics.law import bent_pose, net_torque, reduced_inertia, root_of
 from escapement.dynamics.load import load_at
 from escapement.dynamics.needs import needed_scene
-from escapement.dynamics.torque import torque_at
+from escapement.dynamics.torque import drive_torque
 from escapement.dynamics.train_losses import in_flow
 from escapement.engines.energy import panels
 from escapement.engines.energy.locate import locate, weights_to
@@ -157,8 +157,8 @@ def refine(kind, scene, store, events, i):
     angle = event.angle + event.half * (1.0 + x)
     elapsed, energy = _up_to(here, work, event, x, angle)
     g, c, k = bent_pose(angle, event.side, here)
-    pull = torque_at(angle, here)[0] - here.bearing
     w = energy / (here.rho + g * g)
+    pull = drive_torque(angle, w, here) - here.bearing
     # the first step of Newton's method: `slope` is d(J theta_ddot)/dx
     load = load_at(angle, event.side, here)
     torque = net_torque(g, c, k, pull, w, root_of(w, here), here, load)
@@ -168,7 +168,7 @@ def refine(kind, scene, store, events, i):
     w += correction * torque / reduced_inertia(g, c, here)
     if event.coarse and correction != 0.0:
         g, c, k = bent_pose(angle + correction, event.side, here)
-        pull = torque_at(angle + correction, here)[0] - here.bearing
+        pull = drive_torque(angle + correction, w, here) - here.bearing
         load = load_at(angle + correction, event.side, here)
         left_over = net_torque(g, c, k, pull, w, root_of(w, here), here, load)
         # a secant step; where the first step did not halve the torque, that was only rounding

@@ -29,7 +29,7 @@ from escapement.base.status import Status
 from escapement.dynamics.codes import Event
 from escapement.dynamics.law import drive_sign, side_at
 from escapement.dynamics.needs import needed_scene
-from escapement.dynamics.torque import REST, has_knot, is_held, is_undriven
+from escapement.dynamics.torque import REST, at_speed, has_knot, is_held, is_undriven
 from escapement.dynamics.train_losses import flowing, is_lossy
 from escapement.engines.energy import locate, panels, sampling
 from escapement.engines.energy.located_events import extremum_kind, note, note_extremum
@@ -50,6 +50,7 @@ from escapement.mechanisms.slotted import transmission_at
 from escapement.numerics.altered import altered
 from escapement.numerics.gauss import N
 from escapement.numerics.jit import inner_jit, jit
+from escapement.numerics.known import where_known
 
 OK, NO_TERMINAL = int(Status.OK), int(Status.NO_TERMINAL)
 STALL, PAINLEVE, NOT_CONVERGED = int(Status.STALL), int(Status.PAINLEVE), int(Status.NOT_CONVERGED)
@@ -98,6 +99,7 @@ def march(kind, scene, cells, store, count, request, w, rising, events, used):
     first = store.panels[panels.FIRST_PANEL]
     if first.driver_angle != here.driver_angle:
         panels.turn_to(store, here)
+    request = narrowed(request, here)
     if lossy:
         scene = flowing(first.left, 1.0, w, first_scene)
         here = needed_scene(scene, kind)
@@ -148,11 +150,18 @@ def march(kind, scene, cells, store, count, request, w, rising, events, used):
     return ended(OK, state, 0.0, state.time, panels.NO_PANELS if knotted else count)
 
 
+@where_known("pace", lambda request, scene: request)
+def narrowed(request, scene):
+    """The request for a scene: a spline over the speed is not smooth enough for loose panels."""
+    return altered(request, "loose", request.strict) if scene.pace > 0.0 else request
+
+
 @inner_jit(inlined=True)
 def _enter(scene, panel, w, rising, used):
     """The state at the entry, which is the left end of the first panel."""
     end = panel.entry
-    side = side_at(panel.left, end.g, end.dg, end.pull, panel.slope, w, 1.0, scene)
+    pull = at_speed(end.pull, end.turned, w, scene)
+    side = side_at(panel.left, end.g, end.dg, pull, panel.slope, w, 1.0, scene)
     energy = w * (scene.rho + end.g**2)
     return at_entry(w, energy, side, rising, used)
 
@@ -167,7 +176,8 @@ def _face(scene, panel, state, events):
     """
     end = panel.entry
     side = state.side
-    side = side_at(panel.left, end.g, end.dg, end.pull, panel.slope, state.w, side, scene)
+    pull = at_speed(end.pull, end.turned, state.w, scene)
+    side = side_at(panel.left, end.g, end.dg, pull, panel.slope, state.w, side, scene)
     if side == state.side:
         return state
     used = note(events, state.used, Event.REVERSAL, panel.left, state.time, state.w)
@@ -185,7 +195,7 @@ def _note_left_end(scene, work, panel, state, events):
     # The speed has an extremum here if theta_ddot jumps to the other sign. It may jump at a kink of
     # |u|, at the exit, and at the entry if the pin before pressed on the other side.
     now = sampling.net_torque_at(panel.entry, state.side, state.w, scene)
-    if panel.locked and panel.slope == 0.0 and not panel.kink:
+    if panel.locked and panels.is_level(panel, scene) and not panel.kink:
         # inside a dwell nothing jumps, and near the steady speed the sign is due to rounding
         now = 0.0
     elif (
@@ -211,7 +221,7 @@ def _check(scene, work, panel, starting, state, passage, request):
     first, final, point, split = 1.0, 1.0, NOWHERE, passage.split
     # In a dwell under a constant torque the speed tends to the one at which drag balances the
     # torque, and never passes it, so that it has no extremum.
-    steady = panel.locked and panel.slope == 0.0
+    steady = panel.locked and panels.is_level(panel, scene)
     if not split and request.detail > Detail.TIME and not steady:
         first = sampling.net_torque_at(panel.entry, side, state.w, scene)
         first = sampling.beside(scene, panel, first, work.net_torque, 0)
@@ -221,6 +231,7 @@ def _check(scene, work, panel, starting, state, passage, request):
         if last >= 0:
             last_point = min(last, N - 1)
             pull = panels.pull_at(panel.entry.pull, panel.pull, last_point, scene)
+            pull = at_speed(pull, panel.turned[last_point], work.w[last_point], scene)
             final = drive_sign(pull, work.w[last_point], scene)
         else:
             final, last = sampling.net_torque_at(panel.exit, side, passage.w, scene), N

@@ -15,6 +15,7 @@ import numpy as np
 from escapement.dynamics.codes import Event
 from escapement.dynamics.law import is_felt, left_by_impact
 from escapement.dynamics.load import cell_of_round, has_load_curve
+from escapement.dynamics.torque import is_constant
 from escapement.engines.energy.calls import march, refine
 from escapement.engines.energy.located_events import EVENT, most_events, note
 from escapement.engines.energy.march import OK
@@ -113,6 +114,8 @@ def scene_of_pair(scene, pattern, index, driver_angle):
     if pattern.size > 0:
         pair, path = pattern[index], scene.path
         edges, load = pair.edges[: pair.used], scene.load_curve
+        if pair.used == 0:
+            edges = scene.edges
         if has_load_curve(scene):
             edges, load = cell_of_round(load, index)
         if not path.table:
@@ -230,16 +233,23 @@ def engage(case, index, start, request, driver_angle):
 
 
 @inner_jit
+def angle_in_round(case, index):
+    """Driver angle turned from the start of a round to a pair, 0 under a constant torque."""
+    return 0.0 if is_constant(case.scene) else case.data[index].begin
+
+
+@inner_jit
 def pass_round(case, start, request):
     """Pass one round: the engagements of all pairs in turn, up to the first that fails.
 
-    For the torque, each of them begins as if the driver had not turned before. Each event is marked
+    For the torque, the round begins as if the driver had not turned before. Each event is marked
     with the index of its pair and with the time from the start of the round to that of its
     engagement.
     """
     w, rising, used, slope, source, time = start.w, start.rising, start.first, 0.0, 0.0, 0.0
     for index in range(case.data.size):
-        found = engage(case, index, Start(w, rising, used), request, 0.0)
+        begin = angle_in_round(case, index)
+        found = engage(case, index, Start(w, rising, used), request, begin)
         for i in range(used, found.used):
             case.events[i].index, case.events[i].engagement_start = index, time
         w, rising, used, time = found.w, found.rising, found.used, time + found.time
@@ -252,6 +262,12 @@ def pass_round(case, start, request):
         status=found.status, w=w, angle=found.angle, pair=found.pair, time=time, slope=slope,
         source=source, side=found.side, rising=rising, used=used,
     )  # fmt: skip
+
+
+@inner_jit
+def make_exact_in_round(case, i):
+    """As `make_exact`, of an event of a round."""
+    make_exact(case, i, angle_in_round(case, case.events[i].index))
 
 
 @inner_jit

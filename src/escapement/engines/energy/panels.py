@@ -16,7 +16,13 @@ import numpy as np
 
 from escapement.dynamics.law import dragged_slope, is_ideal
 from escapement.dynamics.load import has_load_curve, load_at
-from escapement.dynamics.torque import next_knot, torque_at
+from escapement.dynamics.torque import (
+    angle_turned,
+    depends_on_speed,
+    is_alike,
+    next_knot,
+    torque_at,
+)
 from escapement.dynamics.train_losses import is_lossy
 from escapement.mechanisms.slotted import pose_at, transmission_on
 from escapement.numerics.gauss import POINTS, N, tail_of
@@ -29,8 +35,9 @@ ROW = (NUMBER, (N,))
 """Type of a row: the values at the Gauss points."""
 
 
-END = record_dtype({**dict.fromkeys(("g", "u", "dg", "radius", "pull", "load"), NUMBER)})
-"""g, u, g', R, the pull of the drive and the load that changes at one driver angle."""
+END = record_dtype({**dict.fromkeys(("g", "u", "dg", "radius", "pull", "load", "turned"), NUMBER)})
+"""g, u, g', R, the pull of the drive at rest, the load that changes, and the angle turned since the
+start, at one driver angle."""
 
 SOLUTION = record_dtype(
     {
@@ -59,7 +66,8 @@ PANEL = record_dtype(
         "inverse_inertia": ROW,  # 1/(rho + g^2) at the points
         "geometry_tail": NUMBER,  # relative tail of 1/(rho + g^2)
         "dtheta_dx": ROW,  # theta' = dtheta/dx at the points
-        "pull": ROW,  # torque of the drive less that of the bearing at the points
+        "pull": ROW,  # torque of the drive at rest less that of the bearing at the points
+        "turned": ROW,  # driver angle turned there, if the torque depends on the speed
         "load": ROW,  # part of the load that changes with the follower's angle, if there is one
         # slope of that by the angle, and the angle turned before the cell for which it holds
         **dict.fromkeys(("slope", "driver_angle"), NUMBER),
@@ -220,8 +228,25 @@ def fill_pull(panel, scene, count):
     if slope != panel.slope:
         panel.plus.tail = panel.minus.tail = UNSOLVED
     panel.slope, panel.driver_angle = slope, scene.driver_angle
+    if depends_on_speed(scene):
+        fill_turned(panel, scene)
     if has_load_curve(scene):
         fill_load(panel, scene)
+
+
+@inner_jit
+def fill_turned(panel, scene):
+    """Fill the driver angles turned at the ends and at the points of a panel."""
+    panel.entry.turned = angle_turned(panel.left, scene)
+    panel.exit.turned = angle_turned(panel.left + 2.0 * panel.half, scene)
+    for i in range(N):
+        panel.turned[i] = panel.entry.turned + panel.half * (1.0 + POINTS[i])
+
+
+@where_known("pace", lambda panel, scene: panel.slope == 0.0)
+def is_level(panel, scene):
+    """Whether the torque on a panel depends on the speed alone, if on anything."""
+    return panel.slope == 0.0 and is_alike(scene)
 
 
 @where_known("motor", lambda scene: False)

@@ -12,7 +12,7 @@ import numpy as np
 from escapement.dynamics.codes import Event
 from escapement.dynamics.law import LOSSES, scene_of
 from escapement.dynamics.state_table import losses_at
-from escapement.dynamics.torque import next_knot
+from escapement.dynamics.torque import at_speed, fall_after, next_knot
 from escapement.dynamics.train_losses import flowing
 from escapement.engines.energy import panels
 from escapement.engines.energy.calls import scene_and_pattern
@@ -383,8 +383,10 @@ def _add_losses(scene, work, panel, side, losses):
     """Add the work lost over a panel to each of `losses`."""
     for i in range(N):
         g, u, radius, k = panel.g[i], panel.u[i], panel.radius[i], panel.dg[i]
-        pull, load = panel.pull[i], panel.load[i]
-        rates = losses_at(g, u, radius, k, pull, work.w[i], side, scene, 0.0, 0.0, load)
+        w, load = work.w[i], panel.load[i]
+        pull = at_speed(panel.pull[i], panel.turned[i], w, scene)
+        fall = fall_after(panel.turned[i], np.sqrt(max(w, 0.0)), scene)[0]
+        rates = losses_at(g, u, radius, k, pull, w, side, scene, 0.0, 0.0, load, fall)
         share = panel.half * WEIGHTS[i]
         for j in range(losses.size):
             losses[j] += share * rates[j + 1]

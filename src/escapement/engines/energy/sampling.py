@@ -18,7 +18,7 @@ from escapement.dynamics.law import (
     root_of,
     settled,
 )
-from escapement.dynamics.torque import same_angle_gap
+from escapement.dynamics.torque import at_speed, same_angle_gap
 from escapement.dynamics.train_losses import is_lossy, within_flow
 from escapement.engines.energy.panels import points_of, pull_at
 from escapement.numerics.gauss import LAST_BUT_ONE_COEFFICIENT, LAST_COEFFICIENT, POINTS, WEIGHTS, N
@@ -59,13 +59,15 @@ def friction_ratio_at(end, side, scene):
 def net_torque_at(end, side, w, scene):
     """J theta_ddot at an end of a panel."""
     c, root = friction_ratio_at(end, side, scene), root_of(w, scene)
-    return net_torque(end.g, c, end.dg, end.pull, w, root, scene, end.load)
+    pull = at_speed(end.pull, end.turned, w, scene)
+    return net_torque(end.g, c, end.dg, pull, w, root, scene, end.load)
 
 
 @inner_jit
 def contact_at(end, w, scene):
     """X at an end of a panel."""
-    return contact(end.g, end.dg, end.pull, w, root_of(w, scene), scene, end.load)
+    pull = at_speed(end.pull, end.turned, w, scene)
+    return contact(end.g, end.dg, pull, w, root_of(w, scene), scene, end.load)
 
 
 @inner_jit
@@ -100,6 +102,7 @@ def sample_panel(scene, work, panel, solution, side, energy):
         root = speed if viscous else 0.0
         # X is the contact moment times J > 0
         g, k, pull = panel.g[i], panel.dg[i], pull_at(left_pull, panel.pull, i, scene)
+        pull = at_speed(pull, panel.turned[i], w, scene)
         c = side * contact(g, k, pull, w, root, scene, panel.load[i])
         a = net_torque(g, solution.friction_ratio[i], k, pull, w, root, scene, panel.load[i])
         work.energy[i] = e
@@ -131,7 +134,8 @@ def turns_back(scene, work, panel, solution, side, w_left, w_right):
     for i in range(N):
         g = panel.g[i]
         rate = work.net_torque[i] / reduced_inertia(g, solution.friction_ratio[i], scene)
-        q, z = within_flow(g, panel.dg[i], rate, panel.pull[i], work.w[i], scene)
+        pull = at_speed(panel.pull[i], panel.turned[i], work.w[i], scene)
+        q, z = within_flow(g, panel.dg[i], rate, pull, work.w[i], scene)
         work.decay[i], work.gain[i] = q, z
         least = min(least, min(q, z))
     if least < -rounding:
@@ -146,7 +150,8 @@ def flow_at_end(scene, end, side, w):
     """`within_flow` at an end of a panel."""
     rate = net_torque_at(end, side, w, scene)
     rate /= reduced_inertia(end.g, friction_ratio_at(end, side, scene), scene)
-    return within_flow(end.g, end.dg, rate, end.pull, w, scene)
+    pull = at_speed(end.pull, end.turned, w, scene)
+    return within_flow(end.g, end.dg, rate, pull, w, scene)
 
 
 @inner_jit

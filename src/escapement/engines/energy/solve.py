@@ -20,7 +20,7 @@ from escapement.dynamics.law import (
     signed_loss,
 )
 from escapement.dynamics.load import has_load_curve, load_at
-from escapement.dynamics.torque import is_constant
+from escapement.dynamics.torque import depends_on_speed, fall_after, is_constant
 from escapement.engines.energy.panels import (
     UNSOLVED,
     copy_end,
@@ -44,6 +44,7 @@ from escapement.numerics.gauss import (
     tail_of,
 )
 from escapement.numerics.jit import inner_jit
+from escapement.numerics.known import where_known
 
 # The error of b is compared with at least the decay that this value instead of int 2 |u| g'
 # dtheta would give: next to a stop of a mechanism without slots the true decay is smaller, and
@@ -74,6 +75,7 @@ def solve_side(scene, work, panel, side, energy):
         return
     # the first solution is without viscous drag
     fill_friction_ratio(scene, work, panel, solution, side)
+    guess_roots(work, panel, energy, scene)
     for _ in range(MOST_STEPS):
         solve_linear(scene, work, panel, solution, side)
         if not viscous:
@@ -99,6 +101,21 @@ def shift(solution, pull, count):
     solution.beta_end = solution.solved_end + more * solution.share_end
     solution.pull = pull
     return True
+
+
+@where_known("pace", lambda pull, driver_angle, root, scene: (pull, 0.0))
+def tangent(pull, driver_angle, root, scene):
+    """The pull at a speed and its slope there, from the pull at rest."""
+    fall, slope = fall_after(driver_angle, root, scene)
+    return pull - scene.gain * fall, -scene.gain * slope
+
+
+@where_known("pace", lambda work, panel, energy, scene: None)
+def guess_roots(work, panel, energy, scene):
+    """Begin Newton's method with the E of the left end where the torque depends on the speed."""
+    if scene.pace > 0.0:
+        for i in range(N):
+            work.root[i] = np.sqrt(energy * panel.inverse_inertia[i])
 
 
 @inner_jit
@@ -177,10 +194,9 @@ def solve_linear(scene, work, panel, solution, side):
                 panel.dg[i],
                 panel.inverse_inertia[i],
             )
-            pull, dtheta_dx = panel.pull[i], panel.dtheta_dx[i]
-            rates = energy_rates(
-                g, c, k, pull, inverse, dtheta_dx, work.root[i], scene, panel.load[i]
-            )
+            dtheta_dx, root, load = panel.dtheta_dx[i], work.root[i], panel.load[i]
+            pull, slope = tangent(panel.pull[i], panel.turned[i], root, scene)
+            rates = energy_rates(g, c, k, pull, inverse, dtheta_dx, root, scene, load, slope)
             work.gain[i], work.decay[i], solution.beta[i] = rates
     else:
         for i in range(count & N):
@@ -281,6 +297,8 @@ def lay_out_start(scene, work, panel, offset):
         start.dtheta_dx[i] = work.slowness_change[i]
         if may_change(scene):
             start.pull[i] = start.entry.pull + start.slope * half * (1.0 + work.scratch[i])
+        if depends_on_speed(scene):
+            start.turned[i] = start.entry.turned + half * (1.0 + work.scratch[i])
     if has_load_curve(scene) and not panel.locked:
         for i in range(N):
             start.load[i] = load_at(left + half * (1.0 + work.scratch[i]), 1.0, scene)

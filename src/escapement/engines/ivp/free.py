@@ -11,7 +11,8 @@ from escapement.engines.ivp.piece import Solution, Task
 
 def is_free(law: SceneLaw, task: Task) -> bool:
     """Whether nothing but a constant torque acts: in a dwell, if no drag brakes the driver."""
-    dragged = law.scene.driver_drag + law.scene.driver_viscous > 0.0
+    scene = law.scene
+    dragged = scene.driver_drag + scene.driver_viscous + scene.pace > 0.0
     return task.sign == 0.0 and law.is_steady and not dragged
 
 

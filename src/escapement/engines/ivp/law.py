@@ -10,7 +10,7 @@ from escapement.dynamics import law as dynamics
 from escapement.dynamics.law import scene_of
 from escapement.dynamics.load import load_at
 from escapement.dynamics.state_table import LOST, ROWS, LawTable, losses_at, tabulate
-from escapement.dynamics.torque import torque_after, torque_at
+from escapement.dynamics.torque import fall_at, is_alike, torque_after, torque_at
 from escapement.dynamics.train_losses import flowing
 from escapement.mechanisms.protocol import FloatArray
 from escapement.mechanisms.slotted import pose_at
@@ -57,7 +57,7 @@ class SceneLaw:
             scene.mu_plus,
             scene.driver_journal + scene.bearing,
             scene.follower_journal,
-            scene.driver_drag + scene.driver_viscous,
+            scene.driver_drag + scene.driver_viscous + scene.pace,
             scene.follower_drag + scene.follower_viscous,
             scene.barrel_efficiency < 1.0,
             scene.load_train_efficiency < 1.0,
@@ -94,11 +94,27 @@ class SceneLaw:
         driver_angle = self.driver_angle(theta)
         torque, slope = torque_after(driver_angle, self.scene)
         ends = driver_angle + np.array([-_FAR, _FAR])
-        line = (
-            [0.0, *ends, *(torque + slope * (ends - driver_angle))] if slope else [0.0, 0.0, torque]
-        )
-        scene = self.scene._replace(torque=np.array(line))
+        fall = self.scene.fall if is_alike(self.scene) else self._fall_along(driver_angle, ends)
+        line = [0.0, 0.0, torque]
+        if slope or fall is not self.scene.fall:
+            line = [0.0, *ends, *(torque + slope * (ends - driver_angle))]
+        scene = self.scene._replace(torque=np.array(line), fall=fall)
         return SceneLaw(scene, packed(scene))
+
+    def _fall_along(self, driver_angle: float, ends: FloatArray) -> FloatArray:
+        """`Scene.fall` with rows for two ends, as it is between the knots at a driver angle."""
+        fall, (period, *angles) = (
+            self.scene.fall,
+            self.scene.torque[: self.scene.torque.size // 2 + 1],
+        )
+        speeds, turned = int(fall[0]), driver_angle % period if period else driver_angle
+        rows = fall[1 + speeds :].reshape(len(angles), -1)
+        k = int(np.searchsorted(angles, turned, side="right"))
+        before, after = max(k - 1, 0), min(k, len(angles) - 1)
+        width = angles[after] - angles[before] or 1.0
+        share = (turned - angles[before] + ends - driver_angle)[:, None] / width
+        found = rows[before] + share * (rows[after] - rows[before])
+        return np.concatenate([fall[: 1 + speeds], found.reshape(-1)])
 
     def force(self, theta: float, w: float, side: float) -> float:
         """A number with the sign of the contact force, whose zero is the pin reversal.
@@ -172,7 +188,8 @@ def slope(x, y, anchor, unit, side, slide_sign, ratio_sign, losses, plain):
     now = dynamics.wall_state(theta, w, side, scene, slide_sign, ratio_sign)
     out[0], out[1] = y[1], now.rate / unit**2
     path, load = (now.g, now.u, now.radius, now.k), load_at(theta, side, scene)
-    rates = losses_at(*path, now.pull, w, side, scene, slide_sign, ratio_sign, load)
+    signs, fall = (slide_sign, ratio_sign), fall_at(theta, w, scene)
+    rates = losses_at(*path, now.pull, w, side, scene, *signs, load, fall)
     for i in range(losses.size):
         out[2 + i] = rates[1 + losses[i]] * y[1] / unit**2
     return out

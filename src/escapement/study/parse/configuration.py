@@ -213,7 +213,7 @@ def _with_first_torque(
                 f"torque must be a curve or in [{name}], got both; leave one of them out"
             )
     curve = given if isinstance(given, TorqueCurve) else TorqueCurve.from_table(given)
-    return {**content, "torque": curve.torque[0]}, curve
+    return {**content, "torque": curve.at_rest[0]}, curve
 
 
 def _varied(
