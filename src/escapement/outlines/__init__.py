@@ -10,5 +10,5 @@ Points are complex numbers x + iy, in the unit of length that each outline names
 - `part`, `parts`, `thin_walls`, `fits`: flat parts with inertia and thinnest wall, and allowances
 - `bores`, `fixtures`: holes for shafts; dowels, washers, base plate and coupon
 - `part_record`, `title_block`: what is told of parts, and what their drawing says
-- `sheet`, `part_files`: the sheet that a file shows, and the files
+- `sheet`, `part_files`, `solids`: the sheet that a file shows, and the files
 """
