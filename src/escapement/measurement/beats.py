@@ -67,12 +67,14 @@ class BeatFit(Fit):
     @property
     def rate(self) -> float:
         """Measured time divided by computed time, which corrects an inexact torque [-]."""
-        return self.numbers[0].value
+        rate, *_ = self.numbers
+        return rate.value
 
     @property
     def rate_half_width(self) -> float:
         """Half the width of its interval [-]."""
-        return self.numbers[0].half_width
+        rate, *_ = self.numbers
+        return rate.half_width
 
     @property
     def residual(self) -> float:

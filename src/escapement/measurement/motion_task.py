@@ -212,7 +212,8 @@ def task_of(
         remedy = "give read_readings(path, time='time')"
         raise validate.fail("readings", "Readings with times", measured, remedy)
     clock = float(time[0])
-    return MotionTask(escapement, names, given, clock, time - clock, angle, beats)
+    since = time - clock
+    return MotionTask(escapement, names, given, clock, time=since, angle=angle, beats=beats)
 
 
 def _given(escapement: Escapement, parameters: tuple[str, ...]) -> FloatArray:
