@@ -47,7 +47,8 @@ class Ending(IntEnum):
     drive cannot go on. SPENT: the spring is spent. JAM: at the Painleve limit. BACKS_OUT: the
     driver turns back out of the slot, and the drive would turn it forwards again. UNDRIVEN: it does
     so without a drive. RESTLESS: there are too many pieces. TOO_LONG: there are too many steps.
-    ARRIVED: the goal of a march is reached. STANDS: nothing moves.
+    ARRIVED: the goal of a march is reached. STANDS: nothing moves. OVERLAPS: bodies are within each
+    other.
 
     A piece ends, and the engagement goes on, with LIFTED: the pin lifts off. TURNED: a driver that
     turns back comes to rest. STRUCK: the pin strikes a wall. REVERSED: the other wall of a slot
@@ -80,6 +81,7 @@ class Ending(IntEnum):
     RESTED = 18
     STOPPED = 19
     REVERSED = 20
+    OVERLAPS = 21
 
 
 GOES_ON = Ending.LIFTED, Ending.TURNED, Ending.STRUCK, Ending.TOUCHES, Ending.RUNNING

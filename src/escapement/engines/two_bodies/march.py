@@ -9,7 +9,7 @@ from escapement.dynamics.event_rows import EVENT
 from escapement.engines.two_bodies import step
 from escapement.engines.two_bodies.change import behind_event, close, contact_of, flight, rate_of
 from escapement.engines.two_bodies.law import MOTION, STATE, Mode, energy, push_at, touching
-from escapement.engines.two_bodies.watch import WATCH, bounds_of, look
+from escapement.engines.two_bodies.watch import OVERLAPS, WATCH, bounds_of, deeper, look, outgrown
 from escapement.numerics.altered import altered
 from escapement.numerics.jit import inner_jit, jit
 from escapement.numerics.records import record_dtype
@@ -71,15 +71,17 @@ def _struck(law, pairs, notes, mode, y, time, contact):
 
 @inner_jit
 def _first_closed(law, pairs, joints, watch, mode, y, push, time):
-    """Look at the pairs whose times have come; returns the one that closes, or -1, and a time."""
+    """Look at the pairs whose times have come; returns the one that is closed or enclosed, or -1,
+    what was found, and a time."""
     bounds = bounds_of(law, y, push, mode)
     until = time + bounds.cap
     for i in range(len(watch)):
-        due = watch[i].until <= time
-        if due and look(law, pairs, joints, watch, i, mode, y, push, bounds, time):
-            return i, time
+        if watch[i].until <= time:
+            found = look(law, pairs, joints, watch, i, mode, y, push, bounds, time)
+            if found != 0:
+                return i, found, time
         until = min(until, watch[i].until)
-    return -1, until
+    return -1, 0, until
 
 
 @inner_jit
@@ -94,11 +96,17 @@ def _engage(law, pairs, joints, watch, notes, y, work, mode, goal, end_time):
     time, longest, begun = 0.0, np.inf, True
     touched = mode.pair >= 0 or y[0] > 1e-3 * goal
     _look_anew(watch, time)
+    known = bounds_of(law, y, push_at(law, pairs, mode, y), mode)
     for _ in range(MOST_STEPS):
         notes.used[1] += 1
         touched = touched or mode.pair >= 0
         push, event = push_at(law, pairs, mode, y), step.NOTHING
-        closed, until = _first_closed(law, pairs, joints, watch, mode, y, push, time)
+        if begun or outgrown(known, push):
+            known = bounds_of(law, y, push, mode)
+            _look_anew(watch, time)
+        closed, found, until = _first_closed(law, pairs, joints, watch, mode, y, push, time)
+        if found == OVERLAPS:
+            return mode, time, Ending.OVERLAPS
         if closed < 0:
             part = min(until - time, longest)
             error, longest = step.advance(law, pairs, mode, y, part, work), np.inf
@@ -110,6 +118,7 @@ def _engage(law, pairs, joints, watch, notes, y, work, mode, goal, end_time):
                 _note(law, pairs, notes, kind if begun else STEP, time, mode, y)
             begun, trend = False, np.sign(push.driver)
             part, event = step.first_event(law, pairs, mode, y, part, goal, trend, work)
+            part, closed = deeper(law, pairs, watch, mode, y, part, work)
             time += part
             for i in range(len(y)):
                 y[i] = work.out[i]
@@ -132,7 +141,6 @@ def _engage(law, pairs, joints, watch, notes, y, work, mode, goal, end_time):
         if ending != Ending.RUNNING:
             return mode, time, ending
         begun = True
-        _look_anew(watch, time)
     return mode, time, Ending.TOO_LONG
 
 

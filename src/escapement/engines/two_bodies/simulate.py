@@ -24,6 +24,9 @@ _REASONS = {
     Ending.STALL: (Status.STALL, "jams {}: two contacts hold the driver"),
     Ending.JAM: (Status.PAINLEVE, "jams {}: friction leaves rigid bodies no motion there"),
     Ending.UNDRIVEN: (Status.NO_TERMINAL, "runs free {}: no contact in a whole pitch"),
+    Ending.OVERLAPS: (
+        Status.NOT_CONVERGED, "was followed {}, where a contact was missed: the bodies overlap"
+    ),
     Ending.TOO_LONG: (
         Status.NOT_CONVERGED, f"was followed {{}}, where {marching.MOST_STEPS} steps were used up"
     ),
@@ -37,6 +40,13 @@ def outcome(
     if ending in (Ending.DONE, Ending.OVER):
         return Status.OK, MESSAGES[Status.OK]
     status, reason = _REASONS[ending]
+    start = prepared(escapement).start
+    if ending == Ending.OVERLAPS and (engagement, theta) == (0, start[0]):
+        told = " and ".join(f"{math.degrees(angle):.6g}" for angle in start)
+        return Status.INVALID, (
+            "driver_start and follower_start must be angles at which the bodies are apart, and at "
+            f"{told} degrees they overlap; choose others, or leave driver_start out"
+        )
     driver, law = theta + engagement * escapement.mechanism.cell_angle, prepared(escapement).law
     if ending == Ending.STANDS and as_python(torque_after)(driver - law.begin, law)[0] <= 0.0:
         status, reason = Status.SPENT, "stops {}: the spring is spent"

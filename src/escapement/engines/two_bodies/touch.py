@@ -32,11 +32,12 @@ Touch = namedtuple("Touch", "gap g0 g1 h0 h1 kappa on_track on_nose")
 is left to the ends of the track (length or angle) and of the nose's sector, negative outside."""
 
 
-Near = namedtuple("Near", "distance direction bend jumps")
+Near = namedtuple("Near", "distance direction bend jumps behind")
 """How near a nose is to the points of a track: the distance and its direction.
 
 Towards the centre of an arc the distance bends by `bend` less than the motion along that
-direction, elsewhere not less than it. If the nearest point `jumps`, only the speed bounds it."""
+direction, elsewhere not less than it. If the nearest point `jumps`, only the speed bounds it. The
+nose may be `behind` the track, deeper than a contact can be."""
 
 
 @inner_jit
@@ -120,29 +121,49 @@ def nearness(pair, at):
     x = at.at - pair.at
     distance, foot = max(abs(x), 1e-300), x * pair.along.conjugate()
     if pair.kind == LINE:
+        on_track = 0.0 <= foot.real <= pair.extent
         near = _from(x - min(max(foot.real, 0.0), pair.extent) * pair.along, pair.rho, False)
-        gap, normal, bend = -foot.imag - pair.rho, -1j * pair.along, 0.0
+        gap, n, bend = -foot.imag - pair.rho, -1j * pair.along, 0.0
     else:
         angle, sign = cmath.phase(foot), float(pair.kind)
-        gap, normal = sign * (distance - pair.radius) - pair.rho, sign / distance * x
+        on_track = abs(angle) <= pair.extent
+        gap, n = sign * (distance - pair.radius) - pair.rho, sign / distance * x
         bend = 1.5 * abs(at.v) ** 2 / distance
         if pair.kind == CONVEX and gap > -ALLOWED:
-            return Near(gap, normal, 0.0, False)
-        if abs(angle) > pair.extent:
+            return Near(gap, n, 0.0, False, False)
+        if not on_track:
             # the nearer end of the arc
             end = pair.along * cmath.rect(pair.radius, pair.extent if angle > 0.0 else -pair.extent)
             near = _from(x - end, pair.rho, abs(x - end) > FAR * pair.radius)
         else:
-            apart = distance - pair.radius
-            outwards = x / distance if apart > 0.0 else -x / distance
-            near = Near(abs(apart) - pair.rho, outwards, bend, abs(apart) > FAR * pair.radius)
+            away = distance - pair.radius
+            outwards = x / distance if away > 0.0 else -x / distance
+            near = Near(abs(away) - pair.rho, outwards, bend, abs(away) > FAR * pair.radius, False)
+    behind = on_track and gap < -ALLOWED
     if near.distance >= -ALLOWED:
-        return near
-    return Near(abs(gap), normal if gap > 0.0 else -normal, bend, False)
+        return Near(near.distance, near.direction, near.bend, near.jumps, behind)
+    return Near(abs(gap), n if gap > 0.0 else -n, bend, False, behind)
 
 
 @inner_jit
 def _from(x, rho, jumps):
     """Distance of a disc, whose centre is at x from a point."""
     distance = max(abs(x), 1e-300)
-    return Near(distance - rho, x / distance, 0.0, jumps)
+    return Near(distance - rho, x / distance, 0.0, jumps, False)
+
+
+@inner_jit
+def normal(pair, at):
+    """Normal of a track towards a nose."""
+    x = at.at - pair.at
+    return -1j * pair.along if pair.kind == LINE else float(pair.kind) / max(abs(x), 1e-300) * x
+
+
+@inner_jit
+def apart(pair, x):
+    """Distance of a point from a track, which is at x from the place of the track."""
+    foot = x * pair.along.conjugate()
+    if pair.kind == LINE:
+        return abs(foot - min(max(foot.real, 0.0), pair.extent))
+    angle = cmath.phase(foot)
+    return abs(foot - cmath.rect(pair.radius, min(max(angle, -pair.extent), pair.extent)))
