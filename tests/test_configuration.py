@@ -125,7 +125,7 @@ STUDIES = sorted(path for path in RUNS.glob("*.toml") if path.stem != "thirty_se
 @pytest.mark.parametrize("path", STUDIES, ids=lambda path: path.stem)
 def test_the_studies_of_the_repository_are_valid(path):
     plan = load_plan(path)
-    assert plan.escapement(0) != plan.escapement(plan.cases - 1)
+    assert plan.cases == 1 or plan.escapement(0) != plan.escapement(plan.cases - 1)
     assert parse_plan(plan.configuration).configuration == plan.configuration
 
 

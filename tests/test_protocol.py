@@ -67,7 +67,10 @@ def test_a_mechanism_of_ones_own_moves_like_the_wheel_whose_path_it_has(engine):
 
 def test_figures_and_studies_of_a_mechanism_of_ones_own_are_those_of_the_wheel():
     own, wheel = timer(Own()), timer(WHEEL)
-    assert str(esc.terminal(own).as_dict()) == str(esc.terminal(wheel).as_dict())
+    figures = [esc.terminal(one).as_dict() for one in (own, wheel)]
+    for found in figures:  # a mechanism without slots has no pins whose loads could be counted
+        del found["pin_load_frequency"]
+    assert str(figures[0]) == str(figures[1])
     assert numbers_of(own) == numbers_of(wheel)
     assert with_number(own, "friction", 0.1).friction == 0.1
     studies = [esc.sweep(one, torque=[0.01, 0.02]).results for one in (own, wheel)]

@@ -32,8 +32,9 @@ def texts_of(path):
     """The lines of words in a picture, a report or a page."""
     text = path.read_text(encoding="utf-8")
     if path.suffix == ".html":
-        # the first table of a report has the design in all systems
-        text = re.sub(r"<section><h2>The design.*?</section>", "", text, flags=re.DOTALL)
+        # these tables of a report have what went in, in all systems
+        inputs = r"<section><h2>(The design|What is asked for)<.*?</section>"
+        text = re.sub(inputs, "", text, flags=re.DOTALL)
         text = re.sub(r"<style>.*?</style>|<script.*?</script>", "", text, flags=re.DOTALL)
     text = re.sub(r"<(?:style|defs|metadata)\b.*?</(?:style|defs|metadata)>", "", text, flags=re.S)
     return [line.strip() for line in re.split(r"<[^>]*>", text) if line.strip()]

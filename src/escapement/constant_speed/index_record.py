@@ -185,7 +185,7 @@ _ATTRIBUTES = {name: name.replace("_deg", "_angle") for name in INDEX}
 
 def in_si(drive: Any, name: str) -> Any:
     """A figure of a drive, or of many, in SI."""
-    return getattr(drive, _ATTRIBUTES[name])
+    return getattr(drive, _ATTRIBUTES.get(name, name))
 
 
 def record_of(drive: "IndexingDrive") -> Record:
