@@ -146,6 +146,7 @@ def look(law, pairs, joints, watch, i, mode, y, push, bounds, time):
     was_behind, seen.behind = seen.behind, 1 if near.behind else 0
     if near.behind and was_behind == 0 and _enclosed(law, pairs, i, nose, track, y):
         return OVERLAPS
+    seen.beside = 1 if near.distance <= ALLOWED else 0
     if near.distance > CLOSED:
         seen.until = min(seen.until, time + _free_time(pair, at, near, bounds, y))
         return 0
@@ -153,7 +154,7 @@ def look(law, pairs, joints, watch, i, mode, y, push, bounds, time):
     left = min(touch.on_track, touch.on_nose)
     rate = touch.g0 * y[2] + touch.g1 * y[3]
     bend = touch.kappa + touch.g0 * push.driver + touch.g1 * push.follower
-    seen.until, seen.beside = time + bounds.cap * NEAR, 1
+    seen.until = time + bounds.cap * NEAR
     if rate > STILL and bend < 0.0:
         seen.until = min(seen.until, time - rate / bend)  # the top of a rebound
     # a nose that has just left the end of a feature would return to its continuation
