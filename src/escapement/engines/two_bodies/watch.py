@@ -3,7 +3,8 @@
 A nose is at the distance D from the points of a track. Neither D nor its rate can change faster
 than the speeds and accelerations of the bodies allow, so that no contact can begin before a time
 that follows from them. Pairs are looked at again only when their times have come, and these times
-become exact as D goes to zero. No contact is missed, however short it is.
+become exact as D goes to zero. A nose right beside a track is watched at the end of each step as
+well. If one is found within the other body all the same, the motion ends there.
 """
 
 import cmath
