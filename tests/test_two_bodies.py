@@ -16,6 +16,8 @@ from escapement.engines.two_bodies.march import PHI, SPEED, TIME, TURNING
 from escapement.engines.two_bodies.pairs import pairs_of
 from escapement.engines.two_bodies.touch import Touch, place, touch_at
 from escapement.mechanisms.features import CONVEX, HOLLOW, LINE
+from escapement.outlines.gaps import gap, segments_of
+from escapement.outlines.touching import edges_of
 from outlined_bodies import features, followed, geneva
 
 
@@ -318,3 +320,83 @@ def test_sensitivities_obey_similarity():
     assert found["driver_inertia"] + found["follower_inertia"] == pytest.approx(0.5, abs=1e-6)
     assert found["friction"] == pytest.approx(0.159, abs=1e-3)
     assert found["follower_inertia"] == pytest.approx(0.528, abs=1e-3)
+
+
+DEADBEAT = {
+    "teeth": 30, "wheel_radius": 1.0, "tooth_depth": 0.2, "lead": math.radians(-8.0),
+    "back": math.radians(35.0), "tip_radius": 0.002, "span": 7.5, "lift": math.radians(2.0),
+    "lock": math.radians(0.5), "drop": math.radians(1.0),
+}  # fmt: skip
+
+
+def clock(restitution=0.0, recoil=0.0, **changes):
+    numbers = DEADBEAT | changes
+    wheel = esc.Recoil(**numbers, recoil_angle=recoil) if recoil else esc.Deadbeat(**numbers)
+    return runaway(
+        wheel, (1e-4, 1.0), 0.1, 0.004 if recoil else 0.006, restitution=restitution,
+        follower_gravity=1.0, follower_viscous=0.02,
+    )  # fmt: skip
+
+
+def least_gap(motion):
+    """The least gap of both outlines in the poses of a motion, by their exact distance."""
+    wheel = motion.escapement.mechanism
+    driver = segments_of(edges_of(wheel.driver_chains, wheel.driver_fold))
+    follower = segments_of(edges_of(wheel.follower_chains))
+    t = np.linspace(0.0, motion.end_time, 150 * len(motion.handoff_times), endpoint=False)
+    poses = motion.at(np.sort(np.concatenate([t, motion.impacts.time])))
+    return min(
+        gap(
+            follower.moved(np.exp(1j * phi), wheel.axes_distance),
+            driver.moved(np.exp(1j * theta), 0),
+        )[0]
+        for theta, phi in zip(poses.theta, poses.phi, strict=True)
+    )
+
+
+MOTIONS = {
+    "pins that rebound": (lambda: runaway(friction=0.1, restitution=0.25), 6),
+    "flat pallets": (lambda: runaway(flat(), (1.0, 0.1)), 4),
+    "flat pallets that rebound": (lambda: runaway(flat(), (1.0, 0.1), 0.3, restitution=0.25), 6),
+    "sharp pins": (lambda: runaway(pins(tip_radius=0.0), restitution=0.5), 4),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", MOTIONS)
+def test_bodies_never_overlap(name):
+    make, count = MOTIONS[name]
+    motion = esc.simulate(make(), count)
+    assert motion.status is Status.OK
+    assert least_gap(motion) > -1e-9
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    "timer",
+    [
+        clock(),
+        # a sharp tooth rebounds on an impulse face, ever less
+        clock(0.2, math.radians(10.0), tip_radius=0.0),
+        clock(0.2, tip_radius=0.0),
+    ],
+)
+def test_clocks_never_overlap(timer):
+    motion = esc.simulate(timer, 30)
+    assert motion.status is Status.OK
+    assert np.diff(motion.handoff_times)[2:] == pytest.approx(2.0 * math.pi, rel=0.01)
+    assert least_gap(motion) > -1e-9
+
+
+def test_flat_pallets_that_rebound_have_one_cycle():
+    found = [
+        esc.terminal(runaway(flat(driver_start=start), (1.0, 0.1), 0.3, restitution=0.25)).period
+        for start in (0.14, 0.17)
+    ]
+    assert found == pytest.approx([1.25044014] * 2, abs=1e-8)
+
+
+def test_start_within_each_other_is_refused():
+    motion = esc.simulate(runaway(flat(driver_start=0.05), (1.0, 0.1)), 2)
+    assert motion.status is Status.INVALID
+    assert motion.message.startswith("driver_start and follower_start must be angles")
+    assert "2.86479 and 0 degrees" in motion.message

@@ -95,7 +95,8 @@ def _engage(law, pairs, joints, watch, notes, y, work, mode, goal, end_time):
     """Follow the motion to the driver angle `goal`; returns mode, time and an `Ending`."""
     time, longest, begun = 0.0, np.inf, True
     touched = mode.pair >= 0 or y[0] > 1e-3 * goal
-    _look_anew(watch, time)
+    for i in range(len(watch)):
+        watch[i].behind = 0  # each nose behind a track is looked at once a pitch
     known = bounds_of(law, y, push_at(law, pairs, mode, y), mode)
     for _ in range(MOST_STEPS):
         notes.used[1] += 1

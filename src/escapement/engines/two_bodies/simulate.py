@@ -14,7 +14,6 @@ from escapement.engines.two_bodies.scene import prepared
 from escapement.engines.two_bodies.trajectory import TwoBodyTrajectory
 from escapement.mechanisms.protocol import FloatArray
 from escapement.model.escapement import Escapement
-from escapement.numerics.jit import as_python
 
 LONGEST = 10_000
 """Greatest number of engagements."""
@@ -48,7 +47,7 @@ def outcome(
             f"{told} degrees they overlap; choose others, or leave driver_start out"
         )
     driver, law = theta + engagement * escapement.mechanism.cell_angle, prepared(escapement).law
-    if ending == Ending.STANDS and as_python(torque_after)(driver - law.begin, law)[0] <= 0.0:
+    if ending == Ending.STANDS and torque_after(driver - law.begin, law)[0] <= 0.0:
         status, reason = Status.SPENT, "stops {}: the spring is spent"
     where = f"at a driver angle of {math.degrees(driver):.3f} degrees, in engagement"
     return status, f"the mechanism {reason.format(f'{where} {engagement + 1}')}"

@@ -140,6 +140,8 @@ def nearness(pair, at):
             outwards = x / distance if away > 0.0 else -x / distance
             near = Near(abs(away) - pair.rho, outwards, bend, abs(away) > FAR * pair.radius, False)
     behind = on_track and gap < -ALLOWED
+    if on_track and -ALLOWED <= gap <= 0.0:
+        return Near(gap, n, bend, False, False)
     if near.distance >= -ALLOWED:
         return Near(near.distance, near.direction, near.bend, near.jumps, behind)
     return Near(abs(gap), n if gap > 0.0 else -n, bend, False, behind)

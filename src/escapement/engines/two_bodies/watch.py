@@ -3,7 +3,8 @@
 A nose is at the distance D from the points of a track. Neither D nor its rate can change faster
 than the speeds and accelerations of the bodies allow, so that no contact can begin before a time
 that follows from them. Pairs are looked at again only when their times have come, and these times
-become exact as D goes to zero. No contact is missed, however short it is.
+become exact as D goes to zero. A nose right beside a track is watched at the end of each step as
+well. If one is found within the other body all the same, the motion ends there.
 """
 
 import cmath
@@ -146,6 +147,7 @@ def look(law, pairs, joints, watch, i, mode, y, push, bounds, time):
     was_behind, seen.behind = seen.behind, 1 if near.behind else 0
     if near.behind and was_behind == 0 and _enclosed(law, pairs, i, nose, track, y):
         return OVERLAPS
+    seen.beside = 1 if near.distance <= ALLOWED else 0
     if near.distance > CLOSED:
         seen.until = min(seen.until, time + _free_time(pair, at, near, bounds, y))
         return 0
@@ -153,7 +155,7 @@ def look(law, pairs, joints, watch, i, mode, y, push, bounds, time):
     left = min(touch.on_track, touch.on_nose)
     rate = touch.g0 * y[2] + touch.g1 * y[3]
     bend = touch.kappa + touch.g0 * push.driver + touch.g1 * push.follower
-    seen.until, seen.beside = time + bounds.cap * NEAR, 1
+    seen.until = time + bounds.cap * NEAR
     if rate > STILL and bend < 0.0:
         seen.until = min(seen.until, time - rate / bend)  # the top of a rebound
     # a nose that has just left the end of a feature would return to its continuation
