@@ -12,7 +12,8 @@ Read `law` first: it is the equation of motion.
   its variables
 - `events`, `flow_changes`, `impacts`: handoffs, changes of the direction of power, and impacts of
   a motion
-- `event_rows`, `followed`: rows of events of an engagement, and motions that are kept by engagements
+- `event_rows`, `followed`: rows of events of an engagement, and a motion of engagements that an
+  engine follows one after the other
 - `contact_state`, `state_from_table`: columns of a state in contact, and states by their columns
 - `energy_balance`: where the work went
 - `figures_of_merit`, `motor_figures`, `figure_table`, `figure_record`: figures of merit, those of a
