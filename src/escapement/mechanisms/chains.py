@@ -125,7 +125,8 @@ def features_of(chains: Sequence[Chain], fold: int = 1) -> Features:
         rows += _rows(chain, fold)
     columns = np.array(rows, dtype=float).reshape(-1, 6).T
     kind, x, y, direction, extent, radius = columns
-    return Features(kind.astype(np.int64), x, y, direction, extent, radius, fold)
+    kinds = kind.astype(np.int64)
+    return Features(kinds, x, y, direction=direction, extent=extent, radius=radius, fold=fold)
 
 
 def _segments(chain: Chain) -> list[_Segment]:

@@ -134,7 +134,9 @@ def _collected(
                 if value and numbers[name]:
                     relative[figure][name] = slope.below * numbers[name] / value
     message = "; ".join(told(figure, names) for figure, names in lost.items()) or "done"
-    return Sensitivities(absolute, relative, one_sided, doubts, JUMPS, figures, message)
+    return Sensitivities(
+        absolute, relative, one_sided, doubts, jumps=JUMPS, figures=figures, message=message
+    )
 
 
 def error_axes(mechanism: Any) -> list[str]:

@@ -97,8 +97,8 @@ def figures(case, handoffs, rows, w, rtol, extent, out):
     if constant_gain and _only_gains(case.scene):
         return NO_TERMINAL
     request, before = request_of(Detail.EXTREMA, rtol), cycle.Attempt(w, w)
-    first, in_band, k, attempt, rows[GOALS, 0] = NO_EVENTS, 0, 0, 0, np.nan
-    time, rising, cycle_known, sought = 0.0, 0.0, False, False
+    first, in_band, k, attempt, time, rising = NO_EVENTS, 0, 0, 0, 0.0, 0.0
+    rows[GOALS, 0], cycle_known, sought = np.nan, False, False
     _note_handoff(handoffs, k, time, w)
     longest = MAX_ENGAGEMENTS if size == 1 else LONGEST_PATTERN
     while k < longest:
@@ -119,8 +119,7 @@ def figures(case, handoffs, rows, w, rtol, extent, out):
             if extent == Extent.FALLEN:
                 _note_falls(case, start, handoffs, k, rtol, out)
         if not sought:
-            step = cycle.newton_step(w, found, has_reversal(case.events, first, used))
-            first = used
+            step, first = cycle.newton_step(w, found, has_reversal(case.events, first, used)), used
             if _worth_seeking(case, w, step, k, used):
                 status = _seek(case, w, step, before, found, rtol, rows, out)
                 sought, cycle_known, first = True, status == OK, NO_EVENTS

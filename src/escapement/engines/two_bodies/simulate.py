@@ -69,8 +69,9 @@ def march_from(
     scene, begins, done = prepared(escapement), np.empty((count + 1, marching.BEGIN)), 0
     begins[0] = start
     while True:
-        inputs, used = (horizon, done, begins[done:], _NO_ROWS), np.zeros(2, np.int64)
-        ending, more, theta, end = marching.march(*scene[:4], *inputs, used)
+        bodies, used = (scene.law, scene.pairs, scene.joints, scene.pitches), np.zeros(2, np.int64)
+        inputs = horizon, done, begins[done:], _NO_ROWS
+        ending, more, theta, end = marching.march(*bodies, *inputs, used)
         done += more
         if ending != Ending.RUNNING:
             return ending, begins[: done + 1], theta, end

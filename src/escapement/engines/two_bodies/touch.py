@@ -106,9 +106,11 @@ def touch_at(pair, at):
     # a vector product is the scalar product with the other vector turned back
     g_a, g_b = dot(at.arm, -1j * n), dot(at.at, 1j * n)
     h_a, h_b = dot(at.arm, n) - pair.rho, pair.rho - dot(at.at, n)
-    if pair.nose == 0:
-        return Touch(gap, g_a, g_b, h_a, h_b, kappa, on_track, on_nose)
-    return Touch(gap, g_b, g_a, h_b, h_a, kappa, on_track, on_nose)
+    if pair.nose != 0:
+        g_a, g_b, h_a, h_b = g_b, g_a, h_b, h_a
+    return Touch(
+        gap=gap, g0=g_a, g1=g_b, h0=h_a, h1=h_b, kappa=kappa, on_track=on_track, on_nose=on_nose
+    )
 
 
 @inner_jit

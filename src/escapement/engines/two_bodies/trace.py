@@ -31,8 +31,11 @@ def trace(law, pairs, pitch, rows, which, since, table, lost):
         at = y if since[k] <= 0.0 else work.out
         push = rates(here, pairs, mode, at, rate)
         state = ContactState(
-            at[0], at[2], push.driver, at[1], at[3], push.follower, push.moment, push.force,
-            rate[4], rate[5], rate[6], rate[7], rate[8], 0.0, 0.0,
+            theta=at[0], theta_dot=at[2], theta_ddot=push.driver,
+            phi=at[1], phi_dot=at[3], phi_ddot=push.follower,
+            contact_moment=push.moment, contact_force=push.force,
+            friction=rate[4], driver_bearing=rate[5], follower_bearing=rate[6],
+            driver_drag=rate[7], follower_drag=rate[8], barrel=0.0, load_train=0.0,
         )  # fmt: skip
         write_state(table, k, state)
         lost[:, k] = at[MOTION:]

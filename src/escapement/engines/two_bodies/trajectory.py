@@ -48,9 +48,10 @@ class TwoBodyTrajectory(NotedTrajectory):
         count = max(int(np.searchsorted(self.begins[:, TIME], self._end * (1.0 - 1e-14))), 1)
         begins, size = np.resize(self.begins, (count + 1, self.begins.shape[1])), _ROOM * count
         end = self._end * (1.0 + 1e-15)
+        bodies = scene.law, scene.pairs, scene.joints, scene.pitches
         while True:
             rows, used[:] = np.zeros(size, ROW), 0
-            march(*scene[:4], end, 0, begins, rows, used)
+            march(*bodies, end, 0, begins, rows, used)
             if used[0] <= size:
                 break
             size = int(used[0])
