@@ -54,7 +54,8 @@ def random_timer(seed):
 
 
 def agree(timer, count=6):
-    fast, slow = (esc.simulate(timer, count, engine=name) for name in ("energy", "ivp"))
+    engines = "energy", "ivp"
+    fast, slow = (esc.simulate(timer, count, engine=name, rtol=1e-12) for name in engines)
     assert fast.status is slow.status is Status.OK
     np.testing.assert_allclose(fast.handoff_times, slow.handoff_times, rtol=1e-9)
     np.testing.assert_allclose(fast.handoff_velocities, slow.handoff_velocities, rtol=1e-9)
