@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 _SLOPES = {
     "period_by_torque": "torque", "period_by_friction": "friction",
     "period_by_driver_inertia": "driver inertia", "period_by_follower_inertia": "follower inertia",
-    "period_by_centre_distance": "centre distance", "period_with_rebound": "rebound of .25",
+    "period_by_centre_distance": "centre distance",
 }  # fmt: skip
 _SHARES = {"friction_share": "friction", "blow_share": "blows"}
 _PEAKS = {
@@ -42,9 +42,8 @@ def plot_comparison(found: "Sequence[Compared]", names: Sequence[str] | None = N
     """
     shown = [*names] if names else [one.name for one in found]
     drawn = style.new_figure(style.TWO_COLUMN, 5.6)
-    above, left, right = (
-        drawn.add_subplot(2, 1, 1), drawn.add_subplot(2, 2, 3), drawn.add_subplot(2, 2, 4)
-    )  # fmt: skip
+    grid = drawn.add_gridspec(2, 2)
+    above, left, right = (drawn.add_subplot(grid[at]) for at in ((0, slice(None)), (1, 0), (1, 1)))
     for ax, keys in ((above, _SLOPES), (left, _SHARES), (right, _PEAKS)):
         style.dress(ax)
         bases = {
