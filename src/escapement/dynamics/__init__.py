@@ -16,6 +16,7 @@ Read `law` first: it is the equation of motion.
   engine follows one after the other
 - `contact_state`, `state_from_table`: columns of a state in contact, and states by their columns
 - `energy_balance`: where the work went
+- `batch_spread`: means over engagements that do not repeat themselves
 - `figures_of_merit`, `motor_figures`, `figure_table`, `figure_record`: figures of merit, those of a
   motor, their declarations, and what is told of them
 """

@@ -17,6 +17,7 @@ import numpy as np
 from escapement.base.status import MESSAGES, Status
 from escapement.base.text import Shown
 from escapement.base.units import printed
+from escapement.dynamics.batch_spread import BatchSpread
 from escapement.dynamics.energy_balance import Judged, JudgedResult
 from escapement.dynamics.figure_table import FIGURES, OF_MOTOR, TRANSIENT
 from escapement.dynamics.motion import Motion
@@ -65,20 +66,6 @@ def _of_motor(name: str, meaning: str) -> cached_property[float]:
     found = cached_property(lambda figures: figures._motor[name])
     found.__doc__ = meaning
     return found
-
-
-@dataclass(frozen=True)
-class BatchSpread:
-    """Scatter of engagements that do not repeat.
-
-    engagements : number of engagements over which the means are taken.
-    deviation, interval : standard deviation of a figure from one engagement to the next, and
-        half the interval that holds its mean with 95 %, by name, in the unit of the figure.
-    """
-
-    engagements: int
-    deviation: dict[str, float]
-    interval: dict[str, float]
 
 
 # NaN is not equal to itself, so two would never compare equal

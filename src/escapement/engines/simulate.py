@@ -40,6 +40,7 @@ _FULL = "the figures are those of the full spring, whose torque falls as it runs
 _AT_START = "the figures are those of the torque at the start of the motion"
 _NO_START = "the torque curve begins with no torque, which has no cycle"
 ROUNDING = 1e-9
+"""A speed may exceed the last one of a torque curve by this share, which rounding explains."""
 _TOO_UNEQUAL = (
     f"the numbers differ by a factor of more than {MOST_UNEQUAL:g}, whose square no double holds; "
     "choose inertias, torques and a speed of similar size"

@@ -10,8 +10,9 @@ from dataclasses import replace
 import numpy as np
 
 from escapement.base.status import Status
+from escapement.dynamics.batch_spread import batch_spread
 from escapement.dynamics.codes import Ending
-from escapement.dynamics.figures_of_merit import BatchSpread, Figures, cycle_figures, read_figures
+from escapement.dynamics.figures_of_merit import Figures, cycle_figures, read_figures
 from escapement.dynamics.motion import Motion
 from escapement.engines.two_bodies import simulate as following
 from escapement.engines.two_bodies.march import PAIR, SPEED, STEPS, THETA, TIME
@@ -86,10 +87,7 @@ def _scattered(escapement: Escapement, base: Figures, states: FloatArray, rtol: 
     found = cycle_figures(cycle) | {"motion": cycle}
     if spread <= _ALIKE * mean:
         return replace(base, **found, message=f"the pitches repeat to {spread / mean:.1g}")
-    batches = periods.reshape(10, -1).mean(axis=1)
-    interval = 2.262 * float(batches.std(ddof=1)) / math.sqrt(10.0)
-    deviation = {"period": float(periods.std(ddof=1))}
-    found["spread"] = BatchSpread(periods.size, deviation, {"period": interval})
+    found["spread"] = batch_spread({"period": periods})
     found |= {"period": mean, "velocity_mean": escapement.mechanism.cell_angle / mean}
     message = (
         f"the pitches do not repeat themselves: the period is the mean of {periods.size}, which "

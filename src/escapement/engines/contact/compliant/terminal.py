@@ -14,7 +14,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from escapement.base.status import MESSAGES, Status
-from escapement.dynamics.figures_of_merit import BatchSpread, Figures, cycle_figures, read_figures
+from escapement.dynamics.batch_spread import BATCHES, batch_spread
+from escapement.dynamics.figures_of_merit import Figures, cycle_figures, read_figures
 from escapement.dynamics.impacts import jams
 from escapement.dynamics.law import is_lossless
 from escapement.dynamics.motion import Motion
@@ -29,10 +30,6 @@ SETTLE = 60
 """A motion that does not repeat itself after so many engagements is assumed never to do so."""
 SAMPLE = 120
 """Number of engagements over which means are then taken; fewer if the steps are used up."""
-BATCHES = 10
-"""Number of batches of these engagements; the scatter of their means gives the intervals."""
-_STUDENT = 2.262
-"""Student's distribution with BATCHES - 1 degrees of freedom is above this with 2.5 %."""
 _NOISE = 1e-9
 _LONGEST_TRANSIENT = 200
 
@@ -149,13 +146,8 @@ def _spread(cycle: _Cycle, base: Figures) -> Figures:
     rows = [one.numbers for one in passed[:count]]
     columns = {name: np.array([row[name] for row in rows]) for name in rows[0]}
     means: dict[str, Any] = {name: float(column.mean()) for name, column in columns.items()}
-    deviation = {name: float(column.std(ddof=1)) for name, column in columns.items()}
-    interval = {}
-    for name, column in columns.items():
-        batches = column.reshape(BATCHES, -1).mean(axis=1)
-        interval[name] = float(_STUDENT * batches.std(ddof=1) / math.sqrt(BATCHES))
-    spread = BatchSpread(count * cycle.size, deviation, interval)
-    share = interval["period"] / means["period"]
+    spread = batch_spread(columns, cycle.size)
+    share = spread.interval["period"] / means["period"]
     message = (
         f"the engagements do not repeat themselves: the period and the velocities are means over "
         f"{spread.engagements} of them, the period with a relative error of at most {share:.2g} "
