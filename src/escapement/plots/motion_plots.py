@@ -46,7 +46,7 @@ def plot_velocities(motion: Motion, ax: Axes | None = None, *, legend: bool = Tr
     size, speed = readable("speed", state.theta_dot)
     ax.plot(times * factor, state.theta_dot * size, color=style.BLUE, lw=1.3, label="driver")
     ax.plot(times * factor, state.phi_dot * size, lw=1.1, label="follower", **style.BROKEN)
-    ax.set_ylim(bottom=min(0.0, float(state.phi_dot.min() * size)))
+    ax.set_ylim(bottom=min(0.0, 1.05 * float(state.phi_dot.min() * size)))
     _mark_events(ax, motion, factor, motion.reversals.theta_dot * size)
     return finished(ax, ("time", unit), ("angular velocity", speed), 4, legend=legend)
 
@@ -96,7 +96,7 @@ def plot_phase_portrait(motion: Motion, ax: Axes | None = None, *, legend: bool 
         ax.plot(np.degrees(state.theta - index * cell), state.theta_dot * size, **look)
     found = motion.reversals
     local = found.theta - cell * np.floor((found.theta - entry) / cell)
-    _mark_reversals(ax, np.degrees(local), found.theta_dot * size)
+    _mark_reversals(ax, motion, np.degrees(local), found.theta_dot * size)
     ax.set(xlim=np.degrees([entry, entry + cell]), ylim=(0.0, None))
     # more than eight ticks would crowd the axis
     tick = next((size for size in (5, 10, 15, 30, 45, 60) if np.degrees(cell) <= 8 * size), 90)
@@ -185,7 +185,7 @@ def _moments(motion: Motion) -> FloatArray:
 
 def _mark_events(ax: Axes, motion: Motion, factor: float, heights: FloatArray) -> None:
     """Reversals at `heights`, handoffs and limits of a figure over time."""
-    _mark_reversals(ax, motion.reversals.time * factor, heights)
+    _mark_reversals(ax, motion, motion.reversals.time * factor, heights)
     times = motion.handoff_times * factor
     if times.size:
         # many handoffs get short lines at the top, where no curve hides them
@@ -197,7 +197,10 @@ def _mark_events(ax: Axes, motion: Motion, factor: float, heights: FloatArray) -
     ax.set_xlim(0.0, (1.0 + _ROOM) * motion.end_time * factor)
 
 
-def _mark_reversals(ax: Axes, x: FloatArray, y: FloatArray) -> None:
+def _mark_reversals(ax: Axes, motion: Motion, x: FloatArray, y: FloatArray) -> None:
     if x.size:
         size = 4.0 if x.size <= _CROWDED else 2.5
-        ax.plot(x, y, "o", ms=size, zorder=4, **style.REVERSAL)
+        # bodies without slots have no other wall to which the contact would change
+        slotted = motion.escapement.mechanism.pitch is None
+        look = style.REVERSAL if slotted else style.REVERSAL | {"label": "lift-off"}
+        ax.plot(x, y, "o", ms=size, zorder=4, **look)
