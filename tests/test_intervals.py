@@ -8,7 +8,7 @@ import pytest
 from scipy import stats
 
 import escapement as esc
-from escapement.engines.contact.compliant import terminal as compliant
+from escapement.dynamics import batch_spread
 from escapement.tolerance import indices, intervals
 
 # of printed tables: the normal distribution, and Student's with 19 degrees of freedom
@@ -97,8 +97,8 @@ def test_indices_have_the_intervals_of_their_resamples():
 
 
 def test_engagements_that_do_not_repeat_have_the_interval_of_students_table():
-    quantile = stats.t.ppf(0.975, compliant.BATCHES - 1)
-    assert abs(compliant._STUDENT - quantile) < 1e-3
+    quantile = stats.t.ppf(0.975, batch_spread.BATCHES - 1)
+    assert abs(batch_spread._STUDENT - quantile) < 1e-3
 
 
 @pytest.mark.slow
