@@ -177,7 +177,7 @@ CASES = {
     "second": "beat 0 is 2.0", "last but one": "beat 148 is 1.99",
     "echo": "beats 70 to 71 are 0.30", "close echo": "beats 70 to 71 are 0.03",
     "two echoes": "beats 70 to 72 are 0.30",
-    "late": "engagement 69 takes 1.30", "a little late": "engagement 69 takes 1.03",
+    "late": "beats 69 to 70 are 1.29 and 0.70", "a little late": "engagement 69 takes 1.03",
     "after the last": "beat 150 is 0.30",
 }  # fmt: skip
 

@@ -19,6 +19,7 @@ from escapement.measurement.part_estimates import (
     solutions,
     undetermined,
 )
+from escapement.measurement.readings import Readings
 from escapement.measurement.rounds import Rounds, rounds_of
 from escapement.mechanisms.protocol import FloatArray
 from escapement.model.escapement import Escapement
@@ -153,14 +154,14 @@ class BeatFit(Fit):
 
 
 def fit_beats(
-    beats: ArrayLike, escapement: Escapement, *, noise: float | None = None, parts: str = "both",
-    confidence: float = 0.95, times: bool = False,
+    beats: ArrayLike | Readings, escapement: Escapement, *, noise: float | None = None,
+    parts: str = "both", confidence: float = 0.95, times: bool = False,
 ) -> BeatFit:  # fmt: skip
     """Find the angle errors of pins and slots from measured beats.
 
     Parameters
     ----------
-    beats : array_like, shape (N,)
+    beats : array_like, shape (N,), or Readings
         Times of the engagements in turn [s], from one change of pin to the next, in the terminal
         cycle; NaN or masked where one is missing. The first is that of pin 0 in slot 0, which
         gives the parts their numbers. Each pin must have met each of its slots once; more rounds

@@ -8,9 +8,9 @@ import numpy as np
 from escapement.base.records import Record
 from escapement.base.results import Result
 from escapement.base.units import SYSTEMS
-from escapement.measurement.beat_times import BeatTimes
 from escapement.measurement.beats import BeatFit
 from escapement.measurement.estimate import Estimate, Fit
+from escapement.measurement.readings import Readings
 from escapement.measurement.timekeeping import Timekeeping
 
 TESTS = "chi_squared", "chi_squared_published", "anderson_darling"
@@ -25,7 +25,7 @@ _ANGLES = {
 _ERRORS = "shaft_errors", "slot_errors", "backlash", "changes", "glitches"
 """Errors with a cause."""
 RESULTS = dict.fromkeys(
-    ("duration", "beat_error", "scatter", "release_time", "noise", "time", "late", "late_interval"),
+    ("beat_error", "scatter", "release_time", "noise", "time", "late", "late_interval"),
     Result("time"),
 ) | {
     "period": Result("time", "mean time of a beat"),
@@ -120,7 +120,7 @@ def _attributes(owner: Any, *names: str) -> dict[str, Any]:
 
 
 def record_of_beats(
-    beats: BeatTimes, keeping: Timekeeping | None, fit: Fit | None = None, units: str = SYSTEMS[0]
+    beats: Readings, keeping: Timekeeping | None, fit: Fit | None = None, units: str = SYSTEMS[0]
 ) -> Record:
     """All figures of beats, by JSON key.
 
@@ -129,15 +129,14 @@ def record_of_beats(
     units : the system of units of fitted numbers.
     """
     values: dict[str, Any] = {
-        "beats": int(beats.heard.size), "missed": beats.missed,
-        "other_sounds": int(beats.doubles.size), "sounds_of_a_beat": beats.sounds,
-        "duration": beats.duration, "period": beats.period,
+        "beats": beats.samples, "missed": beats.missing, "other_sounds": len(beats.doubles),
+        "sounds_of_a_beat": beats.sounds, "period": beats.period,
     }  # fmt: skip
     if keeping is not None:
         values |= _of_timekeeping(keeping)
     if fit is not None:
         values["parts" if isinstance(fit, BeatFit) else "run_up"] = _of_fit(fit, units)
-    values["message"] = "; ".join(filter(None, [beats.message, fit.message if fit else ""]))
+    values["message"] = "; ".join(filter(None, [*beats.remarks, fit.message if fit else ""]))
     return Record(values, RESULTS)
 
 

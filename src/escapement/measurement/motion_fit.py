@@ -11,7 +11,6 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from escapement.base.lazy import Lazy
-from escapement.measurement.beat_times import BeatTimes
 from escapement.measurement.estimate import (
     SURE,
     Estimate,
@@ -142,7 +141,9 @@ def fit_motion(
     ----------
     readings : Readings
         Times and angles of the input; the angles of the output are not used. The driver stands at
-        pin entry until it is released, at the first sample or later.
+        pin entry until it is released, at the first sample or later. Or beats, as `read_beats`
+        gives them with `run_up=True`: each sounds as a pin hands over to the next one, the first
+        at the first change of pin behind the release.
     escapement : Escapement
         The design. The search begins at its values of `parameters`, which must be above 0, and
         keeps all its other numbers.
@@ -174,39 +175,7 @@ def fit_motion(
     slowly or with the engagements by more than noise does in one of a thousand recordings. The
     readings cannot say so, and nor the contrary, if a cubic curve explains them about as well.
     """
-    return _fitted(readings, escapement, parameters, confidence)
-
-
-def fit_run_up(
-    beats: BeatTimes, escapement: Escapement, parameters: Sequence[str] = ("friction",), *,
-    confidence: float = 0.95,
-) -> MotionFit:  # fmt: skip
-    """Fit numbers of an escapement to the times of beats of a motion from rest.
-
-    A beat sounds as a pin hands over to the next one.
-
-    Parameters
-    ----------
-    beats : BeatTimes
-        What `read_beats` gives with `run_up=True`; the first is the first change of pin behind the
-        release.
-    escapement, parameters, confidence :
-        As for `fit_motion`.
-
-    Raises
-    ------
-    InvalidValue
-        If an argument breaks its rule, the escapement does not run, its times are far from the
-        measured ones, or the beats determine only a combination of the numbers.
-    """
-    return _fitted(beats, escapement, parameters, confidence)
-
-
-def _fitted(
-    measured: Readings | BeatTimes, escapement: Escapement, parameters: Sequence[str],
-    confidence: float,
-) -> MotionFit:  # fmt: skip
-    task, share = task_of(measured, escapement, parameters), checked_confidence(confidence)
+    task, share = task_of(readings, escapement, parameters), checked_confidence(confidence)
     found = optimize.least_squares(
         task.residuals, task.begin(), task.slopes, bounds=task.bounds, x_scale="jac", **_TOLERANCES
     )
@@ -232,13 +201,13 @@ def _fitted(
         time=task.clock + task.time, angle=task.angle, of_beats=task.beats is not None,
         autocorrelation=alike, p_value=p_value, doubt=doubt,
     )  # fmt: skip
-    vars(fit)["message"] = "; ".join(_remarks(fit, measured))
+    vars(fit)["message"] = "; ".join(_remarks(fit, readings))
     return fit
 
 
-def _remarks(fit: MotionFit, measured: Readings | BeatTimes) -> Iterator[str]:
-    if isinstance(measured, Readings):
-        yield from measured.remarks
+def _remarks(fit: MotionFit, readings: Readings) -> Iterator[str]:
+    if readings.half_widths is None:  # what is said of beats does not concern a fit
+        yield from readings.remarks
     for name, value, half in zip(fit.parameters, fit.values, fit.half_widths, strict=True):
         if half > 0.5 * value:
             yield (

@@ -19,7 +19,6 @@ from escapement.base import validate
 from escapement.base.errors import InvalidValue
 from escapement.base.status import Status
 from escapement.engines import simulate as simulation
-from escapement.measurement.beat_times import BeatTimes
 from escapement.measurement.loggers import check_unit
 from escapement.measurement.readings import Readings
 from escapement.mechanisms.protocol import FloatArray
@@ -193,24 +192,22 @@ class MotionTask:
             )
 
 
-def task_of(
-    measured: Readings | BeatTimes, escapement: Escapement, parameters: Sequence[str]
-) -> MotionTask:
+def task_of(measured: Readings, escapement: Escapement, parameters: Sequence[str]) -> MotionTask:
     """The problem for these readings or beats, or InvalidValue."""
     names = tuple(parameters)
-    if isinstance(measured, BeatTimes):
-        given, beats = _given(escapement, names), measured.heard
+    if not isinstance(measured, Readings) or measured.time is None:
+        remedy = "give read_readings(path, time='time')"
+        raise validate.fail("readings", "Readings with times", measured, remedy)
+    given, beats = _given(escapement, names), None
+    if measured.half_widths is None:
+        time, angle = _used(measured)
+    else:
+        beats, time = measured.beats, measured.heard
         if beats.size < max(_FEWEST, 3 * (len(names) + 1)):
             raise InvalidValue(
                 f"beats must be {_FEWEST} or more in a run-up, got {beats.size}; record longer"
             )
-        time, angle = measured.times[beats], (beats + 1.0) * escapement.mechanism.cell_angle
-    elif isinstance(measured, Readings) and measured.time is not None:
-        given, beats = _given(escapement, names), None
-        time, angle = _used(measured)
-    else:
-        remedy = "give read_readings(path, time='time')"
-        raise validate.fail("readings", "Readings with times", measured, remedy)
+        angle = measured.input[beats] * escapement.mechanism.cell_angle
     clock = float(time[0])
     since = time - clock
     return MotionTask(escapement, names, given, clock, time=since, angle=angle, beats=beats)
