@@ -111,7 +111,7 @@ def test_friction_and_torque_of_a_run_up(seed):
     fit = esc.fit_motion(run_up(seed, sense=(-1.0) ** seed), GUESS)
     assert (np.abs(fit.values - [0.30, 0.0113]) < 2.0 * fit.half_widths).all()
     assert (fit.half_widths < 0.05 * fit.values).all()
-    assert fit.start == pytest.approx(3.0, abs=1e-3)
+    assert fit.release.value == pytest.approx(3.0, abs=1e-3)
     assert fit.noise == pytest.approx(0.3 * DEG, rel=0.2)
     assert fit.verdict.good
     assert (fit.escapement.friction, fit.escapement.torque) == tuple(fit.values)
@@ -239,7 +239,7 @@ def test_a_fit_does_not_depend_on_when_the_clock_was_started():
         # a double holds Unix time to 0.2 microseconds
         np.testing.assert_allclose(fit.values, fits[0].values, rtol=1e-5)
         np.testing.assert_allclose(fit.half_widths, fits[0].half_widths, rtol=1e-3)
-        assert fit.start - origin == pytest.approx(fits[0].start, abs=1e-6)
+        assert fit.release.value - origin == pytest.approx(fits[0].release.value, abs=1e-6)
         assert fit.verdict.good is True
     # the scale of time is that of torque over inertia, and friction has none
     slow = esc.Escapement(WHEEL, esc.Inertia(3.39e-5, 5.65e-4), 0.02, 0.15)
@@ -308,14 +308,14 @@ def test_a_smooth_curve_that_fits_as_well_leaves_no_verdict():
 def test_intervals_end_where_the_physical_range_does():
     smooth = esc.simulate(esc.Escapement(WHEEL, INERTIA, 0.0113, 0.0), 12)
     fit = esc.fit_motion(run_up(2, motion=smooth), GUESS)
-    low, high = fit.intervals[0]
+    low, high = fit.numbers[0].low, fit.numbers[0].high
     assert low == 0.0 < high < 1e-3
     train = esc.Train(2.0, 1.0, 1e-6)
     geared = esc.Escapement(WHEEL, INERTIA, 0.0113, 0.3, barrel=train)
     guess = esc.Escapement(WHEEL, INERTIA, 0.0113, 0.2, barrel=esc.Train(2.0, 0.8, 1e-6))
     made = run_up(3, motion=esc.simulate(geared, 12))
     fit = esc.fit_motion(made, guess, ("friction", "barrel_efficiency"))
-    low, high = fit.intervals[1]
+    low, high = fit.numbers[1].low, fit.numbers[1].high
     assert 0.9 < low < high <= 1.0
 
 

@@ -62,7 +62,11 @@ def record_of(result: Any, fit: Any, units: str) -> dict[str, Any]:
     if fit is not None:
         apart = fit.speeds - fit.computed_speeds
         record["motion"] = {
-            **{"samples": fit.time.size, "release_time": fit.start, "fitted": fit.record(units)},
+            **{
+                "samples": fit.time.size,
+                "release_time": fit.release.value,
+                "fitted": fit.record(units),
+            },
             **_attributes(fit, "confidence", "noise", "autocorrelation", "p_value"),
             "speed_max": float(fit.speeds.max()),
             "speed_max_computed": float(fit.computed_speeds.max()),
@@ -168,4 +172,4 @@ def _of_fit(fit: Any, units: str) -> dict[str, Any]:
         parts = {"pins": angles("pin"), "slots": angles("slot")}
         return found | {"measured_over_computed": fit.rate} | parts
     figures = {name: getattr(fit, name) for name in ("noise", "p_value", "autocorrelation")}
-    return found | {"fitted": fit.record(units), "release_time": fit.start} | figures
+    return found | {"fitted": fit.record(units), "release_time": fit.release.value} | figures
