@@ -79,7 +79,9 @@ def test_rounding_that_repeats_is_no_error_of_the_mechanism(counts, stops, both,
     assert all(result.verdict.good is None for result in results)
     said = f"below half a step of the encoders ({180 / counts:.3g} degrees) cannot be told"
     assert any(said in result.verdict.text for result in results)
-    assert all("or is the rounding of the encoders" in result.verdict.text for result in results)
+    assert all(
+        "or this is the rounding of the encoders" in result.verdict.text for result in results
+    )
     # an error of one and a half steps is found
     for shaft in ("input", "output"):
         result = found(1, **{f"{shaft}_eccentricity": 1.5 * step})

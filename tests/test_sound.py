@@ -197,7 +197,7 @@ def test_text_files_of_instants_and_of_intervals(tmp_path, text, unit):
         ("interval\n.2\n-.1\n" + ".2\n" * 9, "line 3 must have an interval greater than 0"),
         ("time [weeks]\n1\n2\n", "must have times in"),
         ("1\n2\n3\n", "at least 8 sounds"),
-        ("time\n" + "3\n2\n1\n" * 9, "must have times that increase"),
+        ("time\n" + "3\n2\n1\n" * 9, "time 1 must be later than the one before it"),
     ],
 )
 def test_a_text_without_beats_is_refused(tmp_path, text, words):

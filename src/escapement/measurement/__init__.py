@@ -56,7 +56,6 @@ from escapement.measurement.positions import position, slope
 from escapement.measurement.readings import Readings, read_readings, write_readings
 from escapement.measurement.recording import (
     Recording,
-    Resonances,
     read_recording,
     synthetic_recording,
     write_recording,
@@ -67,7 +66,7 @@ from escapement.measurement.timekeeping import Stability, Timekeeping, timekeepi
 __all__ = [
     "Backlash", "BeatFit", "BeatLine", "BeatSpectrum", "Change", "Encoder",
     "Estimate", "Fit", "Glitch", "Histogram", "Measurement", "MotionFit",
-    "NormalityTest", "Periodogram", "Readings", "Recording", "Resonances", "Rounds", "SensorShare",
+    "NormalityTest", "Periodogram", "Readings", "Recording", "Rounds", "SensorShare",
     "ShaftError", "SlotError", "Stability", "Timekeeping", "Verdict", "anderson_darling",
     "beat_spectrum", "chi_squared", "class_count", "fit_beats", "fit_motion",
     "histogram", "measure", "position", "published_chi_squared", "read_beats", "read_readings",

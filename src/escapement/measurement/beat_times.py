@@ -13,6 +13,7 @@ from escapement.base.headings import TIMES, name_and_unit
 from escapement.base.lines import BrokenLine
 from escapement.base.text import csv_lines
 from escapement.base.text_table import Content, Layout, read_table
+from escapement.measurement.loggers import check_increasing
 from escapement.measurement.onsets import Onsets, find_onsets
 from escapement.measurement.readings import Readings
 from escapement.measurement.recording import is_recording, read_recording
@@ -78,6 +79,8 @@ def read_beats(
         found = Onsets(times, 0.0 * times, nan, 0.0 * times, np.isfinite(times))
         duration = float(np.nanmax(times, initial=0.0))
     try:
+        if not is_recording(path):
+            check_increasing("time", found.times)
         rhythm = _every(found) if run_up else find_rhythm(found, expected)
     except InvalidValue as error:
         what = "recording" if is_recording(path) else "file"
@@ -158,16 +161,9 @@ def read_times(path: AnyPath, time_unit: str | None = None) -> FloatArray:
     table = read_table(path, _CONTENT, partial(_find_layout, time_unit=time_unit))
     intervals, instants = table.columns
     if instants is not None:
-        found = instants[np.isfinite(instants)]
-        back = np.flatnonzero(np.diff(found) <= 0.0)
-        if not back.size:
-            return np.asarray(found)
-        if intervals is None:
-            raise InputFileError(
-                f"file of beats {path} must have times that increase, got "
-                f"{found[back[0] + 1]:g} s after {found[back[0]]:g} s; sort them, or name the "
-                "column interval"
-            )
+        found = np.asarray(instants[np.isfinite(instants)])
+        if intervals is None or (np.diff(found) > 0.0).all():
+            return found
     steps = np.asarray(intervals)
     wrong = np.flatnonzero(~(steps > 0.0))
     if wrong.size:

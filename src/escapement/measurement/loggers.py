@@ -65,6 +65,17 @@ def checked_times(values: ArrayLike, lines: np.ndarray, where: str) -> tuple[Flo
     )
 
 
+def check_increasing(name: str, times: FloatArray) -> None:
+    """Raise InvalidValue unless each of the known times is later than the one before it."""
+    known = np.flatnonzero(np.isfinite(times))
+    back = np.flatnonzero(np.diff(times[known]) <= 0.0)
+    if back.size:
+        before, index = known[back[0] : back[0] + 2]
+        rule = f"later than the one before it, {times[before]:g} s"
+        remedy = "sort the times, without doubles"
+        raise validate.fail(f"{name} {index}", rule, float(times[index]), remedy)
+
+
 def row_of(name: str, values: ArrayLike, remedy: str) -> FloatArray:
     """A row of real numbers, NaN for those that are masked, or InvalidValue."""
     try:

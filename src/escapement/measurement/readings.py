@@ -15,7 +15,7 @@ from escapement.base.errors import InputFileError, InvalidValue
 from escapement.base.files import write_file
 from escapement.base.headings import COUNTS
 from escapement.base.text import Shown
-from escapement.measurement.loggers import checked_times, row_of, unrolled
+from escapement.measurement.loggers import check_increasing, checked_times, row_of, unrolled
 from escapement.mechanisms.protocol import FloatArray
 
 TURN = 2.0 * np.pi
@@ -93,8 +93,7 @@ class Readings(Shown):
             Other fields.
         """
         at = row_of("time", time, "give the instants of beats in s, NaN for one that is missing")
-        if not (at.size and (np.diff(at[np.isfinite(at)]) > 0.0).all()):
-            raise validate.fail("time", "a row of instants that increase", time, "sort them")
+        check_increasing("time", at)
         wide = np.broadcast_to(np.asarray(half_widths, float), at.shape)
         number = np.arange(1.0, at.size + 1.0)
         return cls(number, np.full(at.size, np.nan), time=at, half_widths=wide, **more)

@@ -207,39 +207,26 @@ _IRREGULAR = 0.25  # with a larger share of other intervals the median is no bea
 _INCREASING = 8  # so many durations do not increase throughout
 
 
-def counted_beats(given: ArrayLike, stamps: bool) -> tuple[FloatArray, list[str]]:
+def counted_beats(given: ArrayLike) -> tuple[FloatArray, list[str]]:
     """Durations of beats in turn [s], NaN where one is not known with certainty, and all faults.
 
     Parameters
     ----------
     given : array_like, shape (N,)
-        Durations, or time stamps [s]; NaN or masked where one is missing.
-    stamps : bool
-        Whether they are time stamps.
+        Durations [s]; NaN or masked where one is missing.
     """
-    values = row_of("beats", given, _REMEDY)
-    beats = _differences(values) if stamps else values
+    beats = row_of("beats", given, _REMEDY)
     wrong = np.flatnonzero(~np.isnan(beats) & ~((beats > 0.0) & np.isfinite(beats)))
     if wrong.size:
         index = int(wrong[0])
         raise validate.fail(f"beat {index}", "finite and greater than 0", beats[index], _REMEDY)
     known = beats[np.isfinite(beats)]
-    if not stamps and known.size >= _INCREASING and (np.diff(known) > 0.0).all():
+    if known.size >= _INCREASING and (np.diff(known) > 0.0).all():
         raise InvalidValue(
             f"beats must be durations, got {known.size} values that increase throughout, as time "
             "stamps do; give times=True if they are"
         )
     return _counted(beats, float(np.median(known))) if known.size else (beats, [])
-
-
-def _differences(stamps: FloatArray) -> FloatArray:
-    known = np.flatnonzero(~np.isnan(stamps))
-    back = np.flatnonzero(~(np.diff(stamps[known]) > 0.0))
-    if back.size:
-        index = int(known[back[0] + 1])
-        rule = f"later than the one before it, {float(stamps[known[back[0]]])!r} s"
-        raise validate.fail(f"time {index}", rule, stamps[index], "sort the times, without doubles")
-    return np.diff(stamps)
 
 
 def _counted(beats: FloatArray, typical: float) -> tuple[FloatArray, list[str]]:

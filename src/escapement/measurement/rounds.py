@@ -207,9 +207,11 @@ def rounds_of(given: ArrayLike | Readings, mechanism: Mechanism, times: bool = F
         raise validate.fail("mechanism", "a Geneva wheel", mechanism, "see escapement.Geneva")
     pins, slots = mechanism.pins or 1, mechanism.slots
     size = math.lcm(pins, slots)
+    if times and not isinstance(given, Readings):
+        given = Readings.of_beats(given)
     if isinstance(given, Readings):
-        given, times = np.asarray(given.time), True
-    values, faults = counted_beats(given, times)
+        given, times = np.diff(np.asarray(given.time)), True
+    values, faults = counted_beats(given)
     faults += [*_displaced(values, size)]
     table = np.full(-(-max(values.size, 1) // size) * size, np.nan)
     table[: values.size] = values

@@ -7,7 +7,7 @@ tock. T may change linearly. `interval_fit` tells what the noise may be.
 
 import math
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -80,11 +80,6 @@ class Timekeeping(Shown):
     stability: tuple[Stability, ...]
     residuals: FloatArray
     confidence: float
-
-    def _shown(self) -> list[tuple[str, Any, str]]:
-        units = {"beats_per_hour": "", "rate": "s/d", "beat_error": "s"}
-        values = [(name, getattr(self, name).value, unit) for name, unit in units.items()]
-        return [*values, ("scatter", self.scatter, "s")]
 
 
 def timekeeping(
