@@ -8,7 +8,6 @@ import pytest
 import escapement as esc
 from escapement import plots
 from escapement.base.errors import InputFileError, InvalidValue
-from escapement.measurement.motion_task import task_of
 from measurement_tools import DEG, read
 
 WHEEL = esc.Geneva(4)
@@ -248,16 +247,6 @@ def test_a_fit_does_not_depend_on_when_the_clock_was_started():
     other = esc.fit_motion(esc.Readings(given.input, given.output, time=10.0 * since), slow)
     np.testing.assert_allclose(other.values, fits[0].values, rtol=1e-7)
     np.testing.assert_allclose(other.half_widths, fits[0].half_widths, rtol=1e-5)
-
-
-def test_derivatives_are_those_of_the_motion():
-    task = task_of(run_up(3), GUESS, ("friction", "torque"))
-    at = task.begin()
-    slopes, step = task.slopes(at), 1e-6
-    for place in range(3):
-        more, less = (task.residuals(at + sign * step * np.eye(3)[place]) for sign in (1, -1))
-        expected = (more - less) / (2.0 * step)
-        assert np.linalg.norm(slopes[:, place] - expected) < 1e-3 * np.linalg.norm(expected)
 
 
 @pytest.mark.parametrize(

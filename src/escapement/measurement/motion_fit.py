@@ -25,7 +25,7 @@ from escapement.mechanisms.protocol import FloatArray
 from escapement.model.escapement import Escapement
 
 optimize = Lazy("scipy.optimize")
-_TOLERANCES = {"xtol": 1e-9, "ftol": 1e-12, "gtol": 1e-12, "max_nfev": 60}
+_SEARCH = {"xtol": 1e-9, "ftol": 1e-12, "gtol": 1e-12, "max_nfev": 60, "diff_step": 1e-4}
 _SLOW = 6  # slow changes that are looked for have up to so many half waves, of beats two
 _FADING = 0.7, 2.5  # beats in which errors of a model fade as the motion settles
 _EXACT = 1e-8  # a scatter below this share of the travel is rounding, and is no evidence
@@ -121,7 +121,7 @@ def fit_motion(
     """
     task, share = task_of(readings, escapement, parameters), checked_confidence(confidence)
     found = optimize.least_squares(
-        task.residuals, task.begin(), task.slopes, bounds=task.bounds, x_scale="jac", **_TOLERANCES
+        task.residuals, task.begin(), "3-point", bounds=task.bounds, x_scale="jac", **_SEARCH
     )
     task.check_determined(found.jac)
     # the zero of an encoder is an unknown too
