@@ -45,14 +45,6 @@ def test_backlash_is_found_on_its_shaft_with_its_width(shaft, seed):
     assert f"the {shaft} has a backlash of 0." in result.verdict.text
 
 
-def test_synthetic_readings_have_the_backlash_they_are_given():
-    planted = {"backlash": 0.5 * DEG, "output_eccentricity": 0.3 * DEG, "noise": 0.05 * DEG}
-    result = esc.measure(read(WHEEL, both_ways=True, turns=9, **planted), WHEEL)
-    (play,) = [play for play in result.backlash if play.p_value < 1e-3]
-    assert abs(play.width - 0.5 * DEG) < 3.5 * play.standard_error
-    assert "repeats once a turn of the output; the output has a backlash" in result.verdict.text
-
-
 def test_a_good_mechanism_is_called_good_and_one_way_tells_no_backlash():
     good = esc.measure(there_and_back("output", 0.0, 5), WHEEL)
     assert good.verdict.good

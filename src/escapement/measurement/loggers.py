@@ -159,14 +159,13 @@ def unrolled(angle: FloatArray, count: float, turn: float) -> tuple[FloatArray, 
     counts = angle[present] / count
     if counts.size < 2:
         return angle, 0, 0
-    jumps = np.diff(counts)
     for bits in _BITS:
         size = 2.0**bits
-        over = np.round(jumps / size)
-        rest = np.abs(jumps - size * over)
-        alike = np.ptp(counts) < size and rest.max() < _NEAR * size
-        if alike and over.any() and abs(size * count - turn) > 1e-9 * turn:
+        whole = np.unwrap(counts, period=size)
+        over = np.flatnonzero(np.abs(whole - counts) > 0.5)
+        alike = np.ptp(counts) < size and np.abs(np.diff(whole)).max() < _NEAR * size
+        if alike and over.size and abs(size * count - turn) > 1e-9 * turn:
             found = angle.copy()
-            found[present[1:]] -= size * count * np.cumsum(over)
-            return found, bits, int(present[1 + np.argmax(over != 0.0)])
+            found[present] = count * whole
+            return found, bits, int(present[over[0]])
     return angle, 0, 0
