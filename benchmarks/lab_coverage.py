@@ -97,7 +97,7 @@ def of_run_up(seeds):
         nothing = np.full(time.size, np.nan)
         fit = esc.fit_motion(esc.Readings(angle, nothing, time=time), guess)
         inside += np.abs(fit.values - values) <= fit.half_widths
-        right += fit.explained
+        right += fit.verdict.good is True
         widths.append(100.0 * fit.half_widths / values)
     return rows_of("run-up", ("friction", "torque"), seeds, inside, right, widths)
 

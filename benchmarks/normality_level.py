@@ -50,7 +50,7 @@ def rates(law, samples, bins, repetitions, seed):
         random = np.random.default_rng([seed, samples, bins, batch])
         errors = LAWS[law](random, (BATCH, samples))
         for name, test in TESTS.items():
-            p_values = test(errors, bins)
+            p_values = np.array([test(one, bins) for one in errors])
             for level in LEVELS:
                 below[name, level] += int((p_values < level).sum())
     total = batches * BATCH

@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 import escapement as esc
-from any_path import Plain
 from escapement import measurement
 from escapement.base.errors import InvalidValue
 from escapement.measurement.encoder import sensor_share, sensor_uncertainty
@@ -45,26 +44,6 @@ def test_shares_of_the_paper_s_encoders():
     assert share.standard == pytest.approx(math.hypot(*share[:4]))
     local = sensor_uncertainty(encoder, g)
     assert math.sqrt(np.mean(local**2)) == pytest.approx(share.standard)
-
-
-@pytest.mark.parametrize("ratio", [1.5, 20.0, 500.0])
-def test_slope_of_any_planetary_drive(ratio):
-    drive = esc.EllipticalPlanetary(ratio, 1.0)
-    theta = np.linspace(-2.5, 2.5, 1001) * drive.cell_angle
-    g = measurement.slope(drive, theta)
-    assert np.abs(g - drive.transmission(theta).g).max() < 1e-9 * drive.ratio_max
-
-
-@pytest.mark.parametrize("wheel", [esc.Geneva(5, pins=1), esc.Geneva(6, internal=True)])
-def test_slope_of_a_wheel_that_dwells(wheel):
-    theta = np.linspace(-3.0, 9.0, 2001)
-    drives = wheel, Plain(wheel.path, wheel.breaks[-1])
-    known, other = (measurement.slope(drive, theta) for drive in drives)
-    local = np.remainder(theta + math.pi, 2.0 * math.pi) - math.pi
-    near = np.abs(local) < wheel.breaks[-1]
-    assert 0.1 < near.mean() < 0.9
-    np.testing.assert_allclose(known, np.where(near, wheel.transmission(local).g, 0.0), atol=1e-12)
-    np.testing.assert_allclose(other, known, atol=1e-12)
 
 
 def test_the_same_seed_gives_the_same_readings():

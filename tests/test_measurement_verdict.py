@@ -127,7 +127,7 @@ def test_exchanged_columns_are_told():
     readings = read(turns=20.0)
     found = verdict(esc.Readings(readings.output, readings.input))
     assert found.good is not True
-    assert "With input and output exchanged, they fit this mechanism" in found.text
+    assert "With input and output exchanged, the angles fit this mechanism" in found.text
 
 
 @pytest.mark.parametrize(("unit", "size"), [("turn", 2.0 * math.pi), ("rad", 1.0)])
@@ -250,7 +250,7 @@ def test_what_may_be_rounding_cannot_say(start, seed):
 
     good = judged(0.0)
     assert good.good is None
-    assert "or is the rounding of the encoders" in good.text
+    assert "or this is the rounding of the encoders" in good.text
     assert "cannot be told from their rounding" in good.text
     # an error of one and a half counts is none of rounding
     wrong = judged(1.5 * step)

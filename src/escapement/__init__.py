@@ -21,12 +21,14 @@ with open(f"{__file__}i", encoding="utf-8") as _stub:
 __all__ = sorted([*_HOMES, "__version__"])
 
 _FORMER = {
+    "BeatTimes": "Readings",
     "Rungs": "Fidelity",
     "Wish": "Requirement",
     "compare_rungs": "compare_fidelity",
+    "fit_run_up": "fit_motion",
     "load_wish": "load_requirement",
 }
-"""Names of version 0.2 that go with the next release, and those that replace them."""
+"""Names that go with the next release, and those that replace them."""
 
 _PICTURES = {
     "escapement.mechanisms.kind": ("Kind", "drawing_above"),

@@ -33,14 +33,12 @@ from escapement.inverse_design.requirement import load_requirement as load_requi
 from escapement.inverse_design.timer_search import Design as Design
 from escapement.inverse_design.timer_search import Designs as Designs
 from escapement.inverse_design.timer_search import design as design
-from escapement.measurement import BeatTimes as BeatTimes
 from escapement.measurement import Encoder as Encoder
 from escapement.measurement import Readings as Readings
 from escapement.measurement import Timekeeping as Timekeeping
 from escapement.measurement import beat_spectrum as beat_spectrum
 from escapement.measurement import fit_beats as fit_beats
 from escapement.measurement import fit_motion as fit_motion
-from escapement.measurement import fit_run_up as fit_run_up
 from escapement.measurement import measure as measure
 from escapement.measurement import read_beats as read_beats
 from escapement.measurement import read_readings as read_readings

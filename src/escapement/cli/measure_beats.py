@@ -70,9 +70,9 @@ def execute(args: Arguments) -> int:
         keeping = esc.timekeeping(beats, nominal=nominal, pattern=pattern, **share)
     try:
         if parts and escapement:
-            fit = esc.fit_beats(beats.times, escapement, parts=parts[0], times=True, **share)
+            fit = esc.fit_beats(beats, escapement, parts=parts[0], **share)
         elif escapement:
-            fit = esc.fit_run_up(beats, escapement, names, **share)
+            fit = esc.fit_motion(beats, escapement, names, **share)
     except InvalidValue as error:
         raise UsageError(f"--fit: {error}") from None
     sound = esc.read_recording(args.data) if args.plot and is_recording(args.data) else None

@@ -1,10 +1,9 @@
 """Times of beats, from a recording of their sound or from a text file."""
 
-from dataclasses import dataclass
+from collections.abc import Iterator
 from functools import partial
 
 import numpy as np
-from numpy.typing import NDArray
 
 from escapement.base import validate
 from escapement.base.columns import wrong_unit
@@ -12,9 +11,11 @@ from escapement.base.errors import InputFileError, InvalidValue
 from escapement.base.files import AnyPath, write_file
 from escapement.base.headings import TIMES, name_and_unit
 from escapement.base.lines import BrokenLine
-from escapement.base.text import Shown, csv_lines
+from escapement.base.text import csv_lines
 from escapement.base.text_table import Content, Layout, read_table
+from escapement.measurement.loggers import check_increasing
 from escapement.measurement.onsets import Onsets, find_onsets
+from escapement.measurement.readings import Readings
 from escapement.measurement.recording import is_recording, read_recording
 from escapement.measurement.rhythm import FEWEST, Rhythm, find_rhythm
 from escapement.mechanisms.protocol import FloatArray
@@ -26,79 +27,10 @@ _INSTANTS = ("time", "times", "t", "timestamp", "onset", "onsets")
 _CONTENT = Content("file of beats", "times", "a column of times, or of intervals", single=True)
 
 
-@dataclass(frozen=True, eq=False, repr=False)
-class BeatTimes(Shown):
-    """Instants of beats in turn.
-
-    Attributes
-    ----------
-    times : ndarray, shape (n,)
-        The instant at which the sound of each beat begins [s]; NaN where it was not heard. As
-        they are, they can be given to `fit_beats` with `times=True`.
-    half_widths : ndarray, shape (n,)
-        Half the width of the 95 % interval of each [s]; NaN where it was not heard, and 0 of a text
-        file.
-    loudness : ndarray, shape (n,)
-        Root mean square of each sound over that of the noise before it [-]; NaN of a text file.
-    doubles : ndarray, shape (m,)
-        Instants of sounds that begin no beat [s]: further sounds of a beat, echoes and noises.
-    period : float
-        Mean time of a beat [s].
-    sounds : int
-        Sounds of a beat.
-    duration : float
-        Length of the recording [s]; of a text file the time of the last beat.
-    rate : float
-        Samples a second [Hz]; NaN of a text file.
-    """
-
-    times: FloatArray
-    half_widths: FloatArray
-    loudness: FloatArray
-    doubles: FloatArray
-    period: float
-    sounds: int
-    duration: float
-    rate: float
-
-    @property
-    def heard(self) -> NDArray[np.int64]:
-        """Indices of the beats that were heard."""
-        return np.flatnonzero(np.isfinite(self.times))
-
-    @property
-    def missed(self) -> int:
-        """Number of beats that were not heard."""
-        return int(self.times.size - self.heard.size)
-
-    @property
-    def message(self) -> str:
-        """What a reader must know of these beats, "" if there is nothing."""
-        found = []
-        if self.missed:
-            found.append(f"{self.missed} of {self.times.size} beats were not heard")
-        extra = self.doubles.size - (self.sounds - 1) * self.heard.size
-        if self.sounds > 1:
-            found.append(
-                f"each beat has {self.sounds} sounds, of which the one after the longest silence "
-                "counts; if each of them is a beat, give the nominal rate"
-            )
-        if extra > 0:
-            found.append(f"{extra} other sounds are left out")
-        heard = self.times[self.heard]
-        silent = max(float(heard[0]), self.duration - float(heard[-1]))
-        if silent > 10.0 * self.period:
-            found.append(
-                f"beats are heard from {heard[0]:.3g} s to {heard[-1]:.3g} s of "
-                f"{self.duration:.3g} s"
-            )
-        return "; ".join(found)
-
-
 def read_beats(
     path: AnyPath, *, nominal: float | None = None, time_unit: str | None = None,
     run_up: bool = False,
-) -> BeatTimes:  # fmt: skip
+) -> Readings:  # fmt: skip
     """Read the times of beats from a recording, or from a text file.
 
     Parameters
@@ -116,7 +48,8 @@ def read_beats(
 
     Returns
     -------
-    BeatTimes
+    Readings
+        Their `remark` says what must be known of these beats.
 
     Raises
     ------
@@ -139,27 +72,45 @@ def read_beats(
             raise validate.fail("time_unit", "left out for a recording", time_unit, "leave it out")
         recording = read_recording(path)
         found = find_onsets(recording.samples, recording.rate)
-        duration, rate = recording.duration, recording.rate
+        duration = recording.duration
     else:
         times = read_times(path, time_unit)
         nan = np.full(times.size, np.nan)
         found = Onsets(times, 0.0 * times, nan, 0.0 * times, np.isfinite(times))
-        duration, rate = float(np.nanmax(times)) if times.size else 0.0, np.nan
+        duration = float(np.nanmax(times, initial=0.0))
     try:
+        if not is_recording(path):
+            check_increasing("time", found.times)
         rhythm = _every(found) if run_up else find_rhythm(found, expected)
     except InvalidValue as error:
         what = "recording" if is_recording(path) else "file"
         raise InputFileError(f"{what} {path} must hold beats: {error}") from None
     index = rhythm.beats
 
-    def heard(values: FloatArray) -> FloatArray:
+    def of(values: FloatArray) -> FloatArray:
         return np.where(index >= 0, values[index], np.nan)
 
-    return BeatTimes(
-        times=heard(found.times), half_widths=heard(found.half_widths),
-        loudness=heard(found.loudness), doubles=found.times[rhythm.doubles],
-        period=rhythm.period, sounds=rhythm.sounds, duration=duration, rate=rate,
+    return Readings.of_beats(
+        of(found.times), of(found.half_widths), loudness=of(found.loudness),
+        doubles=found.times[rhythm.doubles], sounds=rhythm.sounds,
+        remark="; ".join(_remarks(rhythm, of(found.times), duration)),
     )  # fmt: skip
+
+
+def _remarks(rhythm: Rhythm, times: FloatArray, duration: float) -> Iterator[str]:
+    """What a reader must know of beats."""
+    heard = times[np.isfinite(times)]
+    if missed := times.size - heard.size:
+        yield f"{missed} of {times.size} beats were not heard"
+    if rhythm.sounds > 1:
+        yield (
+            f"each beat has {rhythm.sounds} sounds, of which the one after the longest silence "
+            "counts; if each of them is a beat, give the nominal rate"
+        )
+    if (extra := rhythm.doubles.size - (rhythm.sounds - 1) * heard.size) > 0:
+        yield f"{extra} other sounds are left out"
+    if max(heard[0], duration - heard[-1]) > 10.0 * np.ptp(heard) / times.size:
+        yield f"beats are heard from {heard[0]:.3g} s to {heard[-1]:.3g} s of {duration:.3g} s"
 
 
 def _every(found: Onsets) -> Rhythm:
@@ -170,10 +121,10 @@ def _every(found: Onsets) -> Rhythm:
             f"a run-up must have {FEWEST} beats or more, got {sure.size}; record from the release "
             "on"
         )
-    return Rhythm(sure, np.empty(0, int), float(np.mean(np.diff(found.times[sure]))), 1)
+    return Rhythm(sure, np.empty(0, int), 1)
 
 
-def write_beats(beats: BeatTimes, path: AnyPath, *, force: bool = False) -> None:
+def write_beats(beats: Readings, path: AnyPath, *, force: bool = False) -> None:
     """Write the beats that were heard as a CSV file, which `read_beats` reads.
 
     Raises
@@ -181,8 +132,8 @@ def write_beats(beats: BeatTimes, path: AnyPath, *, force: bool = False) -> None
     CannotCreate, StorageError
         As `escapement.base.files.write_file`.
     """
-    heard = beats.heard
-    columns = [values[heard] for values in (beats.times, beats.half_widths, beats.loudness)]
+    each = beats.time, beats.half_widths, beats.loudness
+    columns = [np.asarray(values)[beats.beats] for values in each]
     write_file(path, [(_SAVED + "\n").encode(), csv_lines(columns)], force)
 
 
@@ -210,16 +161,9 @@ def read_times(path: AnyPath, time_unit: str | None = None) -> FloatArray:
     table = read_table(path, _CONTENT, partial(_find_layout, time_unit=time_unit))
     intervals, instants = table.columns
     if instants is not None:
-        found = instants[np.isfinite(instants)]
-        back = np.flatnonzero(np.diff(found) <= 0.0)
-        if not back.size:
-            return np.asarray(found)
-        if intervals is None:
-            raise InputFileError(
-                f"file of beats {path} must have times that increase, got "
-                f"{found[back[0] + 1]:g} s after {found[back[0]]:g} s; sort them, or name the "
-                "column interval"
-            )
+        found = np.asarray(instants[np.isfinite(instants)])
+        if intervals is None or (np.diff(found) > 0.0).all():
+            return found
     steps = np.asarray(intervals)
     wrong = np.flatnonzero(~(steps > 0.0))
     if wrong.size:

@@ -1,9 +1,8 @@
 """From measured beats to parts: angle errors of pins and slots, by least squares."""
 
 import math
-from collections.abc import Iterator
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -11,20 +10,21 @@ from numpy.typing import ArrayLike
 from escapement.base import validate
 from escapement.base.errors import InvalidValue
 from escapement.measurement.beat_unknowns import Parts
-from escapement.measurement.estimate import SURE, Estimate, Fit, Verdict, checked_confidence
+from escapement.measurement.estimate import Estimate, Fit, checked_confidence
 from escapement.measurement.loggers import check_unit
 from escapement.measurement.part_estimates import (
+    BeatSolution,
     joined_estimates,
     pairs_of,
     solutions,
     undetermined,
 )
+from escapement.measurement.readings import Readings
 from escapement.measurement.rounds import Rounds, rounds_of
 from escapement.mechanisms.protocol import FloatArray
 from escapement.model.escapement import Escapement
 
 PARTS = ("both", "pins", "slots")
-_ALIKE = 0.1  # a smaller correlation of neighbouring residuals hardly changes an interval
 
 
 @dataclass(frozen=True, eq=False, repr=False, kw_only=True)
@@ -64,6 +64,8 @@ class BeatFit(Fit):
     rounds: Rounds = field(repr=False)
     unknowns: int
 
+    _model: ClassVar[str] = "A design with angle errors of its parts"
+
     @property
     def rate(self) -> float:
         """Measured time divided by computed time, which corrects an inexact torque [-]."""
@@ -81,86 +83,30 @@ class BeatFit(Fit):
         """Root mean square of the residuals [s]."""
         return float(np.sqrt(np.nanmean(self.residuals**2)))
 
-    @property
-    def verdict(self) -> Verdict:
-        """Whether angle errors of the parts explain the beats, and which parts are in error.
-
-        It is "no" where the residuals contradict the model, "cannot say" where the beats are too
-        few to contradict it or do not determine the parts, and "yes" where both were possible and
-        passed.
-        """
-        subject = "ngle errors of the parts"
-        if wrong := [text for text, _ in self._contradictions()]:
-            return Verdict(False, f"A{subject} do not explain the beats: {'; '.join(wrong)}.")
-        if doubt := self._doubt():
-            return Verdict(None, f"Cannot say whether a{subject} explain the beats: {doubt}.")
+    def numbers_in_words(self) -> str:
+        """The parts that are in error, and the rate."""
         rate, *parts = self.numbers
         shown = [
             f"{one.name} ({math.degrees(one.low):.3g} to {math.degrees(one.high):.3g} degrees)"
             for one in parts
             if one.low > 0.0 or one.high < 0.0
         ]
-        return Verdict(
-            True,
-            f"A{subject} explain the beats. Their {100.0 * self.confidence:g} % intervals leave "
-            f"out zero for {', '.join(shown) or 'no part'}. The beats take {rate.low:.5g} to "
-            f"{rate.high:.5g} times as long as those of the design.",
-        )
-
-    def _contradictions(self) -> Iterator[tuple[str, str]]:
-        """What in the residuals noise does not cause, and what follows."""
-        if self.p_value < SURE:
-            yield (
-                f"the residuals are greater than the noise explains (p {self.p_value:.1g})",
-                "something besides these angles differs from the design, for example the friction, "
-                "a length or the centre distance",
-            )
-        if abs(self.autocorrelation) > max(_ALIKE, 4.0 / math.sqrt(self.rounds.samples)):
-            yield (
-                f"neighbouring residuals are alike (correlation {self.autocorrelation:.2f})",
-                "the intervals assume that the noise of each beat is independent: do not trust "
-                "their widths",
-            )
-
-    def _doubt(self) -> str:
-        """Why the beats could not contradict the parts, or do not determine them, else ""."""
-        if any(one.doubt for one in self.numbers):
-            return "they do not determine all of these errors; the message says which, and why"
-        if not math.isnan(self.p_value):
-            return ""
-        if self.unknowns >= self.rounds.pattern:
-            return (
-                f"{self.unknowns} unknowns can explain any beats of {self.rounds.pattern} pairs "
-                "of a pin and a slot; if either kind of part is good, fit the other one alone"
-            )
         return (
-            "no pair of a pin and a slot was measured twice, so that the noise is not known; "
-            "measure longer, or give the noise"
+            f" with {100.0 * self.confidence:g} % intervals that leave out zero for "
+            f"{', '.join(shown) or 'no part'}; they take {rate.low:.5g} to {rate.high:.5g} times "
+            "as long as those of the design"
         )
-
-    def _remarks(self, reasons: list[str]) -> Iterator[str]:
-        """What a user of the fit must know, one sentence at a time."""
-        yield from (*self.rounds.faults, *filter(None, reasons))
-        yield from undetermined(self.numbers)
-        slots = [one.doubt for one in self.numbers if one.name.startswith("slot")]
-        if self.unknowns >= self.rounds.pattern and not any(slots):
-            yield (
-                "there are as many unknowns as pairs of a pin and a slot, so other sets of errors "
-                "may explain the beats equally well; the intervals hold only near the set that was "
-                "found"
-            )
-        yield from (f"{text}; {meaning}" for text, meaning in self._contradictions())
 
 
 def fit_beats(
-    beats: ArrayLike, escapement: Escapement, *, noise: float | None = None, parts: str = "both",
-    confidence: float = 0.95, times: bool = False,
+    beats: ArrayLike | Readings, escapement: Escapement, *, noise: float | None = None,
+    parts: str = "both", confidence: float = 0.95, times: bool = False,
 ) -> BeatFit:  # fmt: skip
     """Find the angle errors of pins and slots from measured beats.
 
     Parameters
     ----------
-    beats : array_like, shape (N,)
+    beats : array_like, shape (N,), or Readings
         Times of the engagements in turn [s], from one change of pin to the next, in the terminal
         cycle; NaN or masked where one is missing. The first is that of pin 0 in slot 0, which
         gives the parts their numbers. Each pin must have met each of its slots once; more rounds
@@ -238,16 +184,37 @@ def fit_beats(
         np.array([one[1:3] for one in found if one.name.startswith(kind)]).T
         for kind in ("pin", "slot")
     )
+    doubt = _doubt(found, best, noise)
     fit = BeatFit(
         escapement=best.parts.built(best.unknowns), numbers=tuple(found), confidence=share,
         residuals=(rounds.table - best.computed).ravel(), noise=known.noise,
         p_value=best.p_value(noise), autocorrelation=_alike(rounds, best.computed),
         pin_angle_errors=pins[0], slot_angle_errors=slots[0], pin_half_widths=pins[1],
         slot_half_widths=slots[1], combinations=combinations, computed=best.computed, rounds=rounds,
-        unknowns=best.unknowns.size,
+        unknowns=best.unknowns.size, of_beats=True, doubt=doubt,
     )  # fmt: skip
-    vars(fit)["message"] = "; ".join(fit._remarks(reasons))
+    said = (*rounds.faults, *filter(None, reasons), *undetermined(found), *fit.contradictions)
+    vars(fit)["message"] = "; ".join(said)
     return fit
+
+
+def _doubt(found: list[Estimate], best: BeatSolution, noise: float | None) -> str:
+    """Why the beats could not contradict the parts, or do not determine them, else ""."""
+    pattern, unknowns = best.rounds.pattern, best.unknowns.size
+    if any(one.doubt for one in found):
+        return "they do not determine all of these errors; the message says which, and why"
+    if unknowns >= pattern:
+        return (
+            f"{unknowns} unknowns can explain any beats of {pattern} pairs of a pin and a slot, "
+            "and the intervals hold only near the set of errors that was found; if either kind of "
+            "part is good, fit the other one alone"
+        )
+    if math.isnan(best.p_value(noise)):
+        return (
+            "no pair of a pin and a slot was measured twice, so that the noise is not known; "
+            "measure longer, or give the noise"
+        )
+    return ""
 
 
 def _alike(rounds: Rounds, computed: FloatArray) -> float:

@@ -7,7 +7,7 @@ come from the `Tangent` at its solution, and its tests are F tests.
 import math
 from collections.abc import Iterable
 from dataclasses import dataclass, field
-from typing import Any, NamedTuple
+from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 
@@ -23,6 +23,7 @@ from escapement.study.plan import unit_kind
 special = Lazy("scipy.special")
 SURE = 1e-3
 """A smaller probability that noise alone causes what was found counts as certainty."""
+_ALIKE = 0.05  # a smaller correlation of neighbouring residuals hardly changes an interval
 
 
 class Estimate(NamedTuple):
@@ -98,6 +99,10 @@ class Fit(Shown):
         Probability that noise alone leaves such residuals; NaN if this cannot be judged.
     autocorrelation : float
         Correlation of each residual, made independent, with the next one [-].
+    of_beats : bool
+        Whether beats were measured.
+    doubt : str
+        Why the measurement cannot say whether the model explains it, "" if it can.
     message : str
         What a user of these numbers must know, "" if there is nothing.
     """
@@ -109,7 +114,51 @@ class Fit(Shown):
     noise: float
     p_value: float
     autocorrelation: float
+    of_beats: bool
+    doubt: str
     message: str = ""
+
+    _model: ClassVar[str] = "The model"
+    """What explains the measurement, or does not."""
+
+    @property
+    def values(self) -> FloatArray:
+        """Estimates in SI units, shape (m,)."""
+        return np.array([one.value for one in self.numbers])
+
+    @property
+    def half_widths(self) -> FloatArray:
+        """Half the widths of their intervals in SI units, shape (m,)."""
+        return np.array([one.half_width for one in self.numbers])
+
+    @property
+    def contradictions(self) -> tuple[str, ...]:
+        """What in the residuals independent noise does not cause, and what follows."""
+        count, found = int(np.isfinite(self.residuals).sum()), []
+        if self.p_value < SURE:
+            found.append(
+                f"noise does not leave such residuals (p {self.p_value:.1g}), so something besides "
+                "these numbers differs from the design, for example a length or the start"
+            )
+        # independent noise has a greater correlation once in a thousand times
+        if abs(self.autocorrelation) > max(3.3 / math.sqrt(count), _ALIKE):
+            found.append(
+                f"neighbouring residuals are alike (correlation {self.autocorrelation:.2f}), so "
+                "the intervals are too narrow"
+            )
+        return tuple(found)
+
+    @property
+    def verdict(self) -> Verdict:
+        """Whether the model explains what was measured, and the numbers with their intervals."""
+        numbers, what = self.numbers_in_words(), "beats" if self.of_beats else "motion"
+        if wrong := "; ".join(self.contradictions):
+            not_even = numbers and f", not even{numbers}"
+            return Verdict(False, f"{self._model} does not explain the {what}{not_even}: {wrong}.")
+        if self.doubt:
+            model = self._model[0].lower() + self._model[1:]
+            return Verdict(None, f"Cannot say whether {model} explains the {what}: {self.doubt}.")
+        return Verdict(True, f"{self._model} explains the {what}{numbers}.")
 
     def numbers_in_words(self) -> str:
         """The word "with" and the fitted numbers; "" if there are none."""

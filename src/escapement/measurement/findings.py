@@ -47,13 +47,11 @@ class ShaftError(NamedTuple):
     p_value: float
     turns: float
 
-    def text(self, certain: bool) -> str:
-        """A sentence about this error, with "may" if it is not certain."""
+    @property
+    def text(self) -> str:
+        """What is said of this error."""
         where = "cell" if self.shaft == "cell" else f"turn of the {self.shaft}"
-        often = ("once", "twice")[self.order - 1]
-        when = f"{'repeats' if certain else 'may repeat'} {often} a {where}"
-        if math.isnan(self.amplitude):
-            return f"an error {when}, of a size that cannot be told"
+        when = f"repeats {('once', 'twice')[self.order - 1]} a {where}"
         size = interval(self.amplitude, self.standard_error)
         if _TELLING * self.standard_error < self.amplitude:
             return f"an error of {size} {when}"
@@ -81,18 +79,14 @@ class SlotError(NamedTuple):
     standard_error: float
     p_value: float
 
-    def text(self, certain: bool) -> str:
-        """A sentence about this part, with "may" if it is not certain."""
+    @property
+    def text(self) -> str:
+        """What is said of this part."""
         part = "pin" if self.shaft == "input" else "slot"
-        verb = "is" if certain else "may be"
-        if math.isnan(self.size):
-            return (
-                f"{part} {self.number} of {self.parts} {verb} in error, by an angle that is hidden"
-            )
+        side = "behind" if self.size < 0.0 else "ahead of"
         return (
-            f"{part} {self.number} of {self.parts}, counted from the one at the first sample, "
-            f"{verb} {'ahead of' if self.size > 0.0 else 'behind'} the others by "
-            f"{interval(self.size, self.standard_error)}"
+            f"{part} {self.number} of {self.parts}, counted from the one at the first sample, is "
+            f"{side} the others by {interval(self.size, self.standard_error)}"
         )
 
 
@@ -111,15 +105,16 @@ class Backlash(NamedTuple):
     standard_error: float
     p_value: float
 
-    def text(self, certain: bool) -> str:
-        """A sentence about the backlash, with "may" if it is not certain."""
+    @property
+    def text(self) -> str:
+        """What is said of the backlash."""
         size = interval(self.width, self.standard_error)
-        if self.width > 0.0:
-            return f"the {self.shaft} {'has' if certain else 'may have'} a backlash of {size}"
-        leads = "leads" if certain else "may lead"
-        return (
-            f"the {self.shaft} {leads} by {size} where it turns back, as if its encoder were loose"
-        )
+        if self.width < 0.0:
+            return (
+                f"the {self.shaft} leads by {size} where it turns back, as if its encoder were "
+                "loose"
+            )
+        return f"the {self.shaft} has a backlash of {size}"
 
 
 class Change(NamedTuple):
@@ -138,15 +133,12 @@ class Change(NamedTuple):
     standard_error: float
     p_value: float
 
-    def text(self, certain: bool) -> str:
-        """A sentence about the change, with "may" if it is not certain."""
-        size = "an angle that cannot be told"
-        if not math.isnan(self.size):
-            size = interval(self.size, self.standard_error)
-        verb = "change" if certain else "may change"
+    @property
+    def text(self) -> str:
+        """What is said of the change."""
         return (
-            f"the errors {verb} for good behind line {self.line}, as if the {self.shaft} had "
-            f"slipped by {size}"
+            f"the errors change for good behind line {self.line}, as if the {self.shaft} had "
+            f"slipped by {interval(self.size, self.standard_error)}"
         )
 
 
@@ -194,5 +186,7 @@ class Found(Shown):
 
 def interval(size: float, error: float) -> str:
     """The magnitude of a size in degrees with its interval, in words."""
+    if math.isnan(size):
+        return "an angle that cannot be told"
     size, half = math.degrees(abs(size)), math.degrees(IN_95 * error)
     return f"{size:.3g} degrees (95 % interval {size - half:.3g} to {size + half:.3g})"

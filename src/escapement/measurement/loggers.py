@@ -65,6 +65,17 @@ def checked_times(values: ArrayLike, lines: np.ndarray, where: str) -> tuple[Flo
     )
 
 
+def check_increasing(name: str, times: FloatArray) -> None:
+    """Raise InvalidValue unless each of the known times is later than the one before it."""
+    known = np.flatnonzero(np.isfinite(times))
+    back = np.flatnonzero(np.diff(times[known]) <= 0.0)
+    if back.size:
+        before, index = known[back[0] : back[0] + 2]
+        rule = f"later than the one before it, {times[before]:g} s"
+        remedy = "sort the times, without doubles"
+        raise validate.fail(f"{name} {index}", rule, float(times[index]), remedy)
+
+
 def row_of(name: str, values: ArrayLike, remedy: str) -> FloatArray:
     """A row of real numbers, NaN for those that are masked, or InvalidValue."""
     try:
@@ -148,14 +159,13 @@ def unrolled(angle: FloatArray, count: float, turn: float) -> tuple[FloatArray, 
     counts = angle[present] / count
     if counts.size < 2:
         return angle, 0, 0
-    jumps = np.diff(counts)
     for bits in _BITS:
         size = 2.0**bits
-        over = np.round(jumps / size)
-        rest = np.abs(jumps - size * over)
-        alike = np.ptp(counts) < size and rest.max() < _NEAR * size
-        if alike and over.any() and abs(size * count - turn) > 1e-9 * turn:
+        whole = np.unwrap(counts, period=size)
+        over = np.flatnonzero(np.abs(whole - counts) > 0.5)
+        alike = np.ptp(counts) < size and np.abs(np.diff(whole)).max() < _NEAR * size
+        if alike and over.size and abs(size * count - turn) > 1e-9 * turn:
             found = angle.copy()
-            found[present[1:]] -= size * count * np.cumsum(over)
-            return found, bits, int(present[1 + np.argmax(over != 0.0)])
+            found[present] = count * whole
+            return found, bits, int(present[over[0]])
     return angle, 0, 0

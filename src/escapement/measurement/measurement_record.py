@@ -8,9 +8,9 @@ import numpy as np
 from escapement.base.records import Record
 from escapement.base.results import Result
 from escapement.base.units import SYSTEMS
-from escapement.measurement.beat_times import BeatTimes
 from escapement.measurement.beats import BeatFit
 from escapement.measurement.estimate import Estimate, Fit
+from escapement.measurement.readings import Readings
 from escapement.measurement.timekeeping import Timekeeping
 
 TESTS = "chi_squared", "chi_squared_published", "anderson_darling"
@@ -25,7 +25,7 @@ _ANGLES = {
 _ERRORS = "shaft_errors", "slot_errors", "backlash", "changes", "glitches"
 """Errors with a cause."""
 RESULTS = dict.fromkeys(
-    ("duration", "beat_error", "scatter", "release_time", "noise", "time", "late", "late_interval"),
+    ("beat_error", "scatter", "release_time", "noise", "time", "late", "late_interval"),
     Result("time"),
 ) | {
     "period": Result("time", "mean time of a beat"),
@@ -62,7 +62,11 @@ def record_of(result: Any, fit: Any, units: str) -> dict[str, Any]:
     if fit is not None:
         apart = fit.speeds - fit.computed_speeds
         record["motion"] = {
-            **{"samples": fit.time.size, "release_time": fit.start, "fitted": fit.record(units)},
+            **{
+                "samples": fit.time.size,
+                "release_time": fit.release.value,
+                "fitted": fit.record(units),
+            },
             **_attributes(fit, "confidence", "noise", "autocorrelation", "p_value"),
             "speed_max": float(fit.speeds.max()),
             "speed_max_computed": float(fit.computed_speeds.max()),
@@ -120,7 +124,7 @@ def _attributes(owner: Any, *names: str) -> dict[str, Any]:
 
 
 def record_of_beats(
-    beats: BeatTimes, keeping: Timekeeping | None, fit: Fit | None = None, units: str = SYSTEMS[0]
+    beats: Readings, keeping: Timekeeping | None, fit: Fit | None = None, units: str = SYSTEMS[0]
 ) -> Record:
     """All figures of beats, by JSON key.
 
@@ -129,15 +133,14 @@ def record_of_beats(
     units : the system of units of fitted numbers.
     """
     values: dict[str, Any] = {
-        "beats": int(beats.heard.size), "missed": beats.missed,
-        "other_sounds": int(beats.doubles.size), "sounds_of_a_beat": beats.sounds,
-        "duration": beats.duration, "period": beats.period,
+        "beats": beats.samples, "missed": beats.missing, "other_sounds": len(beats.doubles),
+        "sounds_of_a_beat": beats.sounds, "period": beats.period,
     }  # fmt: skip
     if keeping is not None:
         values |= _of_timekeeping(keeping)
     if fit is not None:
         values["parts" if isinstance(fit, BeatFit) else "run_up"] = _of_fit(fit, units)
-    values["message"] = "; ".join(filter(None, [beats.message, fit.message if fit else ""]))
+    values["message"] = "; ".join(filter(None, [*beats.remarks, fit.message if fit else ""]))
     return Record(values, RESULTS)
 
 
@@ -169,4 +172,4 @@ def _of_fit(fit: Any, units: str) -> dict[str, Any]:
         parts = {"pins": angles("pin"), "slots": angles("slot")}
         return found | {"measured_over_computed": fit.rate} | parts
     figures = {name: getattr(fit, name) for name in ("noise", "p_value", "autocorrelation")}
-    return found | {"fitted": fit.record(units), "release_time": fit.start} | figures
+    return found | {"fitted": fit.record(units), "release_time": fit.release.value} | figures

@@ -11,12 +11,9 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from escapement.base.lazy import Lazy
-from escapement.measurement.beat_times import BeatTimes
 from escapement.measurement.estimate import (
-    SURE,
     Estimate,
     Fit,
-    Verdict,
     chance_of,
     checked_confidence,
     correlation,
@@ -28,14 +25,13 @@ from escapement.mechanisms.protocol import FloatArray
 from escapement.model.escapement import Escapement
 
 optimize = Lazy("scipy.optimize")
-_TOLERANCES = {"xtol": 1e-9, "ftol": 1e-12, "gtol": 1e-12, "max_nfev": 60}
+_SEARCH = {"xtol": 1e-9, "ftol": 1e-12, "gtol": 1e-12, "max_nfev": 60, "diff_step": 1e-4}
 _SLOW = 6  # slow changes that are looked for have up to so many half waves, of beats two
 _FADING = 0.7, 2.5  # beats in which errors of a model fade as the motion settles
-_ALIKE = 0.05  # a smaller correlation of neighbouring residuals hardly changes an interval
 _EXACT = 1e-8  # a scatter below this share of the travel is rounding, and is no evidence
 _DEGREE = 3  # of the smooth curve
 _ODDS = 1000.0  # the model must be so much more likely than the smooth curve
-_LEAST = 12  # degrees of freedom that the tests need
+_LEAST = 12  # samples that a smooth curve needs
 
 
 @dataclass(frozen=True, eq=False, repr=False, kw_only=True)
@@ -50,42 +46,11 @@ class MotionFit(Fit):
         Time of the release from rest, by the clock of the measurement [s].
     time, angle : ndarray, shape (n,)
         Times of the samples that were used, and angles that the driver has turned [s, rad].
-    of_beats : bool
-        Whether these samples are beats.
-    doubt : str
-        Why the measurement cannot say whether the model explains it, "" if it can.
     """
 
     release: Estimate
     time: FloatArray = field(repr=False)
     angle: FloatArray = field(repr=False)
-    of_beats: bool
-    doubt: str
-
-    @property
-    def parameters(self) -> tuple[str, ...]:
-        """Names of the numbers that were fitted; all others keep their given values."""
-        return tuple(one.name for one in self.numbers)
-
-    @property
-    def values(self) -> FloatArray:
-        """Estimates in SI units, shape (m,)."""
-        return np.array([one.value for one in self.numbers])
-
-    @property
-    def half_widths(self) -> FloatArray:
-        """Half the widths of their intervals in SI units, shape (m,)."""
-        return np.array([one.half_width for one in self.numbers])
-
-    @property
-    def intervals(self) -> FloatArray:
-        """Ends of the confidence intervals within the physical range, shape (m, 2)."""
-        return np.array([(one.low, one.high) for one in self.numbers]).reshape(-1, 2)
-
-    @property
-    def start(self) -> float:
-        """Time of the release from rest [s]."""
-        return self.release.value
 
     @property
     def _apart(self) -> np.ndarray:
@@ -109,28 +74,6 @@ class MotionFit(Fit):
         apart = np.diff(self.residuals)[self._apart] / np.diff(self.time)[self._apart]
         return np.asarray(self.speeds - apart)
 
-    @property
-    def contradicted(self) -> bool:
-        """Whether the residuals have what independent noise does not have."""
-        least = max(3.3 / math.sqrt(self.residuals.size), _ALIKE)
-        return self.p_value < SURE or self.autocorrelation > least
-
-    @property
-    def explained(self) -> bool:
-        """Whether the model explains the motion: the readings could contradict it and do not."""
-        return not (self.contradicted or self.doubt)
-
-    @property
-    def verdict(self) -> Verdict:
-        """Whether the model explains the motion, and the estimates with their intervals."""
-        text, what = self.numbers_in_words(), "beats" if self.of_beats else "motion"
-        if self.contradicted:
-            text = text and f", not even{text}"
-            return Verdict(False, f"The model does not explain the {what}{text}.")
-        if self.doubt:
-            return Verdict(None, f"Cannot say whether the model explains the {what}: {self.doubt}.")
-        return Verdict(True, f"The model explains the {what}{text}.")
-
 
 def fit_motion(
     readings: Readings, escapement: Escapement, parameters: Sequence[str] = ("friction", "torque"),
@@ -142,7 +85,9 @@ def fit_motion(
     ----------
     readings : Readings
         Times and angles of the input; the angles of the output are not used. The driver stands at
-        pin entry until it is released, at the first sample or later.
+        pin entry until it is released, at the first sample or later. Or beats, as `read_beats`
+        gives them with `run_up=True`: each sounds as a pin hands over to the next one, the first
+        at the first change of pin behind the release.
     escapement : Escapement
         The design. The search begins at its values of `parameters`, which must be above 0, and
         keeps all its other numbers.
@@ -174,41 +119,9 @@ def fit_motion(
     slowly or with the engagements by more than noise does in one of a thousand recordings. The
     readings cannot say so, and nor the contrary, if a cubic curve explains them about as well.
     """
-    return _fitted(readings, escapement, parameters, confidence)
-
-
-def fit_run_up(
-    beats: BeatTimes, escapement: Escapement, parameters: Sequence[str] = ("friction",), *,
-    confidence: float = 0.95,
-) -> MotionFit:  # fmt: skip
-    """Fit numbers of an escapement to the times of beats of a motion from rest.
-
-    A beat sounds as a pin hands over to the next one.
-
-    Parameters
-    ----------
-    beats : BeatTimes
-        What `read_beats` gives with `run_up=True`; the first is the first change of pin behind the
-        release.
-    escapement, parameters, confidence :
-        As for `fit_motion`.
-
-    Raises
-    ------
-    InvalidValue
-        If an argument breaks its rule, the escapement does not run, its times are far from the
-        measured ones, or the beats determine only a combination of the numbers.
-    """
-    return _fitted(beats, escapement, parameters, confidence)
-
-
-def _fitted(
-    measured: Readings | BeatTimes, escapement: Escapement, parameters: Sequence[str],
-    confidence: float,
-) -> MotionFit:  # fmt: skip
-    task, share = task_of(measured, escapement, parameters), checked_confidence(confidence)
+    task, share = task_of(readings, escapement, parameters), checked_confidence(confidence)
     found = optimize.least_squares(
-        task.residuals, task.begin(), task.slopes, bounds=task.bounds, x_scale="jac", **_TOLERANCES
+        task.residuals, task.begin(), "3-point", bounds=task.bounds, x_scale="jac", **_SEARCH
     )
     task.check_determined(found.jac)
     # the zero of an encoder is an unknown too
@@ -232,25 +145,20 @@ def _fitted(
         time=task.clock + task.time, angle=task.angle, of_beats=task.beats is not None,
         autocorrelation=alike, p_value=p_value, doubt=doubt,
     )  # fmt: skip
-    vars(fit)["message"] = "; ".join(_remarks(fit, measured))
+    vars(fit)["message"] = "; ".join(_remarks(fit, readings))
     return fit
 
 
-def _remarks(fit: MotionFit, measured: Readings | BeatTimes) -> Iterator[str]:
-    if isinstance(measured, Readings):
-        yield from measured.remarks
-    for name, value, half in zip(fit.parameters, fit.values, fit.half_widths, strict=True):
-        if half > 0.5 * value:
+def _remarks(fit: MotionFit, readings: Readings) -> Iterator[str]:
+    if readings.half_widths is None:  # what is said of beats does not concern a fit
+        yield from readings.remarks
+    for one in fit.numbers:
+        if one.half_width > 0.5 * one.value:
             yield (
-                f"the readings hardly determine {name}: its interval is wider than its value; "
+                f"the readings hardly determine {one.name}: its interval is wider than its value; "
                 "measure longer"
             )
-    if fit.contradicted:
-        yield (
-            f"the residuals are not independent noise (correlation of neighbours "
-            f"{fit.autocorrelation:.2f}, p of slow or repeated changes {fit.p_value:.1g}): the "
-            "model does not explain the motion, and the intervals are too narrow"
-        )
+    yield from fit.contradictions
 
 
 def _judged(
@@ -260,17 +168,15 @@ def _judged(
     measured = task.angle if task.beats is None else task.time
     if np.abs(rest).max() <= _EXACT * np.ptp(measured):
         return 0.0, math.nan, ""
-    if task.beats is not None:
-        chance = chance_of(rest, slopes, _waves(task, rest))
-        return correlation(rest), chance, "they are few" if math.isnan(chance) else ""
-    moving, doubt, chance = task.time > start, "", math.nan
-    if rest.size - slopes.shape[1] - 1 >= _LEAST:
-        fitted = np.column_stack([np.ones(rest.size), slopes])
-        waves = _waves(task, rest)[:, : (rest.size - fitted.shape[1]) // 3]
-        chance = chance_of(rest, fitted, waves)
+    ones = np.ones((rest.size, int(task.beats is None)))  # an encoder has a zero
+    fitted = np.hstack([ones, slopes])
+    waves = _waves(task, rest)[:, : max(rest.size - fitted.shape[1], 0) // 3]
+    chance, doubt, moving = chance_of(rest, fitted, waves), "", task.time > start
     if math.isnan(chance):
         doubt = f"{rest.size} samples are too few to test it; take more samples"
-    elif _smooth_as_well(task.time[moving], task.angle[moving], rest[moving]):
+    elif task.beats is None and _smooth_as_well(
+        task.time[moving], task.angle[moving], rest[moving]
+    ):
         doubt = (
             "a smooth curve explains the readings about as well, so that they do not show the "
             "engagements; take more samples, over more engagements, with less noise"

@@ -19,7 +19,6 @@ from escapement.base import validate
 from escapement.base.errors import InvalidValue
 from escapement.base.status import Status
 from escapement.engines import simulate as simulation
-from escapement.measurement.beat_times import BeatTimes
 from escapement.measurement.loggers import check_unit
 from escapement.measurement.readings import Readings
 from escapement.mechanisms.protocol import FloatArray
@@ -30,8 +29,6 @@ from escapement.model.torque_curve import TorqueCurve
 _SHARES = (1.0, 0.5, 2.0, 0.7, 1.4)  # the search tries to begin at these multiples of each number
 _CELLS = 10_000  # where the search begins is computed from at most this many cells
 _MOVING = 0.02  # below this share of the travel, noise hides the time at which an angle is reached
-_STEP = 1e-4  # share of a number by which it is changed for a derivative
-_SMALL = 0.01  # below this share of its given value, a number is changed by a share of this one
 _LEAST = 1e-6  # least share of its given value that a number may have
 _SHOWN = 10.0  # the driver turns by at least so many standard deviations of the readings
 _FEWEST = 12  # beats of a run-up
@@ -90,43 +87,25 @@ class MotionTask:
             found = with_number(found, name, value)
         return found
 
-    def compared(self, unknowns: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Measured less computed, and its derivative by the release.
+    def residuals(self, unknowns: FloatArray) -> FloatArray:
+        """Measured less computed.
 
         Of readings these are angles, with the encoder's zero that makes their mean 0 [rad], and
         of beats times [s]. Where no motion has these numbers, nothing is computed.
         """
         since = self.time - unknowns[-1] * self.span
-        apart, rate = (self.angle if self.beats is None else since), np.zeros_like(since)
+        apart = self.angle if self.beats is None else since
         with suppress(InvalidValue):
             if self.beats is None:
                 duration = max(float(since[-1]), 1e-3 * self.span)
                 motion = simulation.simulate(self.changed(unknowns), duration=duration)
                 # before the release it is at rest
-                state = motion.at(np.clip(since, 0.0, motion.end_time))
-                apart, rate = self.angle - state.theta, self.span * np.asarray(state.theta_dot)
+                apart = self.angle - motion.at(np.clip(since, 0.0, motion.end_time)).theta
             else:
                 motion = simulation.simulate(self.changed(unknowns), int(self.beats[-1]) + 1)
                 if motion.handoff_times.size > self.beats[-1]:
                     apart = since - motion.handoff_times[self.beats]
-                    rate = np.full_like(since, -self.span)
-        if self.beats is None:
-            return np.asarray(apart - apart.mean()), np.asarray(rate - rate.mean())
-        return np.asarray(apart), rate
-
-    def residuals(self, unknowns: FloatArray) -> FloatArray:
-        """Measured less computed."""
-        return self.compared(unknowns)[0]
-
-    def slopes(self, unknowns: FloatArray) -> FloatArray:
-        """Derivatives of the residuals: by the numbers from differences, by the release exactly."""
-        columns, step = [], _STEP * np.maximum(unknowns, _SMALL)
-        low, high = np.maximum(unknowns - step, _LEAST), np.minimum(unknowns + step, self.bounds[1])
-        for index in range(len(self.parameters)):
-            at = [np.where(np.arange(unknowns.size) == index, end, unknowns) for end in (low, high)]
-            change = self.residuals(at[1]) - self.residuals(at[0])
-            columns.append(change / (high[index] - low[index]))
-        return np.column_stack([*columns, self.compared(unknowns)[1]])
+        return np.asarray(apart if self.beats is not None else apart - apart.mean())
 
     def begin(self) -> FloatArray:
         """Unknowns at which the search begins: the best of several near the given numbers.
@@ -193,24 +172,22 @@ class MotionTask:
             )
 
 
-def task_of(
-    measured: Readings | BeatTimes, escapement: Escapement, parameters: Sequence[str]
-) -> MotionTask:
+def task_of(measured: Readings, escapement: Escapement, parameters: Sequence[str]) -> MotionTask:
     """The problem for these readings or beats, or InvalidValue."""
     names = tuple(parameters)
-    if isinstance(measured, BeatTimes):
-        given, beats = _given(escapement, names), measured.heard
+    if not isinstance(measured, Readings) or measured.time is None:
+        remedy = "give read_readings(path, time='time')"
+        raise validate.fail("readings", "Readings with times", measured, remedy)
+    given, beats = _given(escapement, names), None
+    if measured.half_widths is None:
+        time, angle = _used(measured)
+    else:
+        beats, time = measured.beats, measured.heard
         if beats.size < max(_FEWEST, 3 * (len(names) + 1)):
             raise InvalidValue(
                 f"beats must be {_FEWEST} or more in a run-up, got {beats.size}; record longer"
             )
-        time, angle = measured.times[beats], (beats + 1.0) * escapement.mechanism.cell_angle
-    elif isinstance(measured, Readings) and measured.time is not None:
-        given, beats = _given(escapement, names), None
-        time, angle = _used(measured)
-    else:
-        remedy = "give read_readings(path, time='time')"
-        raise validate.fail("readings", "Readings with times", measured, remedy)
+        angle = measured.input[beats] * escapement.mechanism.cell_angle
     clock = float(time[0])
     since = time - clock
     return MotionTask(escapement, names, given, clock, time=since, angle=angle, beats=beats)

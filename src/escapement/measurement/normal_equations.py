@@ -172,17 +172,15 @@ def _best_of(sums: NormalEquations, others: list[Indices], shaft: str) -> Candid
     explained = product**2 / square[tried]
     # a slip of the input does not show in the dwell, so there it may have happened anywhere
     same = np.flatnonzero(explained >= (1.0 - _SEPARATE) * explained.max())
-    best = int(same[same.size // 2])
-    freedom, gain = sums.samples - len(base) - 1, float(explained[best])
-    left = float(sums.gram[ERRORS, ERRORS] - against @ inverse @ against) - gain
-    if not (left > 0.0 and gain > 0.0):
+    edge = int(tried[same[same.size // 2]])
+    fitted = sums.with_change(edge, column).fitted((len(sums.gram),), others)
+    if fitted is None:
         return None
-    size, variance = square[tried[best]], left / freedom
-    fitted = Fitted(product[[best]] / size, np.array([[variance / size]]), gain, freedom, variance)
     pairs = whole[tried[1:]] - np.einsum("ij,ij->i", shared[tried[:-1]], beside[tried[1:]])
     alike = pairs / np.sqrt(square[tried[:-1]] * square[tried[1:]])
-    chance = len(_ACTS) * _chance_of_greatest(math.sqrt(gain / variance), freedom, alike)
-    return Candidate(shaft, int(tried[best]), column, fitted, log_of(chance, fitted))
+    height = math.sqrt(fitted.explained / fitted.variance)
+    chance = len(_ACTS) * _chance_of_greatest(height, fitted.freedom, alike)
+    return Candidate(shaft, edge, column, fitted, log_of(chance, fitted))
 
 
 def _chance_of_greatest(height: float, freedom: int, alike: FloatArray) -> float:

@@ -1,7 +1,6 @@
 """Are errors normally distributed? Classes of errors, and three tests.
 
-Many sets of errors may be tested at once; they are the leading axes. All tests assume
-errors that are independent of each other.
+All tests assume errors that are independent of each other.
 """
 
 import math
@@ -20,11 +19,11 @@ _MOST_CLASSES = 1000
 
 
 class Histogram(NamedTuple):
-    """Numbers of errors in k classes of equal width; leading axes are sets of errors.
+    """Numbers of errors in k classes of equal width.
 
-    edges : edges of the classes, shape (..., k + 1) [rad].
-    observed : number of errors in each class, shape (..., k).
-    expected : number of errors in each class expected of a normal distribution, shape (..., k).
+    edges : edges of the classes, shape (k + 1,) [rad].
+    observed : number of errors in each class, shape (k,).
+    expected : number of errors in each class expected of a normal distribution, shape (k,).
         Its mean and standard deviation are those of the class midpoints, weighted by `observed`.
         What it expects outside the classes is left out.
     """
@@ -85,34 +84,20 @@ def histogram(errors: ArrayLike, bins: int) -> Histogram:
 
     Parameters
     ----------
-    errors : array_like, shape (..., n)
+    errors : array_like, shape (n,)
         Errors [rad], not all equal.
     bins : int
         Number of classes.
 
     Source: Prikhodko (2020), eqs. 11 to 14. Eq. 12 lacks the sum over the classes.
     """
-    values = np.asarray(errors, dtype=float)
-    n = values.shape[-1]
-    low = values.min(axis=-1, keepdims=True)
-    width = (values.max(axis=-1, keepdims=True) - low) / bins
-    observed = counts(np.minimum(((values - low) / width).astype(int), bins - 1), bins)
-    edges = low + width * np.arange(bins + 1)
-    middle = edges[..., :-1] + 0.5 * width
-    mean = (observed * middle).sum(axis=-1, keepdims=True) / n
-    deviation = np.sqrt((observed * (middle - mean) ** 2).sum(axis=-1, keepdims=True) / n)
-    z = (edges - mean) / deviation
+    observed, edges = np.histogram(errors, bins)
+    n, middle = observed.sum(), 0.5 * (edges[1:] + edges[:-1])
+    mean = observed @ middle / n
+    z = (edges - mean) / math.sqrt(observed @ (middle - mean) ** 2 / n)
     # from the nearer tail, where the ends of a class differ by little
-    shares = np.where(z[..., :-1] > 0.0, np.diff(special.ndtr(-z)), np.diff(special.ndtr(z)))
+    shares = np.where(z[:-1] > 0.0, np.diff(special.ndtr(-z)), np.diff(special.ndtr(z)))
     return Histogram(edges, observed, n * np.abs(shares))
-
-
-def counts(classes: np.ndarray, bins: int) -> np.ndarray:
-    """How often each class number below `bins` stands in the last axis."""
-    sets = classes.reshape(-1, classes.shape[-1])
-    apart = sets + bins * np.arange(len(sets))[:, None]
-    found = np.bincount(apart.reshape(-1), minlength=bins * len(sets))
-    return found.reshape(*classes.shape[:-1], bins)
 
 
 class NormalityTest(NamedTuple):
@@ -125,9 +110,9 @@ class NormalityTest(NamedTuple):
         is not the probability that the errors are normal.
     """
 
-    statistic: FloatArray
+    statistic: float
     degrees_of_freedom: int
-    p_value: FloatArray
+    p_value: float
 
 
 def published_chi_squared(classes: Histogram) -> NormalityTest:
@@ -142,9 +127,9 @@ def published_chi_squared(classes: Histogram) -> NormalityTest:
     observed, expected = classes.observed, classes.expected
     with np.errstate(all="ignore"):  # nothing may be expected in a class
         terms = (observed - expected) ** 2 / expected
-    statistic = np.where(observed == expected, 0.0, terms).sum(axis=-1)
-    freedom = observed.shape[-1] - 3
-    return NormalityTest(statistic, freedom, special.chdtrc(freedom, statistic))
+    statistic = float(np.where(observed == expected, 0.0, terms).sum())
+    freedom = observed.size - 3
+    return NormalityTest(statistic, freedom, float(special.chdtrc(freedom, statistic)))
 
 
 def chi_squared(errors: ArrayLike, bins: int) -> NormalityTest:
@@ -158,7 +143,7 @@ def chi_squared(errors: ArrayLike, bins: int) -> NormalityTest:
 
     Parameters
     ----------
-    errors : array_like, shape (..., n)
+    errors : array_like, shape (n,)
         Errors, not all equal.
     bins : int
         Number of classes, > 3; an expectation of five errors in each is enough.
@@ -166,21 +151,19 @@ def chi_squared(errors: ArrayLike, bins: int) -> NormalityTest:
     Source: Rao and Robson (1974), Communications in Statistics 3; Nikulin (1973),
     Theory of Probability and its Applications 18.
     """
-    values = np.asarray(errors, dtype=float)
-    expected = values.shape[-1] / bins
-    share = special.ndtr(stats.zscore(values, axis=-1))
-    observed = counts(np.minimum((bins * share).astype(int), bins - 1), bins)
+    share = special.ndtr(stats.zscore(errors))
+    expected = share.size / bins
+    observed = np.bincount(np.minimum((bins * share).astype(int), bins - 1), minlength=bins)
     deviation = (observed - expected) / np.sqrt(expected)
     inner = special.ndtri(np.arange(1, bins) / bins)
     density = np.exp(-0.5 * inner**2) / np.sqrt(2.0 * np.pi)
     # how fast the classes' probabilities change with mean and deviation, in units of the latter
-    rates = np.diff([density, inner * density], prepend=0.0, append=0.0, axis=-1)
+    rates = np.diff([density, inner * density], prepend=0.0, append=0.0)
     rates *= -np.sqrt(bins)
     information = np.diag([1.0, 2.0]) - rates @ rates.T
-    known = deviation @ rates.T
-    put_back = (known * np.linalg.solve(information, known[..., None])[..., 0]).sum(axis=-1)
-    statistic = (deviation**2).sum(axis=-1) + put_back
-    return NormalityTest(statistic, bins - 1, special.chdtrc(bins - 1, statistic))
+    known = rates @ deviation
+    statistic = float(deviation @ deviation + known @ np.linalg.solve(information, known))
+    return NormalityTest(statistic, bins - 1, float(special.chdtrc(bins - 1, statistic)))
 
 
 def anderson_darling(errors: ArrayLike) -> NormalityTest:
@@ -188,7 +171,7 @@ def anderson_darling(errors: ArrayLike) -> NormalityTest:
 
     Parameters
     ----------
-    errors : array_like, shape (..., n)
+    errors : array_like, shape (n,)
         Errors, not all equal; n >= 8.
 
     Returns
@@ -198,20 +181,22 @@ def anderson_darling(errors: ArrayLike) -> NormalityTest:
 
     Source: D'Agostino and Stephens (1986), Goodness-of-fit techniques, table 4.9.
     """
-    z = np.sort(stats.zscore(errors, axis=-1, ddof=1), axis=-1)
-    n = z.shape[-1]
-    logs = special.log_ndtr(z) + special.log_ndtr(-z[..., ::-1])
-    statistic = -n - logs @ (np.arange(1, 2 * n, 2) / n)
-    return NormalityTest(statistic, 0, _anderson_darling_p(statistic, n))
+    z = np.sort(stats.zscore(errors, ddof=1))
+    logs = special.log_ndtr(z) + special.log_ndtr(-z[::-1])
+    statistic = float(-z.size - logs @ (np.arange(1, 2 * z.size, 2) / z.size))
+    return NormalityTest(statistic, 0, _anderson_darling_p(statistic, z.size))
 
 
-def _anderson_darling_p(statistic: FloatArray, n: int) -> FloatArray:
+_STEPHENS = (
+    (0.6, 1.2937, -5.709, 0.0186), (0.34, 0.9177, -4.279, -1.38),
+    (0.2, -8.318, 42.796, -59.938), (-math.inf, -13.436, 101.14, -223.73),
+)  # fmt: skip
+"""Least A^2, and the coefficients of its powers in the logarithm of p, or of 1 - p below .34."""
+
+
+def _anderson_darling_p(statistic: float, n: int) -> float:
     """p-value of A^2, mean and standard deviation being those of the sample."""
-    a = np.minimum(statistic * (1.0 + 0.75 / n + 2.25 / n**2), 10.0)
-    p_values = [
-        np.exp(1.2937 - 5.709 * a + 0.0186 * a**2),
-        np.exp(0.9177 - 4.279 * a - 1.38 * a**2),
-        1.0 - np.exp(-8.318 + 42.796 * a - 59.938 * a**2),
-    ]
-    smallest = 1.0 - np.exp(-13.436 + 101.14 * a - 223.73 * a**2)
-    return np.select([a >= 0.6, a > 0.34, a > 0.2], p_values, smallest)
+    a = min(statistic * (1.0 + 0.75 / n + 2.25 / n**2), 10.0)
+    least, *factors = next(row for row in _STEPHENS if a >= row[0])
+    p_value = math.exp(np.polynomial.polynomial.polyval(a, factors))
+    return p_value if least > 0.3 else 1.0 - p_value

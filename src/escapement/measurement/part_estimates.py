@@ -73,9 +73,8 @@ class BeatSolution(NamedTuple):
 
     def tangent(self, noise: float | None, confidence: float) -> Tangent:
         """The fit linearised; intervals follow Student's law unless the noise is given."""
-        rounds, at = self.rounds, self._residuals(self.unknowns)
-        steps = self.unknowns + _STEP * np.eye(self.unknowns.size)
-        slopes = np.array([self._residuals(one) - at for one in steps]).T / _STEP
+        rounds = self.rounds
+        slopes = optimize.approx_fprime(self.unknowns, self._residuals, _STEP)
         squares, freedom = self.cost + rounds.scatter, rounds.samples - self.unknowns.size
         return tangent_of(slopes, squares, freedom, confidence, noise or 0.0)
 

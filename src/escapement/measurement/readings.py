@@ -1,9 +1,10 @@
 """Readings of two encoders, sample by sample, with their times if known, and their files."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from os import PathLike
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -14,7 +15,7 @@ from escapement.base.errors import InputFileError, InvalidValue
 from escapement.base.files import write_file
 from escapement.base.headings import COUNTS
 from escapement.base.text import Shown
-from escapement.measurement.loggers import checked_times, row_of, unrolled
+from escapement.measurement.loggers import check_increasing, checked_times, row_of, unrolled
 from escapement.mechanisms.protocol import FloatArray
 
 TURN = 2.0 * np.pi
@@ -29,7 +30,10 @@ _BLOCK = 1 << 17  # so many samples are worked on at once, which keeps temporary
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Readings(Shown):
-    """Readings of an encoder on the input and of one on the output.
+    """What was read in turn: angles of two encoders, or the instants of beats.
+
+    A reading has a value and may have an instant. Of encoders the value is uncertain, an angle. Of
+    beats the instant is, and the value is the number of the beat; see `of_beats`.
 
     Parameters
     ----------
@@ -46,6 +50,15 @@ class Readings(Shown):
     time : array_like, shape (n,), optional
         When each sample was taken, increasing [s]; neighbours of a coarse clock may be equal,
         and are then spread over its step. With times, all outputs may be NaN.
+    half_widths : array_like, shape (n,), optional
+        Half the width of the 95 % interval of each time [s], 0 where it is not known. With them
+        these are beats.
+    loudness : array_like, shape (n,), optional
+        Root mean square of the sound of each beat over that of the noise before it [-].
+    doubles : array_like, shape (m,)
+        Instants of sounds that begin no beat [s]: further sounds of a beat, echoes and noises.
+    sounds : int
+        Sounds of a beat.
 
     Raises
     ------
@@ -61,8 +74,33 @@ class Readings(Shown):
     synthetic: bool = False
     remark: str = ""
     time: FloatArray | None = None
+    half_widths: FloatArray | None = None
+    loudness: FloatArray | None = None
+    doubles: Sequence[float] | FloatArray = ()
+    sounds: int = 1
+
+    @classmethod
+    def of_beats(cls, time: ArrayLike, half_widths: ArrayLike = 0.0, **more: Any) -> "Readings":
+        """Beats in turn; the first one ends the first engagement.
+
+        Parameters
+        ----------
+        time : array_like, shape (n,)
+            When each begins, increasing [s]; NaN or masked where it was not heard.
+        half_widths : array_like, shape (n,)
+            Half the width of the 95 % interval of each time [s].
+        **more :
+            Other fields.
+        """
+        at = row_of("time", time, "give the instants of beats in s, NaN for one that is missing")
+        check_increasing("time", at)
+        wide = np.broadcast_to(np.asarray(half_widths, float), at.shape)
+        number = np.arange(1.0, at.size + 1.0)
+        return cls(number, np.full(at.size, np.nan), time=at, half_widths=wide, **more)
 
     def __post_init__(self) -> None:
+        if self.half_widths is not None:
+            return
         size, where = len(self.input), "sample" if self.line is None else "line"
         lines = np.arange(1, size + 1) if self.line is None else np.asarray(self.line)
         if not size == len(self.output) == len(lines):
@@ -87,8 +125,25 @@ class Readings(Shown):
 
     @cached_property
     def complete(self) -> np.ndarray:
-        """Which samples have both readings: bool, shape (n,)."""
+        """Which samples have both readings, or which beats were heard: bool, shape (n,)."""
+        if self.half_widths is not None:
+            return np.asarray(np.isfinite(np.asarray(self.time)))
         return np.isfinite(self.input) & np.isfinite(self.output)
+
+    @property
+    def beats(self) -> np.ndarray:
+        """Indices of the beats that were heard; none of readings of encoders."""
+        return np.flatnonzero(self.complete & (self.half_widths is not None))
+
+    @property
+    def heard(self) -> FloatArray:
+        """Their instants [s]."""
+        return np.asarray(np.asarray(self.time)[self.beats])
+
+    @property
+    def period(self) -> float:
+        """Mean time of a beat [s]."""
+        return float(np.ptp(self.heard) / np.ptp(self.beats))
 
     @cached_property
     def counted_input(self) -> FloatArray:

@@ -20,7 +20,6 @@ from escapement.mechanisms.protocol import FloatArray
 wavfile = Lazy("scipy.io.wavfile")
 _CONVERT = "convert it, for example with: ffmpeg -i {path} recording.wav"
 _OTHERS = (".mp3", ".m4a", ".aac", ".ogg", ".opus", ".flac", ".mp4", ".3gp", ".aiff", ".aif")
-_FULL = 3  # samples in a row at full scale show that a recording is clipped
 _CLIPPED = 1e-4  # share of such samples from which on ticks have lost their beginning
 
 
@@ -101,15 +100,9 @@ def _read(path: AnyPath) -> tuple[int, NDArray[Any]]:
 
 
 def _clipped(values: NDArray[Any]) -> float:
-    """Share of the samples that stand in rows of equal samples at one of the extremes."""
-    share = 0
-    for extreme in (values.max(), values.min()):
-        at = np.flatnonzero(values == extreme)
-        if at.size >= _FULL:
-            ends = np.flatnonzero(np.diff(at, prepend=-2, append=at[-1] + 2) != 1)
-            runs = np.diff(ends)
-            share += int(runs[runs >= _FULL].sum())
-    return share / values.size
+    """Share of the samples that are the last of three in a row at an extreme."""
+    full = (values == values.max()) | (values == values.min())
+    return float(np.sum(full[2:] & full[1:-1] & full[:-2])) / values.size
 
 
 _LONGEST = 12.0  # decay times after which a tick has ended
@@ -117,21 +110,13 @@ _PEAK = 0.7  # greatest amplitude in a file, of full scale
 _BITS = 16
 
 
-class Resonances(NamedTuple):
-    """Resonances of the frame, of which each tick is made.
-
-    frequencies : their frequencies [Hz].
-    decay : time in which their amplitude falls to 1/e [s].
-    """
-
-    frequencies: tuple[float, ...] = (2300.0, 4100.0, 7400.0)
-    decay: float = 3e-3
+_RESONANCES = 2300.0, 4100.0, 7400.0  # of the frame, of which a tick is made [Hz]
+_DECAY, _ECHO = 3e-3, 0.03  # time in which their amplitude, and that of the room, falls to 1/e [s]
 
 
 def synthetic_recording(
     times: ArrayLike, loudness: ArrayLike = 1.0, *, rate: int = 48000,
-    signal_to_noise: float = 30.0, room: float = 0.0, resonances: Resonances | None = None,
-    duration: float | None = None, seed: int = 0,
+    signal_to_noise: float = 30.0, room: float = 0.0, duration: float | None = None, seed: int = 0,
 ) -> FloatArray:  # fmt: skip
     """A recording of ticks in noise.
 
@@ -148,8 +133,6 @@ def synthetic_recording(
     room : float
         Amplitude with which the tail of the room begins, as a share of that of the tick [-]; it
         decays to 1/e within 30 ms.
-    resonances : Resonances, optional
-        Those of the frame that ring.
     duration : float, optional
         Length of the recording [s]. Default: it ends a quarter of a second after the last tick.
     seed : int
@@ -172,18 +155,18 @@ def synthetic_recording(
             "times", "a row of instants, each 0 or greater", times, "give them in s"
         )
     frequency = validate.integer("rate", rate, 1000, "give the samples a second in Hz")
-    parts, rng = resonances or Resonances(), np.random.default_rng(seed)
+    rng = np.random.default_rng(seed)
     length = math.ceil((duration or float(at.max()) + 0.25) * frequency)
     sound = np.zeros(length)
-    reach = min(math.ceil(_LONGEST * max(parts.decay, 0.03 if room else 0.0) * frequency), length)
+    reach = min(math.ceil(_LONGEST * (_ECHO if room else _DECAY) * frequency), length)
     for instant, size in zip(at.tolist(), (loud / np.median(loud)).tolist(), strict=True):
         first = math.ceil(instant * frequency)
         if first < length:
             after = (np.arange(first, min(first + reach, length)) - instant * frequency) / frequency
-            waves = np.cos(2.0 * np.pi * np.outer(parts.frequencies, after)).mean(axis=0)
-            tick = np.exp(-after / parts.decay) * waves
+            waves = np.cos(2.0 * np.pi * np.outer(_RESONANCES, after)).mean(axis=0)
+            tick = np.exp(-after / _DECAY) * waves
             if room:
-                tick += room * np.exp(-after / 0.03) * rng.normal(size=after.size)
+                tick += room * np.exp(-after / _ECHO) * rng.normal(size=after.size)
             sound[first : first + after.size] += size * tick
     noise = 10.0 ** (-0.05 * signal_to_noise) * rng.normal(size=length)
     return np.asarray(sound + noise)

@@ -1,17 +1,20 @@
-"""The rhythm of sounds: which beat each of them belongs to.
+"""The rhythm of sounds and of ticks: which beat each of them belongs to.
 
 A cycle holds one sound or several, at fixed shares of its length: the two beats of a clock that is
 out of beat, or the two sounds of one beat of a wheel with clearance. Sounds are followed one by
-one, and the rhythm follows them, so that a rate that changes slowly is no hindrance.
+one, and the rhythm follows them, so that a rate that changes slowly is no hindrance. A sound that
+comes at another time is passed over, so that the numbers of all later beats stay right.
 """
 
 import math
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
+from escapement.base import validate
 from escapement.base.errors import InvalidValue
+from escapement.measurement.loggers import row_of
 from escapement.measurement.onsets import Onsets
 from escapement.mechanisms.protocol import FloatArray
 
@@ -34,13 +37,11 @@ class Rhythm(NamedTuple):
 
     beats : index of the sound with which each beat begins, -1 where none was heard, shape (N,).
     doubles : indices of other sounds: further ones of a beat, echoes and noises.
-    period : mean time of a beat [s].
     sounds : number of sounds of a beat.
     """
 
     beats: NDArray[np.int64]
     doubles: NDArray[np.int64]
-    period: float
     sounds: int
 
 
@@ -81,16 +82,11 @@ def find_rhythm(sounds: Onsets, nominal: float | None = None) -> Rhythm:
     _add_weak(found, sounds, cycle.shares.size, apart[taken])
     first, last = min(found), max(found)
     every = np.array([found.get(slot, -1) for slot in range(first, last + 1)])
-    if per_beat > 1:
-        # a beat begins with the sound that follows the longest silence
-        begin = -first % per_beat
-        every = every[begin::per_beat]
-    used = {*every.tolist()}
-    others = [i for i in sorted({*certain.tolist(), *found.values()}) if i not in used]
+    # a beat of several sounds begins with the one that follows the longest silence
+    every = every[-first % per_beat :: per_beat]
     filled = np.flatnonzero(every >= 0)
-    span = times[every[filled[-1]]] - times[every[filled[0]]]
-    period = float(span / (filled[-1] - filled[0]))
-    return Rhythm(every[filled[0] : filled[-1] + 1], np.array(others, int), period, per_beat)
+    others = np.setdiff1d([*certain, *found.values()], every)
+    return Rhythm(every[filled[0] : filled[-1] + 1], others, per_beat)
 
 
 def _cycle_of(times: FloatArray) -> _Cycle:
@@ -117,8 +113,6 @@ def _cycle_of(times: FloatArray) -> _Cycle:
 def _sounds_of_beat(cycle: _Cycle, nominal: float | None) -> int:
     """How many sounds belong to a beat: 1, or all of the cycle."""
     count = cycle.shares.size
-    if count == 1:
-        return 1
     if nominal is not None:
         whole, single = (abs(math.log(x / nominal)) for x in (cycle.length, cycle.length / count))
         return count if whole < single else 1
@@ -129,28 +123,26 @@ def _sounds_of_beat(cycle: _Cycle, nominal: float | None) -> int:
 def _followed(times: FloatArray, cycle: _Cycle) -> tuple[NDArray[np.int64], FloatArray]:
     """The slot of each sound, and how far it is from the rhythm [s].
 
-    Slots count the sounds of all cycles; a sound that fits none has the slot -1.
+    Slots count the sounds of all cycles from the first one on; a sound that fits none has -1.
     """
-    count, shares = cycle.shares.size, [*cycle.shares.tolist(), 1.0]
+    count, shares = cycle.shares.size, np.append(cycle.shares, 1.0)
+    steps = np.diff(shares)
     # a sound may be as far from its time as a share of the interval beside it
-    reach = [
-        _NEAR * min(shares[k + 1] - shares[k], shares[k] - (shares[k - 1] if k else shares[-2] - 1))
-        for k in range(count)
-    ]
+    reach = (_NEAR * np.minimum(steps, np.roll(steps, 1))).tolist()
     slots, apart = np.full(times.size, -1), np.full(times.size, np.nan)
-    begin = _phase(times, cycle)
-    origin, length = begin, cycle.length
+    origin, length, places = _phase(times, cycle), cycle.length, shares.tolist()
     for i, time in enumerate(times.tolist()):
         turns = (time - origin) / length
         whole = math.floor(turns + reach[0])
         rest = turns - whole
-        k = min(range(count + 1), key=lambda j: abs(rest - shares[j]))
-        off = rest - shares[k]
-        whole, k = (whole + 1, 0) if k == count else (whole, k)
-        if abs(off) < reach[k]:
+        k = min(range(count + 1), key=lambda j: abs(rest - places[j]))
+        off = rest - places[k]
+        if abs(off) < reach[k % count]:
             slots[i], apart[i] = whole * count + k, off * length
             origin += _FOLLOW * off * length
-    return slots - (slots[slots >= 0].min() if (slots >= 0).any() else 0) * (slots >= 0), apart
+    fits = slots >= 0
+    slots[fits] -= slots[fits].min(initial=slots.max()) // count * count
+    return slots, apart
 
 
 def _phase(times: FloatArray, cycle: _Cycle) -> float:
@@ -174,14 +166,14 @@ def _check(
     slots: NDArray[np.int64], apart: FloatArray, taken: NDArray[np.int64], cycle: _Cycle
 ) -> None:
     """Raise InvalidValue unless most sounds fit the rhythm, and most beats are heard."""
-    fitting, count = taken.size / slots.size, cycle.shares.size
-    heard = taken.size / (slots.max() - slots[taken].min() + 1) if taken.size else 0.0
+    count = cycle.shares.size
+    heard = taken.size / (np.ptp(slots[taken]) + 1.0) if taken.size else 0.0
     scatter = float(np.std(apart[taken])) * count / cycle.length if taken.size else math.inf
-    few = taken.size < FEWEST * count
-    if fitting < _FITTING or heard < _FILLED or scatter > _SCATTER or few:
+    few = taken.size < max(FEWEST * count, _FITTING * slots.size)
+    if few or heard < _FILLED or scatter > _SCATTER:
         raise InvalidValue(
             f"sounds must have a rhythm, got {slots.size} of which {taken.size} fit the one of "
-            f"{cycle.length / cycle.shares.size:.3g} s, where {100.0 * heard:.0f} % of the beats "
+            f"{cycle.length / count:.3g} s, where {100.0 * heard:.0f} % of the beats "
             "are heard; record without other noises, nearer to the mechanism"
         )
 
@@ -206,3 +198,76 @@ def _add_weak(found: dict[int, int], sounds: Onsets, count: int, apart: FloatArr
             near = int(np.abs(at - time).argmin())
             if abs(at[near] - time) <= reach[near]:
                 found[slot] = int(possible[near])
+
+
+_REMEDY = "give the times of the engagements in s, NaN for a missing one"
+_SHORT, _LONG = 0.7, 1.4  # errors of parts keep beats between these shares of the median
+_LONGEST = 20  # beats in a gap; the number of more cannot be counted surely
+_IRREGULAR = 0.25  # with a larger share of other intervals the median is no beat
+_INCREASING = 8  # so many durations do not increase throughout
+
+
+def counted_beats(given: ArrayLike) -> tuple[FloatArray, list[str]]:
+    """Durations of beats in turn [s], NaN where one is not known with certainty, and all faults.
+
+    Parameters
+    ----------
+    given : array_like, shape (N,)
+        Durations [s]; NaN or masked where one is missing.
+    """
+    beats = row_of("beats", given, _REMEDY)
+    wrong = np.flatnonzero(~np.isnan(beats) & ~((beats > 0.0) & np.isfinite(beats)))
+    if wrong.size:
+        index = int(wrong[0])
+        raise validate.fail(f"beat {index}", "finite and greater than 0", beats[index], _REMEDY)
+    known = beats[np.isfinite(beats)]
+    if known.size >= _INCREASING and (np.diff(known) > 0.0).all():
+        raise InvalidValue(
+            f"beats must be durations, got {known.size} values that increase throughout, as time "
+            "stamps do; give times=True if they are"
+        )
+    return _counted(beats, float(np.median(known))) if known.size else (beats, [])
+
+
+def _counted(beats: FloatArray, typical: float) -> tuple[FloatArray, list[str]]:
+    """Beats with the right number of them in place of intervals that are too short or too long."""
+    off = (beats < _SHORT * typical) | (beats > _LONG * typical)
+    if off.sum() > max(_IRREGULAR * beats.size, 1.0):
+        raise InvalidValue(
+            f"beats must be alike, got {off.sum()} of {beats.size} that differ by more than a "
+            f"third from their median of {typical:.3g} s; check how ticks are detected"
+        )
+    shares = beats / beats[~off & np.isfinite(beats)].mean()
+    # a missing beat keeps its place
+    ticks = np.cumsum([0.0, *np.nan_to_num(shares, nan=1.0)])
+    slots, apart = _followed(ticks, _Cycle(1.0, np.zeros(1)))
+    taken = _one_each(slots, apart)
+    # a tick that is passed over close to one that is taken may be the right one
+    close = np.flatnonzero(shares < _NEAR)
+    doubtful = {*close.tolist(), *(close + 1).tolist()}
+    found: list[float] = []
+    faults, numbers = [], np.diff(slots[taken]).tolist()
+    for start, stop, count in zip(taken[:-1].tolist(), taken[1:].tolist(), numbers, strict=True):
+        known = count == 1 and not {start, stop} & doubtful
+        found += [float(beats[start:stop].sum())] if known else [np.nan] * count
+        if stop - start > 1 or off[start]:
+            what = "and count as one" if known else f"and {count} beats are left out"
+            faults.append(f"{_named(start, shares[start:stop])}, {what}")
+    last, long = int(taken[-1]), np.array(numbers) > _LONGEST
+    if taken[0] or shares[last:].sum() >= _SHORT or long.any():
+        index = 0 if taken[0] else int(taken[np.argmax(long)]) if long.any() else last
+        raise InvalidValue(
+            f"beat {index} must be a whole number of beats, at most {_LONGEST}, alone or with its "
+            f"neighbours, got {shares[index]:.2f} times the mean of the others; take the recording "
+            "from the beat after it on, or put NaN for as many beats as there were"
+        )
+    if last < beats.size:
+        faults.append(f"{_named(last, shares[last:])}, behind the last beat, and is left out")
+    return np.array(found), faults
+
+
+def _named(index: int, shares: FloatArray) -> str:
+    """Intervals from an index on, and their sizes, in words."""
+    alone = shares.size == 1
+    name = f"beat {index} is" if alone else f"beats {index} to {index + shares.size - 1} are"
+    return f"{name} {' and '.join(f'{share:.2f}' for share in shares)} of the others"

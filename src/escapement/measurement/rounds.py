@@ -10,6 +10,7 @@ covariance matrix has three diagonals, so that the effort grows with the number 
 """
 
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any, NamedTuple
@@ -21,7 +22,8 @@ from escapement.base import validate
 from escapement.base.errors import InvalidValue
 from escapement.base.lazy import Lazy
 from escapement.base.text import Shown
-from escapement.measurement.ticks import ticks_of
+from escapement.measurement.readings import Readings
+from escapement.measurement.rhythm import counted_beats
 from escapement.mechanisms import Geneva
 from escapement.mechanisms.protocol import FloatArray, Mechanism
 
@@ -196,7 +198,7 @@ class Rounds(Shown):
         return self.intervals.independent(rest, self.jitter)
 
 
-def rounds_of(given: ArrayLike, mechanism: Mechanism, times: bool = False) -> Rounds:
+def rounds_of(given: ArrayLike | Readings, mechanism: Mechanism, times: bool = False) -> Rounds:
     """Beats or time stamps as rounds, the last of which may end early; see `fit_beats`.
 
     Durations count as differences of time stamps only where they show it with certainty.
@@ -205,7 +207,12 @@ def rounds_of(given: ArrayLike, mechanism: Mechanism, times: bool = False) -> Ro
         raise validate.fail("mechanism", "a Geneva wheel", mechanism, "see escapement.Geneva")
     pins, slots = mechanism.pins or 1, mechanism.slots
     size = math.lcm(pins, slots)
-    values, faults = ticks_of(given, times, size)
+    if times and not isinstance(given, Readings):
+        given = Readings.of_beats(given)
+    if isinstance(given, Readings):
+        given, times = np.diff(np.asarray(given.time)), True
+    values, faults = counted_beats(given)
+    faults += [*_displaced(values, size)]
     table = np.full(-(-max(values.size, 1) // size) * size, np.nan)
     table[: values.size] = values
     known = np.flatnonzero(np.isfinite(table))
@@ -222,7 +229,36 @@ def rounds_of(given: ArrayLike, mechanism: Mechanism, times: bool = False) -> Ro
     # the shares are closer to each other by their square root near 1
     found = intervals.average(SHARES, _ROOTS, 0.0 if times else _SURE)
     means = found.values, found.covariance, found.scatter, found.weights
-    return Rounds(table.reshape(-1, size), faults, intervals, *means)
+    return Rounds(table.reshape(-1, size), tuple(faults), intervals, *means)
+
+
+_OUT, _ROUNDS = 6.0, 4  # standard deviations that no noise has, and rounds that show it
+
+
+def _displaced(beats: FloatArray, pattern: int) -> Iterator[str]:
+    """Leave out beats that are far from those of the same pin and slot in other rounds."""
+    padded = np.full(-(-beats.size // pattern) * pattern, np.nan)
+    padded[: beats.size] = beats
+    table = padded.reshape(-1, pattern)
+    if np.isfinite(table).sum(axis=0).min(initial=_ROUNDS) < _ROUNDS or not beats.size:
+        return
+    apart = (table - np.nanmedian(table, axis=0)).ravel()[: beats.size]
+    known = np.sort(np.abs(apart[np.isfinite(apart)]))
+    # of normal noise one in ten is beyond 1.645 standard deviations
+    scatter = known[int(0.9 * (known.size - 1))] / 1.645
+    steps = np.diff(np.unique(beats[np.isfinite(beats)]))
+    # a coarse clock may show a difference of two steps of its own
+    least = 2.0 * float(steps.min()) if steps.size else 0.0
+    out = np.flatnonzero(np.nan_to_num(np.abs(apart)) > _OUT * scatter + least)
+    if out.size > 0.1 * beats.size:
+        return
+    for index in out.tolist():
+        yield (
+            f"engagement {index} takes {beats[index] / (beats[index] - apart[index]):.3f} times as "
+            "long as with the same pin and slot in other rounds: a tick is out of place, and the "
+            "beat is left out"
+        )
+        beats[index] = np.nan
 
 
 class BeatLine(NamedTuple):
@@ -259,7 +295,9 @@ class BeatSpectrum(Shown):
     rounds: Rounds
 
 
-def beat_spectrum(beats: ArrayLike, mechanism: Mechanism, *, times: bool = False) -> BeatSpectrum:
+def beat_spectrum(
+    beats: ArrayLike | Readings, mechanism: Mechanism, *, times: bool = False
+) -> BeatSpectrum:
     """Lines in the spectrum of measured beats, each with the parts that cause it.
 
     Errors of pins repeat with every turn of the driver, those of slots with every turn of the
@@ -268,7 +306,7 @@ def beat_spectrum(beats: ArrayLike, mechanism: Mechanism, *, times: bool = False
 
     Parameters
     ----------
-    beats : array_like, shape (N,)
+    beats : array_like, shape (N,), or Readings
         Times of the engagements in turn [s], NaN or masked where one is missing, or time stamps,
         as for `fit_beats`, which also says what is mended.
     mechanism : Geneva

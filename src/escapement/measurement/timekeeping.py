@@ -7,7 +7,7 @@ tock. T may change linearly. `interval_fit` tells what the noise may be.
 
 import math
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -15,8 +15,9 @@ from escapement.base import validate
 from escapement.base.errors import InvalidValue
 from escapement.base.lazy import Lazy
 from escapement.base.text import Shown
-from escapement.measurement.beat_times import HOUR, BeatTimes
+from escapement.measurement.beat_times import HOUR
 from escapement.measurement.estimate import Estimate, checked_confidence, reach_of
+from escapement.measurement.readings import Readings
 from escapement.measurement.rounds import Intervals
 from escapement.mechanisms.protocol import FloatArray
 
@@ -80,20 +81,15 @@ class Timekeeping(Shown):
     residuals: FloatArray
     confidence: float
 
-    def _shown(self) -> list[tuple[str, Any, str]]:
-        units = {"beats_per_hour": "", "rate": "s/d", "beat_error": "s"}
-        values = [(name, getattr(self, name).value, unit) for name, unit in units.items()]
-        return [*values, ("scatter", self.scatter, "s")]
-
 
 def timekeeping(
-    beats: BeatTimes, *, nominal: float | None = None, pattern: int = 2, confidence: float = 0.95
+    beats: Readings, *, nominal: float | None = None, pattern: int = 2, confidence: float = 0.95
 ) -> Timekeeping:
     """Rate, beat error, drift and stability of times of beats, with their intervals.
 
     Parameters
     ----------
-    beats : BeatTimes
+    beats : Readings
         As `read_beats` gives them.
     nominal : float, optional
         Beats an hour that are right, > 0.
@@ -112,13 +108,13 @@ def timekeeping(
     right = None
     if nominal is not None:
         right = validate.positive("nominal", nominal, "give the beats an hour")
-    heard = beats.heard
+    heard = beats.beats
     if heard.size < _LEAST * (size + 1):
         raise InvalidValue(
             f"beats must be {_LEAST * (size + 1)} or more for a pattern of {size}, got "
             f"{heard.size}; record longer"
         )
-    times = beats.times[heard]
+    times = beats.heard
     # an interval by T, its change in a beat, and the offsets of all positions but the first
     numbers, middle = np.diff(heard), 0.5 * (heard[0] + heard[-1])
     columns = [numbers, 0.5 * np.diff((heard - middle) ** 2)]

@@ -29,8 +29,8 @@ _MUCH = 0.25  # errors above this share of a step mean that the mechanism is ano
 _SMALL = 0.05  # errors of this share of a step leave a pin no way into its slot
 _CELLS = 2  # an error that repeats must be seen twice before it can be told from others
 _DETECTED = 5.0  # standard errors of an error that is seen nineteen times in twenty
-_UNITS = {"turns": (360.0, "turn"), "radians": (180.0 / math.pi, "rad")}
-"""Degrees in a unit that angles may be in when they are taken for degrees, and its option."""
+_UNITS = {"turn": 360.0, "rad": 180.0 / math.pi}
+"""Degrees in a unit that angles may be in when they are taken for degrees."""
 
 
 class Cause(NamedTuple):
@@ -86,28 +86,27 @@ def _causes(result: Any) -> Iterator[Cause]:
         if found.p_value < level:
             doubt = _doubt(result, found.p_value, key)
             room = rooms.get(found.shaft, 2.0 * small) or math.inf
-            yield Cause(found.text(not doubt), doubt, size / room)
-    for certain in (True, False):
-        if some := [one for one in result.glitches if (one.p_value < SURE) == certain]:
-            yield _far_out(some, certain)
+            yield Cause(found.text, doubt, size / room)
+    for doubt in ("", _NOISE):
+        if some := [one for one in result.glitches if (one.p_value >= SURE) == bool(doubt)]:
+            yield Cause(_far_out(some), doubt)
     if result.fit.phase_error == 0.0:
         # the zeros of the encoders are known, so that the mean error tells something
         error = result.standard_deviation / math.sqrt(result.errors.size)
         p_value = math.erfc(abs(result.mean) / error / math.sqrt(2.0))
         if p_value < SURE:
             alike = _chance(p_value, result.autocorrelation) >= SURE
-            words = f"{'may be' if alike else 'is'} {interval(result.mean, error)}"
-            yield Cause(f"the mean error {words} with the zeros given", _CORRELATED * alike)
+            words = f"the mean error is {interval(result.mean, error)} with the zeros given"
+            yield Cause(words, _CORRELATED * alike)
 
 
-def _far_out(some: list[Glitch], certain: bool) -> Cause:
+def _far_out(some: list[Glitch]) -> str:
     """Readings far out, in one sentence."""
     lines, rest = [str(one.line) for one in some], len(some) - _NAMED
     named = f"line{'s' * (len(lines) > 1)} {', '.join(lines[:_NAMED])}"
     named += f" and {rest} more" if rest > 0 else ""
     size = f"{'up to ' * (len(lines) > 1)}{_deg(max(abs(one.size) for one in some))}"
-    verb = "is" if certain else "may be"
-    return Cause(f"the reading in {named} {verb} off by {size}", _NOISE * (not certain))
+    return f"the reading in {named} is off by {size}"
 
 
 def _doubt(result: Any, p_value: float, key: Key) -> str:
@@ -163,7 +162,7 @@ def _too_short(result: Any) -> list[str]:
 def _doubts(result: Any, causes: list[Cause]) -> Iterator[str]:
     """What keeps a mechanism from being called good although nothing is certain."""
     step = abs(result.mechanism.follower_step)
-    yield from (f"{cause.text}, or is {cause.doubt}" for cause in causes if cause.doubt)
+    yield from (f"perhaps {one.text}, or this is {one.doubt}" for one in causes if one.doubt)
     if any(cause.doubt == _ROUNDING for cause in causes):
         yield (
             f"errors below half a step of the encoders ({_deg(0.5 * max(result.steps))}) cannot "
@@ -186,25 +185,18 @@ def _other_reading(result: Any) -> str:
 
     Tried are other units, and the columns exchanged.
     """
-    tries = [
-        (name, unit * result.input, unit * result.output) for name, (unit, _) in _UNITS.items()
-    ]
-    tries.append(("", result.output, result.input))
+    columns = np.array([result.input, result.output])
+    tries = {unit: size * columns for unit, size in _UNITS.items()} | {"": columns[::-1]}
     step = abs(result.mechanism.follower_step)
     least = _CELLS * result.mechanism.cell_angle * (result.errors.size - 1) / result.errors.size
-    for name, angle, output in tries:
+    for unit, (angle, output) in tries.items():
         if np.ptp(angle) < 0.999 * least or np.ptp(output) < 0.5 * min(_CELLS * step, TURN):
             continue
         error = float(fit_zeros(result.mechanism, angle, output).errors.std())
         if error < _SMALL * step:
-            if not name:
-                fits = f"they fit this mechanism within {_deg(error)}"
-                return f"With input and output exchanged, {fits}."
-            unit = _UNITS[name][1]
-            return (
-                f"Read as {name}, the angles fit this mechanism within {_deg(error)}: give "
-                f"--angle-unit {unit}, in Python angle_unit={unit!r}."
-            )
+            how = f"Read in the unit {unit}" if unit else "With input and output exchanged"
+            hint = f": give --angle-unit {unit}, in Python angle_unit={unit!r}" * bool(unit)
+            return f"{how}, the angles fit this mechanism within {_deg(error)}{hint}."
     return ""
 
 
@@ -290,7 +282,7 @@ def remarks_on(result: Any) -> Iterator[str]:
     # where the verdict cannot say, it names the other doubts itself
     for cause in _causes(result):
         if cause.doubt and result.verdict.good is False:
-            yield f"{cause.text}, or is {cause.doubt}"
+            yield f"perhaps {cause.text}, or this is {cause.doubt}"
     if unknown := _unjudged(result):
         yield (
             f"errors that repeat with the {unknown} are not judged: either the readings do not "

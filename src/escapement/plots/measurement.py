@@ -216,7 +216,7 @@ def plot_speeds(fit: MotionFit, ax: Axes | None = None, *, legend: bool = True) 
     if not isinstance(fit, MotionFit):
         raise validate.fail("fit", "a MotionFit", fit, "give what fit_motion returns")
     ax = ax or style.new_axes(5.0, 3.4)
-    since = fit.mid_time - fit.start
+    since = fit.mid_time - fit.release.value
     factor, unit = style.scaled("s", since)
     some = np.sort(spread_samples(since.size, _MOST_POINTS))
     look: dict[str, Any] = {"mfc": "none", "mew": 0.7, "color": style.VERMILLION}

@@ -7,7 +7,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from escapement.base import validate
-from escapement.measurement import BeatTimes, MotionFit, Recording, Timekeeping
+from escapement.measurement import MotionFit, Readings, Recording, Timekeeping
 from escapement.plots import style
 
 _SHOWN = 6  # beats of the sound that are drawn
@@ -15,13 +15,13 @@ _BINS = 4000  # points of the drawn sound
 
 
 def plot_timing(
-    beats: BeatTimes, keeping: Timekeeping, recording: Recording | None = None
+    beats: Readings, keeping: Timekeeping, recording: Recording | None = None
 ) -> Figure:
     """Three panels: the sound or the intervals, how late each beat is, and what repeats.
 
     Parameters
     ----------
-    beats : BeatTimes
+    beats : Readings
         What `escapement.read_beats` returns.
     keeping : Timekeeping
         Their `escapement.timekeeping`.
@@ -35,8 +35,8 @@ def plot_timing(
         timegrapher draws it, with the offsets of the positions. Below: amplitudes of what repeats,
         by its frequency.
     """
-    if not isinstance(beats, BeatTimes):
-        raise validate.fail("beats", "BeatTimes", beats, "give what read_beats returns")
+    if not isinstance(beats, Readings):
+        raise validate.fail("beats", "Readings of beats", beats, "give what read_beats returns")
     if not isinstance(keeping, Timekeeping):
         raise validate.fail("keeping", "a Timekeeping", keeping, "give what timekeeping returns")
     figure = style.new_figure(style.TWO_COLUMN, 7.0)
@@ -50,15 +50,15 @@ def plot_timing(
     return figure
 
 
-def plot_run_up(beats: BeatTimes, fit: MotionFit, ax: Axes | None = None) -> Axes:
+def plot_run_up(beats: Readings, fit: MotionFit, ax: Axes | None = None) -> Axes:
     """Intervals of beats of a motion from rest, measured and computed with the fitted numbers.
 
     Parameters
     ----------
-    beats : BeatTimes
+    beats : Readings
         What `escapement.read_beats` returns.
     fit : MotionFit
-        What `escapement.fit_run_up` returns.
+        What `escapement.fit_motion` returns.
     ax : Axes, optional
         Where to draw. Default: a new figure.
 
@@ -68,10 +68,10 @@ def plot_run_up(beats: BeatTimes, fit: MotionFit, ax: Axes | None = None) -> Axe
         Number of the beat behind the release, and the interval that ends with it.
     """
     if not isinstance(fit, MotionFit):
-        raise validate.fail("fit", "a MotionFit", fit, "give what fit_run_up returns")
+        raise validate.fail("fit", "a MotionFit", fit, "give what fit_motion returns")
     ax = ax or style.new_axes(style.TWO_COLUMN, 3.0)
-    heard = beats.heard
-    times, one = beats.times[heard], np.diff(heard) == 1
+    heard, times = beats.beats, beats.heard
+    one = np.diff(heard) == 1
     steps, computed = np.diff(times)[one], np.diff(times - fit.residuals)[one]
     factor, unit = style.scaled("s", steps)
     number = heard[1:][one] + 1
@@ -81,9 +81,9 @@ def plot_run_up(beats: BeatTimes, fit: MotionFit, ax: Axes | None = None) -> Axe
     return style.finished(ax, ("beat", ""), ("interval", unit), 2)
 
 
-def _sound(ax: Axes, beats: BeatTimes, recording: Recording) -> None:
+def _sound(ax: Axes, beats: Readings, recording: Recording) -> None:
     """The sound of the first beats, as the range of its amplitude, and their instants."""
-    heard = beats.times[beats.heard][: _SHOWN + 1]
+    heard = beats.heard[: _SHOWN + 1]
     start, stop = max(heard[0] - 0.3 * beats.period, 0.0), heard[-1]
     low, high = int(start * recording.rate), int(stop * recording.rate) + 1
     piece = recording.samples[low:high].astype(float)
@@ -98,31 +98,32 @@ def _sound(ax: Axes, beats: BeatTimes, recording: Recording) -> None:
     style.finished(ax, ("time", "s"), ("sound", ""), 2)
 
 
-def _intervals(ax: Axes, beats: BeatTimes) -> None:
+def _intervals(ax: Axes, beats: Readings) -> None:
     """Intervals of beats that follow each other."""
-    steps = np.diff(beats.times)
+    times = np.asarray(beats.time)
+    steps = np.diff(times)
     factor, unit = style.scaled("s", steps[np.isfinite(steps)])
-    ax.plot(beats.times[1:], factor * steps, ".", ms=3, color=style.BLUE, label="interval")
+    ax.plot(times[1:], factor * steps, ".", ms=3, color=style.BLUE, label="interval")
     style.finished(ax, ("time", "s"), ("interval", unit), 2)
 
 
-def _strip(ax: Axes, beats: BeatTimes, keeping: Timekeeping) -> None:
+def _strip(ax: Axes, beats: Readings, keeping: Timekeeping) -> None:
     """How late each beat is against the mean rate, by its position in the pattern."""
-    heard, size = beats.heard, len(keeping.offsets)
+    heard, size = beats.beats, len(keeping.offsets)
     late = keeping.residuals + np.array([one.value for one in keeping.offsets])[heard % size]
     factor, unit = style.scaled("s", late)
     for k, look in zip(range(size), style.LOOKS, strict=False):
         some = heard % size == k
         marks: dict[str, Any] = {"color": look.color, "ms": 3, "ls": ""}
         label = f"position {k}" if size > 1 else "beat"
-        ax.plot(beats.times[heard][some], factor * late[some], look.marker, label=label, **marks)
+        ax.plot(beats.heard[some], factor * late[some], look.marker, label=label, **marks)
     style.finished(ax, ("time", "s"), ("late by", unit), min(size, 6))
 
 
-def _spectrum(ax: Axes, beats: BeatTimes, keeping: Timekeeping) -> None:
+def _spectrum(ax: Axes, beats: Readings, keeping: Timekeeping) -> None:
     """Amplitude of sinusoidal lateness, by frequency up to half the beats a second."""
-    heard, size = beats.heard, len(keeping.offsets)
-    late = np.zeros(beats.times.size)
+    heard, size = beats.beats, len(keeping.offsets)
+    late = np.zeros(len(beats.input))
     late[heard] = keeping.residuals + np.array([one.value for one in keeping.offsets])[heard % size]
     amplitude = 2.0 / heard.size * np.abs(np.fft.rfft(late))[1:]
     if late.size % 2 == 0:
