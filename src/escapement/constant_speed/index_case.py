@@ -8,7 +8,8 @@ from escapement.base import validate
 from escapement.base.lazy import Lazy
 from escapement.base.quantity import like, quantity
 from escapement.constant_speed import Case
-from escapement.model.checks import check_pin, refuse_idle
+from escapement.mechanisms.wheel_checks import check_lengths
+from escapement.model.checks import check_contact, check_load, check_pin, refuse_idle
 from escapement.model.escapement import STRESSES, Escapement
 
 if TYPE_CHECKING:
@@ -100,6 +101,9 @@ class IndexCase(Case):
         super().__post_init__()
         refuse_idle(self)
         wheel: Any = self.mechanism
+        check_lengths(vars(self), wheel.crank_radius, wheel.plain_crank)
+        check_contact("rigid" if wheel.clearance else "", wheel, vars(self))
+        check_load(self)
         if self.load_curve is not None:
             refuse_with_curve(self.locking_radius)
         if not wheel.takes_clearance and self.locking_radius:

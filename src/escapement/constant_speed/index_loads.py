@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from escapement.constant_speed.index_torque import NAN, IndexTorque
+from escapement.constant_speed.index_torque import NAN, IndexTorque, where
 from escapement.constant_speed.knock import NOWHERE
 from escapement.model.materials import contact_modulus, given, material, pin_stresses, radius_for
 
@@ -140,7 +140,8 @@ class IndexLoads(IndexTorque):
     @property
     def ends_in_flight(self: Any) -> Any:
         """Whether the index ends before the pin meets a wall again."""
-        return ~np.isnan(self.knock.lift_off) & (np.asarray(self.knock.wall) == NOWHERE)
+        left = self.knock.lift_off
+        return (left == left) & (self.knock.wall == NOWHERE)
 
     # --- ringing of the load ----------------------------------------------------------------
 
@@ -160,8 +161,8 @@ class IndexLoads(IndexTorque):
         ratio = self.residual_amplitude / self.load_tolerance
         rate = 2.0 * math.pi * self.load_damping * self.load_frequency
         needed = np.log(np.maximum(ratio, 1.0)) / given(rate)
-        for_ever = (ratio > 1.0) & (np.asarray(rate) == 0.0)
-        return np.where(for_ever, math.inf, np.where(ratio <= 1.0, 0.0, needed))[()]
+        for_ever = (ratio > 1.0) & (rate == 0.0)
+        return where(for_ever, math.inf, where(ratio <= 1.0, 0.0, needed))
 
     @property
     def dwell_left(self) -> Any:

@@ -18,7 +18,7 @@ from escapement.mechanisms.path import smooth_intervals, writeable
 from escapement.mechanisms.protocol import FloatArray, Mechanism, dwell_angle
 from escapement.model.load_cells import in_a_round, load_cells, over_follower
 from escapement.model.load_curve import steps_of
-from escapement.model.natural import natural
+from escapement.model.materials import first_given
 from escapement.model.scene import Scene, packed
 
 
@@ -50,10 +50,7 @@ class IndexRows(IndexLoads):
 
     def _solved(self, every: Mapping[str, Any], count: int) -> FloatArray:
         """Fields of all figures, shape (m, n)."""
-        crank = np.where(np.asarray(every["crank_radius"]) > 0.0, every["crank_radius"], 1.0)
-        # the efficiency of this case is that of the drive, and gears have none of their own
-        others = {"torque": self.inertial, "driver_inertia": every["follower_inertia"]}
-        scene = natural({**every, **others, "efficiency": 1.0}, self.mechanism.meshed)
+        crank, scene = first_given(every["crank_radius"], 1.0), self.natural_numbers()
         columns = [scene[name] for name in NUMBERS]
         columns += [every["efficiency"], 0.5 * every["clearance"] / crank]
         columns += [2.0 * math.pi * every["load_frequency"] / every["speed"], every["load_damping"]]

@@ -10,10 +10,18 @@ from typing import Any
 import numpy as np
 
 from escapement.model.materials import given
+from escapement.model.natural import natural
 
 NAN = math.nan
 _CONSTANT = 1e-12  # share of g below which g' is rounding, as in a table of constant ratio
 _NOTHING = 1e-11  # share of its greatest value below which a deceleration at the exit is rounding
+
+
+def where(condition: Any, value: Any, other: Any) -> Any:
+    """As `numpy.where`; for a single condition one of both values itself."""
+    if isinstance(condition, np.ndarray):
+        return np.where(condition, value, other)
+    return value if condition else other
 
 
 class IndexTorque:
@@ -23,6 +31,13 @@ class IndexTorque:
     `mechanism`, which all drives have in common, and its `lengths` [m]; and `cycle`, the figures
     that `cycle_figures` returns.
     """
+
+    def natural_numbers(self: Any) -> dict[str, Any]:
+        """Numbers of the scene in units of I_f, I_f W^2 and 1/W."""
+        # the efficiency of this case is that of the drive, and gears have none of their own
+        others = {"torque": self.inertial, "driver_inertia": self.follower_inertia}
+        others["efficiency"] = 1.0
+        return natural({**vars(self), **self.lengths, **others}, self.mechanism.meshed)
 
     # --- times and motion of the table ------------------------------------------------------
 
@@ -82,11 +97,8 @@ class IndexTorque:
     def torque_dwell(self: Any) -> Any:
         """Torque in the dwell: bearing, drag, and the locking disc [N m]."""
         drag = (self.driver_drag * self.speed + self.driver_viscous) * self.speed
-        unlocked = self.driver_bearing_torque + drag
-        if not np.any(self.locking_friction):
-            return unlocked / self.efficiency
-        locked = self.locking_torque
-        return (unlocked + np.where(np.isnan(locked), 0.0, locked)) / self.efficiency
+        unlocked, locked = self.driver_bearing_torque + drag, self.locking_torque
+        return (unlocked + where(locked == locked, locked, 0.0)) / self.efficiency
 
     @cached_property
     def torque_mean(self: Any) -> Any:
@@ -138,7 +150,7 @@ class IndexTorque:
     def torque_max_over_mean(self) -> Any:
         """Filemon's s, the overload that a motor must stand; NaN where the mean is not above 0."""
         mean = self.torque_mean
-        return self.torque_max / np.where(mean > 0.0, mean, NAN)
+        return self.torque_max / where(mean > 0.0, mean, NAN)
 
     # --- reversals of the pin ---------------------------------------------------------------
 
@@ -158,7 +170,7 @@ class IndexTorque:
         it leaves on the one where the follower drives.
         """
         count, side = self.cycle.reversals, self.cycle.last_side
-        return np.where(count == 0.0, 1, np.where(side > 0.0, 2, 3))[()]
+        return where(count == 0.0, 1, where(side > 0.0, 2, 3))
 
     @cached_property
     def reversal_limits(self: Any) -> tuple[float, float]:
@@ -167,9 +179,9 @@ class IndexTorque:
         Up to F = F12 a drive with no other resistance than its load has no reversal; from F23 on
         its pin leaves on the wall where the follower drives.
         """
-        # they are those of the mechanism, which all drives have in common
         of_one = (self.cycle.bend_min, self.cycle.bend_exit, self.cycle.ratio_max)
-        deepest, last, ratio = (float(np.ravel(x)[0]) for x in of_one)
+        # they are those of the mechanism, which all drives have in common
+        deepest, last, ratio = (float(x[0]) if isinstance(x, np.ndarray) else x for x in of_one)
         if -deepest <= _CONSTANT * ratio:
             return math.inf, math.inf
         return -1.0 / deepest, -1.0 / last if last < _NOTHING * deepest else math.inf

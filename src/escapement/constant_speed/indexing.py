@@ -25,6 +25,7 @@ from escapement.constant_speed.index_case import IndexCase
 from escapement.constant_speed.index_loads import IndexLoads
 from escapement.constant_speed.knock import NO_KNOCK, Knock, knock
 from escapement.constant_speed.ringing import NO_RINGING, Ringing, deflections, ringing
+from escapement.dynamics.needs import CONSTANT, NO_CURVE
 from escapement.mechanisms.protocol import FloatArray, Mechanism
 from escapement.model.escapement import Escapement, Inertia
 from escapement.model.motor import Motor
@@ -65,10 +66,6 @@ RESISTING = (
 class IndexingDrive(IndexLoads, IndexCase):
     """A mechanism whose driver turns at a constant speed; see `index` for its numbers."""
 
-    def __post_init__(self) -> None:
-        super().__post_init__()
-        self._scene  # noqa: B018 - checks the numbers that it shares with an escapement
-
     # --- what is computed, in units of I_f, I_f W^2 and 1/W ---------------------------------
 
     @cached_property
@@ -77,28 +74,18 @@ class IndexingDrive(IndexLoads, IndexCase):
 
         There is one for each index after which the load repeats.
         """
-        wheel: Any = self.mechanism
+        pair, torque, none = self.mechanism.pairs[0], np.array(CONSTANT), np.array(NO_CURVE)
+        numbers: Any = {name: float(value) for name, value in self.natural_numbers().items()}
+        scene = Scene(*pair[:3], torque, 0.0, none, none, **numbers)
+        if self.load_curve is None:
+            return (scene,)
+        from escapement.model.load_cells import load_cells
+
         # torque is that of pins on their walls, on which a load is one over the driver angle
-        tight = (
-            wheel
-            if self.load_curve is None or not wheel.clearance
-            else replace(wheel, clearance=0.0)
+        return tuple(
+            scene._replace(edges=cell.edges, load_curve=cell.in_units(self.inertial))
+            for cell in load_cells(self.load_curve, self.mechanism)
         )
-        return self._escapement(tight, self._unit, self.inertial).scenes
-
-    @property
-    def _unit(self) -> Inertia:
-        return Inertia(self.follower_inertia, self.follower_inertia)
-
-    def _escapement(
-        self, mechanism: Mechanism, inertia: Inertia, torque: float | Motor, **others: Any
-    ) -> Escapement:
-        """An escapement with the numbers of the drive."""
-        numbers = {name: getattr(self, name) for name in RESISTING if getattr(self, name)}
-        return Escapement(
-            mechanism, inertia, torque=torque, friction=self.friction,
-            load_torque=self.load_torque, load_curve=self.load_curve, **numbers, **others,
-        )  # fmt: skip
 
     def driven_by(
         self, motor: Motor, *, driver_inertia: float, gearbox: Train | None = None
@@ -134,9 +121,13 @@ class IndexingDrive(IndexLoads, IndexCase):
                 rule, remedy = "1 with an efficiency of the drive", "leave out one of them"
                 raise validate.fail("gearbox efficiency", rule, gearbox.efficiency, remedy)
             gearbox = replace(gearbox, efficiency=self.efficiency)
-        train = {} if gearbox == Train(1.0) else {"barrel": gearbox}
+        train: Any = {} if gearbox == Train(1.0) else {"barrel": gearbox}
         inertia = Inertia(driver_inertia, self.follower_inertia)
-        return self._escapement(self.mechanism, inertia, motor, **train)
+        numbers = {name: getattr(self, name) for name in RESISTING if getattr(self, name)}
+        return Escapement(
+            self.mechanism, inertia, torque=motor, friction=self.friction,
+            load_torque=self.load_torque, load_curve=self.load_curve, **numbers, **train,
+        )  # fmt: skip
 
     @property
     def _scene(self) -> Scene:
@@ -186,8 +177,11 @@ class IndexingDrive(IndexLoads, IndexCase):
         if not (clearance := self.mechanism.clearance):
             return NO_KNOCK
         scene = self._scene
-        if self.load_curve is not None:
-            scene = self._escapement(self.mechanism, self._unit, self.inertial).scene
+        if (load := self.load_curve) is not None:
+            from escapement.model.load_cells import over_follower
+
+            load, step = load * (1.0 / self.inertial), float(self.mechanism.follower_step)
+            scene = scene._replace(load_curve=over_follower(load, self.indexes, step))
         half = 0.5 * clearance / self.lengths["crank_radius"]
         return Knock(*knock(packed(scene), half, self.indexes))
 

@@ -157,9 +157,9 @@ def _flight(start, phi, speed, left, c, begin, scene):
         low = start + (exit_ - start) * (i / _STEPS) ** 3
         high = start + (exit_ - start) * ((i + 1) / _STEPS) ** 3
         angle, after = _moved(phi, speed, high - low, begin, scene)
+        ahead, lead = angle - angle_in_slot(path, high), _lead(path, c, high)[0]
         for wall in (REAR, FRONT):
-            lead = _lead(path, c, high)[0]
-            gap = wall * (angle - angle_in_slot(path, high)) + lead
+            gap = wall * ahead + lead
             if gap > 0.0 or (wall == left and i < _OPENING):
                 continue
             origin, theta = low, high
@@ -182,9 +182,10 @@ def _flight(start, phi, speed, left, c, begin, scene):
 def _pressed(theta, wall, c, begin, scene):
     """Moment by which a wall carries the follower that moves with it; below zero it does not."""
     lead, slope, bend, g, dg, _radius = _lead(scene.path, c, theta)
-    phi = angle_in_slot(scene.path, theta) - wall * lead
     held = scene.load * np.sign(g - wall * slope)
-    return wall * (dg - wall * bend + _curve(phi, begin, scene) + held)
+    if has_load_curve(scene):
+        held += _curve(angle_in_slot(scene.path, theta) - wall * lead, begin, scene)
+    return wall * (dg - wall * bend + held)
 
 
 @inner_jit

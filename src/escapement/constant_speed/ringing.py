@@ -21,7 +21,7 @@ from escapement.numerics.jit import inner_jit, jit
 from escapement.numerics.roots import newton_in_bracket
 
 _MOST_PHASE = 0.5  # rad by which the load may swing on half a panel
-_FOUND = 1e-9  # rad, how exactly the angle of an extremum is known
+_FOUND = 1e-7  # rad, a step of Newton's method after which the next one would be rounding
 _WIDEST = 0.1  # rad, half the width of a panel
 
 
@@ -43,15 +43,19 @@ NO_RINGING = Ringing(*3 * (float("nan"),))
 
 
 @inner_jit
-def _advance(path, left, right, z, decay):
-    """z at `right` from that at `left`: exact for g' a polynomial times the free swing."""
-    half = 0.5 * (right - left)
-    total = 0.0 + 0.0j
-    for i in range(N):
-        theta = left + half * (1.0 + POINTS[i])
-        _g, _u, dg, _radius = pose_at(path, theta)
-        total -= WEIGHTS[i] * dg * np.exp(decay * (right - theta))
-    return z * np.exp(decay * (right - left)) + half * total
+def _advance(path, pose, left, right, z, decay):
+    """z at `right` from that at `left`: exact for g' a polynomial times the free swing.
+
+    `pose` has four rows of N numbers to work with.
+    """
+    half, (g, u, dg, radius) = 0.5 * (right - left), pose
+    transmission_on(path, left, half, POINTS, g.size, g, u, dg, radius)
+    total, whole = 0.0 + 0.0j, np.exp(decay * half)
+    for i in range(N // 2):
+        # the points lie symmetrically about the middle
+        swing = np.exp(decay * (half * POINTS[i]))
+        total -= WEIGHTS[i] * (dg[i] / swing + dg[N - 1 - i] * swing)
+    return whole * (z * whole + half * total)
 
 
 @inner_jit
@@ -65,12 +69,12 @@ def deflections(path, edges, frequency, damping, theta):
     """x at ascending driver angles, of the free swing where they are behind the index."""
     decay = frequency * (-damping + 1j * np.sqrt(1.0 - damping * damping))
     found = np.empty(theta.size)
-    z, at, j = 0.0 + 0.0j, edges[0], 1
+    z, at, j, pose = 0.0 + 0.0j, edges[0], 1, np.empty((4, N))
     for i in range(theta.size):
         while j < edges.size and edges[j] <= theta[i]:
-            z, at, j = _over(path, at, edges[j], z, decay), edges[j], j + 1
+            z, at, j = _over(path, pose, at, edges[j], z, decay), edges[j], j + 1
         if j < edges.size:
-            z = _over(path, at, theta[i], z, decay)
+            z = _over(path, pose, at, theta[i], z, decay)
         else:
             z = z * np.exp(decay * (theta[i] - at))
         at = theta[i]
@@ -79,7 +83,7 @@ def deflections(path, edges, frequency, damping, theta):
 
 
 @inner_jit
-def _over(path, start, end, z, decay):
+def _over(path, pose, start, end, z, decay):
     """z at `end`, over as many panels as that needs."""
     width = min(_WIDEST, _MOST_PHASE / abs(decay))
     count = max(1, int(np.ceil(0.5 * (end - start) / width)))
@@ -88,7 +92,7 @@ def _over(path, start, end, z, decay):
             start + (end - start) * (k / count),
             start + (end - start) * ((k + 1) / count),
         )
-        z = _advance(path, left, right, z, decay)
+        z = _advance(path, pose, left, right, z, decay)
     return z
 
 
@@ -109,7 +113,8 @@ def ringing(path, edges, frequency, damping):
     """
     decay = frequency * (-damping + 1j * np.sqrt(1.0 - damping * damping))
     width = min(_WIDEST, _MOST_PHASE / abs(decay))
-    weights, (g, u, dg, radius) = np.empty(N, np.complex128), np.empty((4, N))
+    weights, pose, inner = np.empty(N, np.complex128), np.empty((4, N)), np.empty((4, N))
+    g, u, dg, radius = pose
     z, top, top_angle = 0.0 + 0.0j, 0.0, edges[0]
     for j in range(edges.size - 1):
         count = max(1, int(np.ceil((edges[j + 1] - edges[j]) / (2.0 * width))))
@@ -128,7 +133,7 @@ def ringing(path, edges, frequency, damping):
             # a swing of at most a radian adds less than this to the values at its ends
             nearly = 1.3 * max(abs(z.imag), abs(after.imag)) / decay.imag
             if turns and nearly > top:
-                at, inside = _turn(path, left, right, z, decay)
+                at, inside = _turn(path, inner, left, right, z, after, decay)
                 size = abs(inside.imag / decay.imag)
                 if size > top:
                     top, top_angle = size, at
@@ -145,16 +150,16 @@ def ringing(path, edges, frequency, damping):
 
 
 @inner_jit
-def _turn(path, left, right, z, decay):
+def _turn(path, pose, left, right, z, after, decay):
     """Where x' changes its sign on a panel, by Newton's method, and z there."""
-    rises, low, high = _speed(z, decay) < 0.0, left, right
-    theta, found = 0.5 * (left + right), z
+    first, last, low, high = _speed(z, decay), _speed(after, decay), left, right
+    theta, found = left + (right - left) * first / (first - last), z
     for _ in range(60):
-        found = _advance(path, left, theta, z, decay)
+        found = _advance(path, pose, left, theta, z, decay)
         speed, size = _speed(found, decay), decay.real**2 + decay.imag**2
         _g, _u, dg, _radius = pose_at(path, theta)
         bend = 2.0 * decay.real * speed - size * found.imag / decay.imag - dg
-        guess, low, high = newton_in_bracket(theta, speed, bend, low, high, rises)
+        guess, low, high = newton_in_bracket(theta, speed, bend, low, high, first < 0.0)
         step = abs(guess - theta)
         theta = guess
         if step <= _FOUND:

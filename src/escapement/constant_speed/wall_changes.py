@@ -8,15 +8,18 @@ import numpy as np
 
 from escapement.dynamics.law import dragged_slope, resistance
 from escapement.dynamics.load import load_at, whole_load
-from escapement.mechanisms.slotted import pose_at
+from escapement.mechanisms.slotted import pose_at, transmission_on
 from escapement.numerics.gauss import POINTS, N
 from escapement.numerics.jit import inner_jit
+from escapement.numerics.roots import newton_in_bracket
 
 _PANELS = 4  # between two edges, in which F is sampled at Gauss points
 _MOST = 4096
-_HALVINGS = 60  # of a bracket, until an angle is known to rounding
+_DIP = 0.9  # share of both neighbours below which a sample may have two zeros beside it
+_HALVINGS = 60  # of a bracket, or steps of Newton's method, at most
 _DEAD_CENTRE = 1e-15  # an angle this close to zero is zero [rad]
-_STEP = 1e-6  # of the difference quotient that finds where F is least [rad]
+_STEP = 1e-6  # of difference quotients by the angle [rad]
+_FOUND = 1e-15  # rad, how exactly an angle is known
 # Shares of |g| and of the load below which a moment is rounding, as in a table of constant ratio.
 _CONSTANT = 1e-12
 _ROUNDING = 64.0 * float(np.finfo(float).eps)
@@ -31,13 +34,19 @@ def follower_moment(theta, scene):
 
 
 @inner_jit
-def _carried(theta, scene):
-    """F, and 0 where it is rounding."""
-    g, _u, dg, _radius = pose_at(scene.path, theta)
+def _carried(theta, g, dg, scene):
+    """F at a driver angle with its g and g', and 0 where it is rounding."""
     load = load_at(theta, 1.0, scene)
     moment = resistance(g, dragged_slope(g, dg, scene), 1.0, 1.0, scene, load)
     slack = _CONSTANT * abs(g) + _ROUNDING * abs(whole_load(load, scene))
     return moment if abs(moment) > slack else 0.0
+
+
+@inner_jit
+def _carried_at(theta, scene):
+    """As `_carried`, at a driver angle alone."""
+    g, _u, dg, _radius = pose_at(scene.path, theta)
+    return _carried(theta, g, dg, scene)
 
 
 @inner_jit(allocates=True)
@@ -46,24 +55,30 @@ def reversals_between(edges, scene):
 
     Two that are closer to each other than the samples are found where F is least between them.
     """
-    found = np.empty(_MOST)
+    found, (g, u, dg, radius) = np.empty(_MOST), np.empty((4, N))
     used, count = 0, _PANELS * N + 1
-    older, before, oldest, value = edges[0], edges[0], 0.0, _carried(edges[0], scene)
+    older, before, oldest, value = edges[0], edges[0], 0.0, _carried_at(edges[0], scene)
     for j in range(edges.size - 1):
-        left, width = edges[j], (edges[j + 1] - edges[j]) / _PANELS
+        half = 0.5 * (edges[j + 1] - edges[j]) / _PANELS
         for i in range(count):
-            x = POINTS[i % N] if i < count - 1 else -1.0
-            theta = left + width * (i // N + 0.5 * (x + 1.0))
-            here = _carried(theta, scene)
+            left = edges[j] + 2.0 * half * (i // N)
+            if i == count - 1:
+                theta = edges[j + 1]
+                here = _carried_at(theta, scene)
+            else:
+                if i % N == 0:
+                    transmission_on(scene.path, left, half, POINTS, g.size, g, u, dg, radius)
+                theta = left + half * (1.0 + POINTS[i % N])
+                here = _carried(theta, g[i % N], dg[i % N], scene)
             if here == 0.0 or used + 2 > _MOST:
                 continue
             if here * value < 0.0:
                 found[used] = _sign_change(before, theta, value > 0.0, scene)
                 used += 1
-            # three samples of one sign, of which the middle one is so small that F may cross 0
-            elif here * oldest > 0.0 and 2.0 * abs(value) < max(abs(here), abs(oldest)):
+            # three samples of one sign, of which the middle one is the least: F may cross 0
+            elif here * oldest > 0.0 and abs(value) < _DIP * min(abs(here), abs(oldest)):
                 middle = _least(older, theta, np.copysign(1.0, here), scene)
-                if _carried(middle, scene) * here < 0.0:
+                if _carried_at(middle, scene) * here < 0.0:
                     found[used] = _sign_change(older, middle, here > 0.0, scene)
                     found[used + 1] = _sign_change(middle, theta, here < 0.0, scene)
                     used += 2
@@ -74,15 +89,16 @@ def reversals_between(edges, scene):
 
 @inner_jit
 def _sign_change(low, high, falling, scene):
-    """Angle between two at which F changes its sign, by bisection to rounding."""
+    """Angle between two at which F changes its sign, by Newton's method to rounding."""
+    theta = 0.5 * (low + high)
     for _ in range(_HALVINGS):
-        middle = 0.5 * (low + high)
-        if (follower_moment(middle, scene) > 0.0) == falling:
-            low = middle
-        else:
-            high = middle
-    middle = 0.5 * (low + high)
-    return middle if abs(middle) > _DEAD_CENTRE else 0.0
+        behind = follower_moment(theta + _STEP, scene)
+        slope = (behind - follower_moment(theta - _STEP, scene)) / (2.0 * _STEP)
+        value, at = follower_moment(theta, scene), theta
+        theta, low, high = newton_in_bracket(at, value, slope, low, high, not falling)
+        if abs(theta - at) <= _FOUND:
+            break
+    return theta if abs(theta) > _DEAD_CENTRE else 0.0
 
 
 @inner_jit

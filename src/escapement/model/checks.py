@@ -157,7 +157,7 @@ def idle_settings(owner: type, values: Mapping[str, Any]) -> str:
             continue
         # compliant walls have impacts without clearance, too
         enough = (entry.needs, "stiffness") if entry.needs == "clearance" else (entry.needs,)
-        if not any(_given(values.get(name)) for name in enough):
+        if not any(is_given(values.get(name)) for name in enough):
             notes.append(f"{entry.name} has no effect without {entry.needs}")
     return "; ".join(notes)
 
@@ -167,7 +167,7 @@ def refuse_idle(owner: Declared) -> None:
     for entry in _dependent(type(owner)):
         value = getattr(owner, entry.key)
         given = value != entry.default and not _alike(value, entry.default)
-        if given and not _given(getattr(owner, entry.needs)):
+        if given and not is_given(getattr(owner, entry.needs)):
             raise InvalidValue(
                 f"{entry.name} must come with {entry.needs}, got none; it has no effect alone"
             )
@@ -179,6 +179,6 @@ def _alike(value: Any, default: Any) -> bool:
     return both and math.isclose(value, default, rel_tol=1e-12)
 
 
-def _given(value: Any) -> bool:
+def is_given(value: Any) -> bool:
     """Whether a number, or one of an array, is not 0."""
     return bool(value.any() if hasattr(value, "any") else value)

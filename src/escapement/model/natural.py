@@ -13,6 +13,8 @@ from typing import TYPE_CHECKING, Any
 
 from escapement.base.lazy import Lazy
 from escapement.base.quantity import Quantity, quantities
+from escapement.model.checks import is_given
+from escapement.model.materials import first_given
 
 if TYPE_CHECKING:
     import numpy as np
@@ -68,12 +70,14 @@ def natural(values: Mapping[str, Any], meshed: bool) -> dict[str, Any]:
         return found | dict(zip(_SLOT, (*losses, *(none,) * 3), strict=True))
     friction, pin = rolling(values)
     # without a length all radii are 0
-    length = np.where(np.asarray(values["crank_radius"]) > 0.0, values["crank_radius"], 1.0)
-    share = np.hypot(1.0, friction) / length
-    journals = (
-        values[f"{body}_bearing_friction"] * values[f"{body}_bearing_radius"] * share
+    length = first_given(values["crank_radius"], 1.0)
+    journals = [
+        values[f"{body}_bearing_friction"] * values[f"{body}_bearing_radius"]
         for body in ("driver", "follower")
-    )
+    ]
+    if any(map(is_given, journals)):
+        share = np.hypot(1.0, friction) / length
+        journals = [journal * share for journal in journals]
     return found | dict(zip(_SLOT, (friction, friction, pin / length, *journals), strict=True))
 
 
@@ -94,9 +98,9 @@ def rolling(values: Mapping[str, Any]) -> tuple[Any, Any]:
     rolls on the wall acts like a pin of its radius with less friction.
     """
     friction, pin, roller = values["friction"], values["pin_radius"], values["roller_radius"]
-    rolls = np.asarray(roller) > 0.0
-    if not rolls.any():
+    if not is_given(roller):
         return friction, pin
+    rolls = np.asarray(roller) > 0.0
     q = pin / np.where(rolls, roller, np.inf) * friction / np.hypot(1.0, friction)
     return np.where(rolls, q / np.sqrt(1.0 - q * q), friction), np.where(rolls, roller, pin)
 
