@@ -10,6 +10,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from escapement.base import validate
 from escapement.base.lazy import Lazy
 from escapement.measurement.beat_times import BeatTimes
 from escapement.measurement.estimate import (
@@ -199,6 +200,10 @@ def fit_run_up(
         If an argument breaks its rule, the escapement does not run, its times are far from the
         measured ones, or the beats determine only a combination of the numbers.
     """
+    kind, pitch = escapement.mechanism.kind, escapement.mechanism.pitch
+    if pitch is not None:
+        rule, remedy = "with pins, whose beats are handoffs", "fit readings of the driver's angle"
+        raise validate.fail("escapement", rule, f"a {kind}, whose beats are blows", remedy)
     return _fitted(beats, escapement, parameters, confidence)
 
 
