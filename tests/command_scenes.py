@@ -65,7 +65,21 @@ OIL = {"driver_viscous": 1e-6, "follower_viscous": 1e-6, "spring_rate": 1e-4}
 _BEHIND = {"driver_viscous": 1e-6, "follower_viscous": 1e-6}
 _FOLLOWER = {"follower_bearing_friction": 0.1, "follower_bearing_radius": 0.001}
 _DRIVER = {"driver_bearing_friction": 0.1, "driver_bearing_radius": 0.001}
+SWING = {"follower_spring": 1e-4, "follower_gravity": 1e-4, "follower_rest_angle": 0.1}
+_CLOCKWORK = {
+    **{"torque": 0.006, "load_torque": 1e-5, "initial_speed": 0.1, "driver_inertia": 1e-4},
+    **{"follower_inertia": 1.0, "follower_gravity": 1.0, "follower_rest_angle": 0.1},
+    **dict.fromkeys(("driver_drag", "follower_drag"), 1e-3),
+}
+TOUCHING_DRIVES = {
+    "runaway": DRIVE, "deadbeat": _CLOCKWORK, "recoil": _CLOCKWORK,
+    "outlines": {
+        **DRIVE, "follower_start": 40, "follower_spring": 0.1, "follower_rest_angle": 40,
+    },
+}  # fmt: skip
+"""Torques and inertias with which two bodies move."""
 FRICTION = {
+    **{kind: {"friction": 0.1, **_DRIVER, **_FOLLOWER} for kind in TOUCHING},
     "geneva": {"friction": 0.2, **_DRIVER, **_FOLLOWER},
     "gear-driven": {"friction": 0.1, **_FOLLOWER},
     "elliptical-planetary": {"efficiency": 0.9},
@@ -123,9 +137,17 @@ DISCS = {"thickness": 0.002, "density": 7800}
 
 def motions(kind, length, **solver):
     """Scenes in which every number of a motion acts."""
-    if kind in TOUCHING:
-        return []
     wheel, lost = WHEELS[kind], FRICTION[kind]
+    if kind in TOUCHING:
+        base = {**wheel, **lost, **length}
+        trains = {name: x for name, x in TRAINS.items() if "efficiency" not in name}
+        drive, loose = TOUCHING_DRIVES[kind], {**trains, "restitution": 0.2}
+        if drive is _CLOCKWORK:  # a swing takes long; the numbers of any drive are tried elsewhere
+            acting = {*WHEELS[kind], "follower_gravity"} - {"tooth_depth", "back"}
+            return [{**base, **drive, "tried": sorted(acting)}]
+        turned = {**OIL, **SWING, **drive}
+        scenes = [{**base, **LOSSES, **drive, **loose}, {**base, **turned, "tried": [*turned]}]
+        return [*scenes, *sized(kind, **drive, **lost, **length)]
     base = {**wheel, **DRIVE, **lost, **length}
     scenes = [{**base, **LOSSES, **TRAINS, **solver}, {**base, **OIL}]
     if kind in ERRORS:
@@ -144,17 +166,17 @@ def motions(kind, length, **solver):
 
 
 def _run(kind):
-    if kind in TOUCHING:
-        return []
-    lasting = {**WHEELS[kind], **DRIVE, **FRICTION[kind], "duration": 0.1, "tried": ["duration"]}
+    drive = TOUCHING_DRIVES.get(kind, DRIVE)
+    lasting = {**WHEELS[kind], **drive, **FRICTION[kind], "tried": ["duration"]}
+    lasting["duration"] = {"outlines": 0.005, "deadbeat": 3.0, "recoil": 3.0}.get(kind, 0.1)
     ivp = [{**lasting, **IVP, "tried": SOLVER}] if kind == "geneva" else []
     return [*motions(kind, {"engagements": 2}, rtol=1e-8), lasting, *ivp]
 
 
 def _rundown(kind):
-    if kind in TOUCHING:
-        return []
-    lasting = {**WHEELS[kind], **DRIVE, **FRICTION[kind], "duration": 0.1, "tried": ["duration"]}
+    drive = TOUCHING_DRIVES.get(kind, DRIVE)
+    lasting = {**WHEELS[kind], **drive, **FRICTION[kind], "tried": ["duration"]}
+    lasting["duration"] = {"outlines": 0.005, "deadbeat": 3.0, "recoil": 3.0}.get(kind, 0.1)
     # compliant walls take seconds, and `run` has them
     rigid = [one for one in motions(kind, {"turns": 2}, rtol=1e-8) if "stiffness" not in one]
     return [*rigid, lasting]

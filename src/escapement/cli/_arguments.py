@@ -75,7 +75,11 @@ class Parser(argparse.ArgumentParser):
 
     def _refuse_idle(self, args: Arguments) -> None:
         """Raise UsageError if a setting was typed without one that it needs."""
+        kind = getattr(args, "kind", None)
+        loose = isinstance(kind, str) and kind_of(kind).pitch is not None
         for name, entry in self.settings.items():
+            if loose and entry.needs == "clearance":
+                continue
             # compliant walls have impacts without clearance, too
             partners = (entry.needs, "stiffness") if entry.needs == "clearance" else (entry.needs,)
             value = getattr(args, name)

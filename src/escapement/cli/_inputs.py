@@ -29,15 +29,19 @@ _ROUND = ("pin_radius", "roller_radius", "bearing_radius", "locking_radius")
 def inputs_of_command(args: Arguments, known: Iterable[Input] = ()) -> list[Input]:
     """The numbers that are `known` of what was made, then whatever else was typed.
 
-    Angles that were typed in degrees are marked so, under a name with "_deg".
+    Angles that are typed in degrees are told so, under a name with "_deg".
     """
-    found = {name: (value, kind) for name, value, kind in known}
+    found = {}
+    for name, value, kind in known:
+        if kind == "degrees":
+            found[f"{name}_deg"] = in_units(value, "angle", SYSTEMS[2]), kind
+        else:
+            found[name] = value, kind
     for name, value in vars(args).items():
         if name in _NO_INPUTS or value is None or value is False:
             continue
         entry = args.settings.get(name)
         if entry is not None and entry.unit == "degrees":
-            found.pop(name, None)
             found[f"{name}_deg"] = value, "degrees"
         elif name not in found:
             system = args.units or SYSTEMS[0]

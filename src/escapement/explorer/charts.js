@@ -1,5 +1,7 @@
 /** The four plots of a motion. */
 
+import { origin } from "./dom.js";
+
 /** Times and rows of the columns that are shown. */
 function windowShown(motion, columns, choice) {
   const { handoff_times: ends, end_time } = motion;
@@ -45,7 +47,7 @@ export function drawCharts(plots, motion, columns, choice, torque, kept = null) 
   const { cell, entry: start } = motion;
   const kx = 180 / Math.PI;
   phase.axes([(start * 180) / Math.PI, ((start + cell) * 180) / Math.PI], bounds(theta_dot, 0, t.length),
-    "driver angle from dead centre [°]", "velocity [rad/s]");
+    `driver angle ${origin(motion)} [°]`, "velocity [rad/s]");
   if (kept) {
     // the part of a long motion that lies beyond the axes is cut off
     velocity.line(kept.t, kept.theta_dot, { colour: "muted", dash: [2, 3] });

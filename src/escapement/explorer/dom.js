@@ -21,6 +21,9 @@ export const shown = (value, kind) => {
 /** An angle [rad] in degrees, with its sign. */
 export const signed = (angle) => `${angle > 0 ? "+" : ""}${digits((angle * 180) / Math.PI, 4)}°`;
 
+/** From where the driver angles of a motion are counted. */
+export const origin = ({ touching }) => (touching ? "in its pitch" : "from dead centre");
+
 export function element(name, properties = {}, ...children) {
   const made = Object.assign(document.createElement(name), properties);
   made.append(...children);

@@ -4,7 +4,7 @@ import { simulate, samples, stateAt } from "./kernel.js";
 import { frictionLimits } from "./law.js";
 import { NUMBERS, checkDesign } from "./rules.js";
 import { drawCharts } from "./charts.js";
-import { byId, data, digits, element, shown, signed, unitOf, units } from "./dom.js";
+import { byId, data, digits, element, origin, shown, signed, unitOf, units } from "./dom.js";
 import { asFragment, asToml, fromFragment, fromToml } from "./design.js";
 import { Fields } from "./fields.js";
 import { Picture } from "./picture.js";
@@ -117,12 +117,14 @@ export function setTime(t) {
 
 /** A state in words. */
 function saying({ engagement, angle, theta_dot, phi_dot, side, contact_moment }) {
-  const nothing = motion.engine === "contact" ? "the pin touches no wall" : "the follower is locked";
-  const [front, rear] = motion.meshed ? ["the driver pushes the follower", "the driver holds the follower back"]
+  const nothing = { contact: "the pin touches no wall", two_bodies: "the bodies are apart" }[motion.engine]
+    ?? "the follower is locked";
+  const [front, rear] = motion.touching ? ["the driver pushes the follower forwards", "the driver pushes the follower backwards"]
+    : motion.meshed ? ["the driver pushes the follower", "the driver holds the follower back"]
     : ["the pin presses on the front wall", "the pin presses on the rear wall"];
   const wall = { 1: front, "-1": rear, 0: nothing }[side];
   const moment = side ? ` with a moment of ${shown(Math.abs(contact_moment), "torque")}` : "";
-  return `${time.toFixed(5)} s, engagement ${engagement + 1}, ${signed(angle)} from dead centre: `
+  return `${time.toFixed(5)} s, engagement ${engagement + 1}, ${signed(angle)} ${origin(motion)}: `
     + `driver ${digits(theta_dot, 4)} rad/s, follower ${digits(phi_dot, 4)} rad/s; ${wall}${moment}.`;
 }
 

@@ -79,7 +79,8 @@ def played(motion: Motion, figures: Figures | None = None) -> dict[str, Any]:
         },
         "drawn": drawn,
     }
-    record["meshed"] = not mechanism.slots
+    record["touching"] = touching = mechanism.pitch is not None
+    record["meshed"] = not (mechanism.slots or touching)
     found: dict[str, Any] = plain(record)
     return found
 

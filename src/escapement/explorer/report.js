@@ -55,6 +55,6 @@ function showMargin(motion) {
   const spring = design.spring_rate > 0 && figures.status === "ok" ? " The figures are those with the full torque of the spring." : "";
   byId("margin").textContent = Number.isFinite(figures.critical_friction)
     ? `Friction is ${digits(100 * share, 3)} % of the Painlevé limit ${digits(figures.critical_friction)}.${where}${unique}${spring}`
-    : (motion.meshed ? "Gears have no Painlevé limit." : "This pin cannot jam at any friction.") + spring;
+    : (motion.touching ? "" : motion.meshed ? "Gears have no Painlevé limit." : "This pin cannot jam at any friction.") + spring;
   return share;
 }

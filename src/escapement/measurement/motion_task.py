@@ -182,6 +182,11 @@ def task_of(measured: Readings, escapement: Escapement, parameters: Sequence[str
     if measured.half_widths is None:
         time, angle = _used(measured)
     else:
+        kind, pitch = escapement.mechanism.kind, escapement.mechanism.pitch
+        if pitch is not None:
+            rule = "with pins, whose beats are handoffs"
+            remedy = "fit readings of the driver's angle"
+            raise validate.fail("escapement", rule, f"a {kind}, whose beats are blows", remedy)
         beats, time = measured.beats, measured.heard
         if beats.size < max(_FEWEST, 3 * (len(names) + 1)):
             raise InvalidValue(

@@ -96,7 +96,16 @@ class TwoBodies(Kind):
             "touch anywhere; choose a kind with slots or gears"
         )
 
-    breaks = follower_step = path
+    follower_step = path
+
+    def follower_angle(self, theta: Any) -> Any:
+        """There is none, as there is no `path`."""
+        return self.path
+
+    @property
+    def breaks(self) -> tuple[float, ...]:
+        """Driver angles at which a cell begins and ends [rad]."""
+        return 0.0, self.pitch
 
     def report(self) -> dict[str, Any]:
         """Its geometry by JSON key, in SI; angles in degrees."""

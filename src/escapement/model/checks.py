@@ -46,6 +46,18 @@ def check_contact(contact: str, mechanism: Any, values: Mapping[str, Any]) -> No
 
 _SWINGING = ("follower_spring", "follower_gravity", "follower_rest_angle")
 """Numbers of the follower of two bodies that touch with their outlines."""
+_NO_OUTLINES = {
+    "stiffness": ("no engine computes them with it", "leave it out"),
+    "pin_length": (
+        "stresses are told of pins in straight slots",
+        "compute them from contact_force_max and the radii where the bodies touch",
+    ),
+    "load_curve": (
+        "their follower swings, and its load is a constant torque, a spring or a weight",
+        "give load_torque, follower_spring or follower_gravity",
+    ),
+}
+"""What bodies with outlines cannot have, why, and what to do."""
 
 
 def check_outlines(owner: Any) -> None:
@@ -60,13 +72,20 @@ def check_outlines(owner: Any) -> None:
         most = owner.mechanism.wedge_friction
         rule = f"less than {most:.4g}, from which on tooth and pallet wedge each other"
         raise validate.fail("friction", rule, owner.friction, "give steeper faces or less friction")
-    given = {name: getattr(owner, name) for name in ("stiffness", "pin_length", "load_curve")}
+    if owner.follower_rest_angle and not (owner.follower_spring or owner.follower_gravity):
+        remedy = "give follower_spring or follower_gravity"
+        rule = "0 for a follower without a spring and without a weight"
+        raise validate.fail("follower_rest_angle", rule, owner.follower_rest_angle, remedy)
+    for name, (reason, remedy) in _NO_OUTLINES.items():
+        if value := getattr(owner, name):
+            rule = f"left out with outlines of both bodies: {reason}"
+            raise validate.fail(name, rule, value, remedy)
     for role, train in owner.trains.items():
-        given[f"{role}_efficiency"] = train.efficiency if train.efficiency < 1.0 else 0.0
-    for name, value in given.items():
-        if value:
-            rule = "left out with outlines of both bodies, which no engine computes with it"
-            raise validate.fail(name, rule, value, "leave it out")
+        if (passed := train.efficiency) < 1.0:
+            rule = "1 with outlines of both bodies, whose engine has no trains with losses"
+            remedy = f"give {passed:g} of the torque" if role == "barrel" else ""
+            remedy = remedy or f"give 1/{passed:g} of the load torque"
+            raise validate.fail(f"{role}_efficiency", rule, passed, remedy)
 
 
 def check_load(owner: Any) -> None:

@@ -52,7 +52,7 @@ def plot_velocities(motion: Motion, ax: Axes | None = None, *, legend: bool = Tr
 
 
 def plot_phase_portrait(motion: Motion, ax: Axes | None = None, *, legend: bool = True) -> Axes:
-    """Driver velocity against driver angle from dead centre, engagement over engagement.
+    """Driver velocity against driver angle from dead centre or in its pitch, one over the other.
 
     Parameters
     ----------
@@ -79,6 +79,7 @@ def plot_phase_portrait(motion: Motion, ax: Axes | None = None, *, legend: bool 
     if entry + cell - exit_ > 1e-9:
         dwell = np.degrees([exit_, entry + cell])
         ax.axvspan(*dwell, label="dwell", **style.SHADE | {"color": style.LIGHT_GREY})
+    slowest = min(0.0, 1.05 * size * float(motion.extrema.theta_dot.min(initial=0.0)))
     ax.axvline(0.0, color=style.LIGHT_GREY, lw=0.6, ls=":", zorder=0)
     ends = motion.handoff_times[motion.handoff_times > times[0]]
     last = ends.size - 1
@@ -97,11 +98,11 @@ def plot_phase_portrait(motion: Motion, ax: Axes | None = None, *, legend: bool 
     found = motion.reversals
     local = found.theta - cell * np.floor((found.theta - entry) / cell)
     _mark_reversals(ax, motion, np.degrees(local), found.theta_dot * size)
-    ax.set(xlim=np.degrees([entry, entry + cell]), ylim=(0.0, None))
+    ax.set(xlim=np.degrees([entry, entry + cell]), ylim=(slowest, None))
     # more than eight ticks would crowd the axis
     tick = next((size for size in (5, 10, 15, 30, 45, 60) if np.degrees(cell) <= 8 * size), 90)
     ax.xaxis.set_major_locator(MultipleLocator(tick))
-    name = "driver angle from dead centre"
+    name = f"driver angle {'from dead centre' if mechanism.pitch is None else 'in its pitch'}"
     return finished(ax, (name, "°"), ("driver velocity", unit), 2, legend=legend)
 
 
@@ -121,7 +122,8 @@ def plot_contact_moment(motion: Motion, ax: Axes | None = None, *, legend: bool 
     -------
     Axes
         Time [s] and moment [N m, on the command line in the user's units], with the prefixes
-        that suit. Below zero, shaded, the follower drives the pin; in a dwell there is no contact.
+        that suit. Below zero, shaded, the follower drives the pin of a slot; in a dwell there is no
+        contact.
     """
     times, moments = _moments(motion)
     ax = ax or style.new_axes(style.TWO_COLUMN, 3.0)
@@ -130,7 +132,7 @@ def plot_contact_moment(motion: Motion, ax: Axes | None = None, *, legend: bool 
     x, y = times * factor, moments * prefix
     ax.axhline(0.0, **style.ZERO)
     ax.plot(x, y, color=style.BLUE, lw=1.1, label="contact moment")
-    if np.any(y < 0.0):
+    if motion.escapement.mechanism.pitch is None and np.any(y < 0.0):
         ax.fill_between(x, y, 0.0, where=y < 0.0, label="follower drives", **style.SHADE)
     _mark_events(ax, motion, factor, np.zeros(motion.reversals.time.size))
     return finished(ax, ("time", unit), ("moment on the follower", moment_unit), 4, legend=legend)
