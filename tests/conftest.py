@@ -1,5 +1,6 @@
 """Fixtures of many tests: the command line, and calls that are counted or made to fail."""
 
+import gc
 import json
 import os
 import signal
@@ -25,6 +26,15 @@ os.environ["ESCAPEMENT_QUIET"] = "1"
 # results are those of compiled kernels, here and in processes that tests start
 os.environ["ESCAPEMENT_COMPILE"] = "1"
 compile_from_now_on()
+
+# what is collected lives to the end, so searching it for garbage again and again would be idle
+gc.disable()
+
+
+def pytest_collection_finish():
+    """From now on garbage is that of tests."""
+    gc.freeze()
+    gc.enable()
 
 
 def pytest_configure(config):
