@@ -31,9 +31,9 @@ def ratio_in_range(ratio: ArrayLike) -> NDArray[np.bool_]:
 def check_contact(contact: str, mechanism: Any, values: Mapping[str, Any]) -> None:
     """Refuse clearance and stiffness for mechanisms whose contact cannot be computed.
 
-    contact : "", "rigid", "compliant" or "outlines", as `Escapement.contact` says.
+    contact : "", "rigid", "compliant" or that of outlines, as `Escapement.contact` says.
     """
-    if contact in ("", "outlines"):
+    if not contact or contact.endswith("outlines"):
         return
     name = "stiffness" if contact == "compliant" else "clearance"
     value = values[name] if contact == "compliant" else mechanism.clearance
@@ -60,7 +60,7 @@ def check_outlines(owner: Any) -> None:
         most = owner.mechanism.wedge_friction
         rule = f"less than {most:.4g}, from which on tooth and pallet wedge each other"
         raise validate.fail("friction", rule, owner.friction, "give steeper faces or less friction")
-    given = {name: getattr(owner, name) for name in ("stiffness", "pin_length", "load_curve")}
+    given = {name: getattr(owner, name) for name in ("pin_length", "load_curve")}
     for role, train in owner.trains.items():
         given[f"{role}_efficiency"] = train.efficiency if train.efficiency < 1.0 else 0.0
     for name, value in given.items():
