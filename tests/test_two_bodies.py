@@ -280,7 +280,6 @@ def test_wheel_that_jams_says_where():
 @pytest.mark.parametrize(
     ("numbers", "named"),
     [
-        ({"stiffness": 1e6}, "stiffness"),
         ({"barrel": esc.Train(ratio=2.0, efficiency=0.9)}, "barrel_efficiency"),
         ({"load_curve": esc.Unbalance(0.1)}, "load_curve"),
     ],

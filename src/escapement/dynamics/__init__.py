@@ -16,6 +16,8 @@ Read `law` first: it is the equation of motion.
   engine follows one after the other
 - `contact_state`, `state_from_table`: columns of a state in contact, and states by their columns
 - `energy_balance`: where the work went
+- `compliance`, `radau`, `compliant_steps`, `compliant_march`, `compliant_cycle`: the force of a
+  wall that yields, the step that integrates it, the motion of such steps, and its cycle
 - `batch_spread`: means over engagements that do not repeat themselves
 - `figures_of_merit`, `motor_figures`, `figure_table`, `figure_record`: figures of merit, those of a
   motor, their declarations, and what is told of them

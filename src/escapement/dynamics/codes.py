@@ -48,7 +48,7 @@ class Ending(IntEnum):
     driver turns back out of the slot, and the drive would turn it forwards again. UNDRIVEN: it does
     so without a drive. RESTLESS: there are too many pieces. TOO_LONG: there are too many steps.
     ARRIVED: the goal of a march is reached. STANDS: nothing moves. OVERLAPS: bodies are within each
-    other.
+    other. SINKS: a body is pressed in too deep.
 
     A piece ends, and the engagement goes on, with LIFTED: the pin lifts off. TURNED: a driver that
     turns back comes to rest. STRUCK: the pin strikes a wall. REVERSED: the other wall of a slot
@@ -82,6 +82,7 @@ class Ending(IntEnum):
     STOPPED = 19
     REVERSED = 20
     OVERLAPS = 21
+    SINKS = 22
 
 
 GOES_ON = Ending.LIFTED, Ending.TURNED, Ending.STRUCK, Ending.TOUCHES, Ending.RUNNING

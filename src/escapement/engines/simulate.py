@@ -33,6 +33,7 @@ _FOLDERS = {
     **{("energy", ""): "energy", ("ivp", ""): "ivp"},
     **{("contact", law): f"contact.{law}" for law in ("rigid", "compliant")},
     ("two_bodies", "outlines"): "two_bodies",
+    ("two_bodies", "compliant outlines"): "two_bodies.compliant",
 }
 _LOSSLESS, _FRICTION = "simulate.lossless", "simulate.limits"
 _OK = Status.OK
@@ -250,7 +251,7 @@ def _terminal_cycle(
     """As `_terminal`, where the torque repeats in the `pairs` of the escapement."""
     # the limit is decided before anything is integrated
     contact = escapement.contact
-    if contact != "compliant" and (message := painleve_message(escapement)):
+    if not escapement.stiffness and (message := painleve_message(escapement)):
         return replace(base, status=Status.PAINLEVE, message=message)
     if why := _undriven(escapement):
         return replace(base, status=Status.STALL, message=why)

@@ -26,11 +26,11 @@ class Solver(Declared):
     engine : str, optional
         "energy" (fast), "ivp" (the reference), "contact" (clearance and compliant contact) or
         "two_bodies" (outlines). By default the scene chooses: "two_bodies" where both bodies have
-        outlines, "contact" where it has clearance or stiffness, else "energy".
+        outlines, "contact" where others have clearance or stiffness, else "energy".
     rtol : float, optional
         Relative error asked for, in [1e-13, 1). Where less accuracy saves no time there is none:
         "energy" solves every engagement to 1e-8 or better, "contact" with rigid walls to 1e-7,
-        and "ivp" gives SciPy at most 1e-9.
+        "ivp" gives SciPy at most 1e-9, and outlines with stiffness are solved to 1e-10 at best.
     atol, method, max_step : optional
         For "ivp" only, as in SciPy's solve_ivp: absolute tolerance [rad, rad/s, J], at
         most 1 unless a longest step is given, method, and longest step [s].
@@ -120,10 +120,11 @@ def solver_for(contact: str, solver: Solver) -> Solver:
         If they name an engine that cannot compute the scene.
     """
     engine = solver.engine
+    outlines = contact.endswith("outlines")
     if contact == "outlines" and solver.rtol is not None:
-        rule = "left out with outlines of both bodies, whose steps follow from the motion"
+        rule = "left out with outlines of rigid bodies, whose steps follow from the motion"
         raise validate.fail("rtol", rule, solver.rtol, "leave it out")
-    if (contact == "outlines") != (engine == "two_bodies") and (engine or contact == "outlines"):
+    if outlines != (engine == "two_bodies") and (engine or outlines):
         if engine is None:
             return _with_engine(solver, "two_bodies")
         needed = "'two_bodies' for bodies that touch with their outlines, and for no others"

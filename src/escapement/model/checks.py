@@ -31,9 +31,9 @@ def ratio_in_range(ratio: ArrayLike) -> NDArray[np.bool_]:
 def check_contact(contact: str, mechanism: Any, values: Mapping[str, Any]) -> None:
     """Refuse clearance and stiffness for mechanisms whose contact cannot be computed.
 
-    contact : "", "rigid", "compliant" or "outlines", as `Escapement.contact` says.
+    contact : "", "rigid", "compliant" or that of outlines, as `Escapement.contact` says.
     """
-    if contact in ("", "outlines"):
+    if not contact or contact.endswith("outlines"):
         return
     name = "stiffness" if contact == "compliant" else "clearance"
     value = values[name] if contact == "compliant" else mechanism.clearance
@@ -47,7 +47,6 @@ def check_contact(contact: str, mechanism: Any, values: Mapping[str, Any]) -> No
 _SWINGING = ("follower_spring", "follower_gravity", "follower_rest_angle")
 """Numbers of the follower of two bodies that touch with their outlines."""
 _NO_OUTLINES = {
-    "stiffness": ("no engine computes them with it", "leave it out"),
     "pin_length": (
         "stresses are told of pins in straight slots",
         "compute them from contact_force_max and the radii where the bodies touch",

@@ -422,12 +422,12 @@ class Escapement(Declared):
 
     @cached_property
     def contact(self) -> str:
-        """Which law of contact it needs: "outlines" of bodies that touch anywhere, "rigid" where
-        there is clearance, "compliant" where there is stiffness, "" where the pins fit their slots
-        exactly.
+        """Which law of contact it needs: "outlines" of bodies that touch anywhere, "compliant
+        outlines" where they yield; else "rigid" where there is clearance, "compliant" where there
+        is stiffness, "" where the pins fit their slots exactly.
         """
         if self.mechanism.pitch is not None:
-            return "outlines"
+            return "compliant outlines" if self.stiffness > 0.0 else "outlines"
         if self.stiffness > 0.0:
             return "compliant"
         return "rigid" if self.mechanism.clearance > 0.0 else ""
@@ -453,7 +453,7 @@ class Escapement(Declared):
     @property
     def assumed(self) -> str:
         """What is taken for a number of the contact that is not given; "" if all are given."""
-        if self.contact != "compliant" or not self._damps_critically:
+        if not self.stiffness or not self._damps_critically:
             return ""
         damping = as_spoken(self.critical_damping, "damping")
         return f"no damping is given: critical damping, {damping}, is taken"

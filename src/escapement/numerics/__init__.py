@@ -4,6 +4,7 @@
 - `interpreted`: kernels that run as Python source until compiling pays
 - `records`: records whose fields are attributes, compiled and in Python
 - `known`: numbers that are part of their type, so that kernels do without what they rule out
+- `by_type`: kernels that belong to the class of a named tuple
 - `altered`: named tuples with some fields changed, in kernels
 - `roots`, `search`: zeros and greatest values, one step in a kernel, and of many functions at once
 - `gauss`: nodes of Gauss and a block of them

@@ -87,7 +87,7 @@ def _noise(escapement: Escapement, figures: Figures, names: Sequence[str]) -> Fl
     if escapement.contact and "contraction" in names:
         # with contact it is itself a difference over a small step
         noise["contraction"] += QUOTIENT
-    if escapement.contact == "compliant" and figures.motion is not None:
+    if escapement.stiffness and figures.motion is not None:
         rtol = figures.motion.rtol
         noise = {name: x + rtol * abs(getattr(figures, name)) for name, x in noise.items()}
     return np.array([*noise.values()])

@@ -23,11 +23,9 @@ from typing import NamedTuple
 
 import numpy as np
 
+from escapement.dynamics.compliance import FREE
 from escapement.mechanisms.path import L1, PIN_RATE
 from escapement.numerics.jit import inner_jit
-
-FREE, LOCKED = 0, 2
-"""Modes: no contact with a wall, and the follower locked in a dwell; +1 and -1 are the walls."""
 
 
 class Pose(NamedTuple):

@@ -19,4 +19,5 @@ Read `march` first. The files, from the bottom to the top:
 - `trace`, `trajectory`: states at given times, and the pieces that `Motion` asks for
 - `scene`: an escapement as the kernels take it
 - `simulate`, `terminal`: what the engine offers
+- `compliant`: outlines that yield, in a folder of its own with the same steps
 """

@@ -2,9 +2,8 @@
 
 Read `law` first, then `march`.
 
-- `law`: the equations of motion and of the contact force
-- `radau`: one step of the method that integrates them
-- `march`: step by step, and the events between
-- `rows`, `trajectory`: states at given times, and the pieces of the motion
+- `law`: the equations of motion, with the force of `dynamics.compliance`
+- `march`: step by step with `dynamics.radau`, and the events between
+- `rows`: states at given times, for `dynamics.compliant_steps`
 - `simulate`, `terminal`: what the engine offers
 """

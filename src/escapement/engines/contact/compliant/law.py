@@ -1,32 +1,32 @@
 """The equations of compliant contact between pin and slot, with two degrees of freedom.
 
 In natural units, with the coordinates of `slot`, the pin presses the wall s = +1 or -1 in by the
-depth d = s D - c with half the clearance c. The wall pushes the pin with the force
-
-    N = k d + b d'  or, after Hunt and Crossley,  N = k d^1.5 (1 + chi d')
-
-and never pulls it: the contact ends where N would fall below zero. Friction is
-F = mu N v/sqrt(v^2 + eps^2), which is smooth where the sliding reverses. Load, bearings and
-journals fade as well if a body is slower than the slip speed eps, so that they hold it at rest;
-above it they act in full, so that a drive that they equal drives nothing. There is contact where
-d > 0 and N > 0; the law is smooth during contact, and without it.
-
-Source: Hunt and Crossley (1975), Journal of Applied Mechanics 42, 440-445; chi from a restitution
-e and the speed d'_0 of the touch, 8 (1 - e)/(5 e d'_0), after Flores, Machado, Silva and Martins
-(2011), Multibody System Dynamics 25, 357-375.
+depth d = s D - c with half the clearance c. `dynamics.compliance` has the force of the wall. Load,
+bearings and journals fade if a body is slower than the slip speed; above it they act in full, so
+that a drive that they equal drives nothing.
 """
 
 from typing import NamedTuple
 
-import numpy as np
-
+from escapement.dynamics.compliance import (
+    FREE,
+    IMPULSE,
+    LOAD,
+    LOCKED,
+    LOST,
+    WALLS,
+    elastic,
+    fading,
+    friction_ratio,
+    push,
+    reach,
+    swing,
+)  # fmt: skip
 from escapement.dynamics.free_bodies import driver_of, follower_of, move
 from escapement.dynamics.load import has_load_curve, load_over
 from escapement.dynamics.torque import torque_after
 from escapement.dynamics.train_losses import is_lossy
 from escapement.engines.contact.slot import (
-    FREE,
-    LOCKED,
     acceleration_across,
     follower_angle,
     frame_of,
@@ -38,13 +38,6 @@ from escapement.engines.contact.slot import (
 )
 from escapement.model.scene import Joint, Scene
 from escapement.numerics.jit import inner_jit
-
-STATE = 14
-"""Length of a state: theta, phi or D, their rates, and, summed since the start, the work that the
-load takes, the work lost in each of `dynamics.law.LOSSES` and in the walls, and the impulse of the
-walls."""
-DRIVER_SPEED, LOAD, LOST, WALLS, IMPULSE = 2, 4, 5, 12, 13
-"""Indices in it."""
 
 
 class PinInSlot(NamedTuple):
@@ -61,52 +54,13 @@ class PinInSlot(NamedTuple):
 
 
 @inner_jit
-def fading(speed, least):
-    """Smooth sign of a speed, which fades to 0 if the speed is below `least`."""
-    x = speed / least
-    if abs(x) >= 1.0:
-        return np.sign(x)
-    return x * (15.0 - x * x * (10.0 - 3.0 * x * x)) / 8.0
-
-
-@inner_jit
-def chi_of(case):
-    """Hunt and Crossley's chi: from the damping, or from restitution and speed of the touch."""
-    joint = case.joint
-    if joint.damping > 0.0:
-        return joint.damping / joint.stiffness
-    e = joint.restitution
-    return 1.6 * (1.0 - e) / (e * max(case.touch, joint.slip))
-
-
-@inner_jit
-def elastic(depth, joint):
-    """Force of a wall's spring, and the energy stored in it."""
-    depth = max(depth, 0.0)
-    if joint.hertz:
-        force = joint.stiffness * depth * np.sqrt(depth)
-        return force, 0.4 * force * depth
-    force = joint.stiffness * depth
-    return force, 0.5 * force * depth
-
-
-@inner_jit
-def push(depth, rate, case):
-    """Force N of a wall; it continues smoothly below zero, where a trial step may lie."""
-    joint = case.joint
-    if joint.hertz:
-        return joint.stiffness * depth * np.sqrt(abs(depth)) * (1.0 + chi_of(case) * rate)
-    return joint.stiffness * depth + joint.damping * rate
-
-
-@inner_jit
 def angle_of_follower(y, at, mode, scene):
     """phi of a state whose pose this is."""
     return follower_angle(frame_of(scene), y[0], at) if touches(mode) else y[1]
 
 
 @inner_jit
-def rates(y, mode, case, out):
+def rates(case, y, mode, out):
     """Fill `out` with the derivative of a state by time.
 
     Returns
@@ -118,10 +72,10 @@ def rates(y, mode, case, out):
     at = pose(y, mode, scene)
     on_driver = on_follower = force = reaction = out[LOST] = out[WALLS] = 0.0
     if touches(mode):
-        side, mu = float(mode), scene.mu_plus
+        side = float(mode)
         depth, rate = side * at.across - joint.half_clearance, side * at.speed
-        force, sliding = push(depth, rate, case), slide(at, side, scene)
-        f = mu * sliding / np.sqrt(sliding * sliding + joint.slip * joint.slip)
+        force, sliding = push(depth, rate, joint, case.touch), slide(at, side, scene)
+        f = friction_ratio(scene.mu_plus, sliding, joint)
         on_driver, on_follower = pushes(at, side, f, scene)
         on_driver, on_follower = on_driver * force, on_follower * force
         if scene.driver_journal + scene.follower_journal > 0.0:
@@ -133,16 +87,16 @@ def rates(y, mode, case, out):
     if held + scene.follower_journal * reaction + scene.load != 0.0 or is_lossy(scene):
         turn, turns = fading(at.driver, joint.slip), fading(at.follower, joint.slip)
     driver = move(driver_of(scene), at.driver, turn, pull, on_driver, held)
-    held, load, swing = scene.follower_journal * reaction, turns * scene.load, 0.0
+    held, load, varies = scene.follower_journal * reaction, turns * scene.load, 0.0
     if has_load_curve(scene):
         phi = angle_of_follower(y, at, mode, scene)
-        swing = load_over(phi, 0.0, case.driver_angle, scene)[0]
-    follower = move(follower_of(scene), at.follower, turns, -load, on_follower - swing, held)
+        varies = load_over(phi, 0.0, case.driver_angle, scene)[0]
+    follower = move(follower_of(scene), at.follower, turns, -load, on_follower - varies, held)
     acceleration, train = (0.0, 0.0) if mode == LOCKED else (follower.rate, follower.train)
     out[0], out[1], out[2], out[3] = at.driver, y[3], driver.rate, acceleration
     if touches(mode):
         out[3] = acceleration_across(at, driver.rate, acceleration, scene)
-    out[LOAD] = (load + swing) * at.follower
+    out[LOAD] = (load + varies) * at.follower
     out[LOST + 1], out[LOST + 2] = driver.friction * at.driver, follower.friction * at.follower
     out[LOST + 3], out[LOST + 4] = driver.drag * at.driver, follower.drag * at.follower
     out[LOST + 5], out[LOST + 6] = driver.train * at.driver, train * at.follower
@@ -156,15 +110,8 @@ def _reach(at, bending, side, case):
 
     bending : D'' of the pose.
     """
-    joint = case.joint
-    depth, rate = side * at.across - joint.half_clearance, side * at.speed
-    if rate >= 0.0 or depth < 0.0:
-        return depth, rate
-    if joint.hertz:
-        chi = chi_of(case)
-        return depth * (1.0 + chi * rate), rate * (1.0 + chi * rate) + depth * chi * side * bending
-    delay = joint.damping / joint.stiffness
-    return depth + delay * rate, rate + delay * side * bending
+    depth, rate = side * at.across - case.joint.half_clearance, side * at.speed
+    return reach(depth, rate, side * bending, case.joint, case.touch)
 
 
 @inner_jit
@@ -185,17 +132,14 @@ def room(y, out, mode, case):
 
 
 @inner_jit
-def frequency(y, mode, case):
+def frequency(case, y, mode):
     """Frequency at which the pin swings on a wall's spring; 1 in flight."""
     if not touches(mode):
         return 1.0
     joint, at = case.joint, pose(y, mode, case.scene)
     lightness = at.radius * at.radius + at.cosine * at.cosine / case.scene.rho
-    stiffness = joint.stiffness
-    if joint.hertz:
-        depth = max(mode * at.across - joint.half_clearance, 0.0)
-        stiffness *= 1.5 * np.sqrt(depth) * max(1.0 + chi_of(case) * mode * at.speed, 0.0)
-    return max(np.sqrt(stiffness * lightness), 1.0)
+    depth, rate = mode * at.across - joint.half_clearance, mode * at.speed
+    return max(swing(depth, rate, lightness, joint, case.touch), 1.0)
 
 
 @inner_jit

@@ -10,11 +10,19 @@ from typing import NamedTuple
 import numpy as np
 
 from escapement.dynamics.codes import Ending
+from escapement.dynamics.compliance import FREE, LOCKED, STATE, WALLS
 from escapement.dynamics.load import has_load_curve, load_knot
+from escapement.dynamics.radau import (
+    ROUNDING,
+    STAGES,
+    attempt,
+    growth,
+    locate,
+    prepare,
+    workspace,
+)  # fmt: skip
 from escapement.dynamics.torque import REST, cell_after, cell_of, is_held, is_undriven
 from escapement.engines.contact.compliant.law import (
-    STATE,
-    WALLS,
     PinInSlot,
     angle_of_follower,
     frequency,
@@ -22,16 +30,14 @@ from escapement.engines.contact.compliant.law import (
     room,
     stored,
 )
-from escapement.engines.contact.compliant.radau import STAGES, attempt, prepare, workspace
 from escapement.engines.contact.slot import (
-    FREE,
-    LOCKED,
     acceleration_across,
     pose,
     to_angle,
     to_slot,
     touches,
 )
+from escapement.numerics.by_type import give_kernels
 from escapement.numerics.jit import inner_jit, jit
 from escapement.numerics.records import record_dtype
 
@@ -51,7 +57,6 @@ polynomial in time for the accelerations in that step."""
 
 MOST_EACH = 1000
 """Steps that a motion may try for each engagement, in addition to a limit."""
-_ROUNDING = 4e-16
 _TOUCHED = 1e-12
 _LONGEST_FLIGHT, _LONGEST = 0.02, 0.1
 """Greatest angle of a step [rad] in flight, so that no touch is missed, and in contact."""
@@ -81,7 +86,7 @@ _CONTACT = _Goal(np.nan, np.nan, 1.0)
 
 
 @inner_jit
-def _left(y, out, mode, case, goal):
+def _left(case, y, mode, out, goal):
     """A number that is positive before an event: an angle left, else `law.room`.
 
     `out` are the `rates` of the state.
@@ -91,6 +96,9 @@ def _left(y, out, mode, case, goal):
     if goal.follower == goal.follower:
         return goal.sense * (goal.follower - _follower_angle(y, mode, case))
     return room(y, out, mode, case)[0]
+
+
+give_kernels(PinInSlot, rates=rates, frequency=frequency, left=_left)
 
 
 @inner_jit
@@ -107,7 +115,7 @@ def _knot_within(y, mode, case, work):
     before, behind = _follower_angle(y, mode, case), _follower_angle(work.end, mode, case)
     sense = np.sign(behind - before)
     knot = load_knot(before, sense, case.driver_angle, case.scene)
-    return _Goal(np.nan, knot, sense) if sense * (behind - knot) > _ROUNDING else _CONTACT
+    return _Goal(np.nan, knot, sense) if sense * (behind - knot) > ROUNDING else _CONTACT
 
 
 @inner_jit
@@ -120,41 +128,6 @@ def _rests(y, mode, case):
     if energy == 0.0:
         return is_held(y[0], scene)
     return energy <= scene.rho * REST and is_undriven(y[0], scene)
-
-
-@inner_jit
-def _locate(y, h, mode, clock, case, rtol, work, goal):
-    """Length of the step that ends at an event within it, by false position (Illinois).
-
-    It is 0 if a step of the search fails.
-    """
-    low, high, length = 0.0, h, h
-    at_high = _left(work.end, work.stages[STAGES], mode, case, goal)
-    at_low = _left(y, work.stages[0], mode, case, goal)
-    # a step that begins at an event is halved until its end is past the event
-    at_low, last = at_low if at_low > 100.0 * _ROUNDING else 0.0, 0
-    for _ in range(100):
-        length = (low * at_high - high * at_low) / (at_high - at_low)
-        if not low < length < high:
-            length = 0.5 * (low + high)
-        # if no double lies between both ends, the step ends at the first one past the event
-        done = high - low <= 1e-15 * h or not low < length < high
-        length = high if done else length
-        clock.tries += 1
-        if attempt(y, length, mode, case, rtol, work) == np.inf:
-            return 0.0
-        value = _left(work.end, work.stages[STAGES], mode, case, goal)
-        if done or abs(value) <= _ROUNDING:
-            break
-        if value > 0.0:
-            low, at_low = length, value
-            at_high = 0.5 * at_high if last == 1 else at_high
-            last = 1
-        else:
-            high, at_high = length, value
-            at_low = 0.5 * at_low if last == -1 else at_low
-            last = -1
-    return length
 
 
 @inner_jit
@@ -259,8 +232,7 @@ def _advance(y, clock, case, rtol, end, events, work):
     mode = clock.mode
     h = min(clock.step, end - clock.time, _longest(y, mode, work, case.scene))
     error = attempt(y, h, mode, case, rtol, work)
-    clock.tries += 1
-    factor = min(max(0.9 * error ** (-1.0 / 6.0), 0.2), 6.0) if error > 0.0 else 6.0
+    factor = growth(error)
     if not error <= 1.0:
         clock.step = h * factor
         return 0.0, False, False
@@ -274,14 +246,14 @@ def _advance(y, clock, case, rtol, end, events, work):
             return 0.0, False, False
         passed = room(work.end, work.stages[STAGES], mode, case)[0] <= 0.0
         if passed:
-            h = _locate(y, h, mode, clock, case, rtol, work, _CONTACT)
+            h = locate(y, h, mode, case, rtol, work, _CONTACT)
     knot = _knot_within(y, mode, case, work) if h > 0.0 else _CONTACT
     if knot.follower == knot.follower:
-        h, passed = _locate(y, h, mode, clock, case, rtol, work, knot), False
+        h, passed = locate(y, h, mode, case, rtol, work, knot), False
     goal = _goal(clock, case.scene)
     arrived = h > 0.0 and work.end[0] >= goal
     if arrived:
-        h = _locate(y, h, mode, clock, case, rtol, work, _Goal(goal, np.nan, 1.0))
+        h = locate(y, h, mode, case, rtol, work, _Goal(goal, np.nan, 1.0))
     if h == 0.0:
         clock.step = 0.5 * full
     return h, passed, arrived
@@ -312,7 +284,7 @@ def march(y, clocks, scene, joint, step, rtol, engagements, end, limit, rows):
     while True:
         if fresh:
             case = PinInSlot(scene, joint, clock.engagement * cell_of(scene), clock.touch)
-            rates(y, clock.mode, case, work.stages[0])
+            rates(case, y, clock.mode, work.stages[0])
             there = clock.engagement >= engagements or clock.time >= end
             if not there and room(y, work.stages[0], clock.mode, case)[0] < -_TOUCHED:
                 # the next pin may be off the wall that the last one touched, or pressed into one
@@ -336,9 +308,10 @@ def march(y, clocks, scene, joint, step, rtol, engagements, end, limit, rows):
         # if both a contact and a flight would end at once, one of them lasts for another step
         looks = idle < _MOST_IDLE
         h, passed, arrived = _advance(y, clock, case, rtol, end, looks, work)
+        clock.tries, work.tries[0] = clock.tries + work.tries[0], 0
         if h == 0.0:
             continue
-        idle = idle + 1 if h <= _ROUNDING * clock.time else 0
+        idle = idle + 1 if h <= ROUNDING * clock.time else 0
         clock.time = end if end - clock.time <= h else clock.time + h
         y[:], work.stages[0], work.span[1] = work.end, work.stages[STAGES], 1.0
         if max(abs(y[2]), abs(y[3])) > 10.0 * joint.slip:
@@ -352,6 +325,6 @@ def march(y, clocks, scene, joint, step, rtol, engagements, end, limit, rows):
         enters = arrived and clock.mode != LOCKED
         if arrived or passed:
             fresh = True
-            clock.step = _FIRST / frequency(y, clock.mode, case)
+            clock.step = _FIRST / frequency(case, y, clock.mode)
         else:
             prepare(y, clock.mode, case, work)

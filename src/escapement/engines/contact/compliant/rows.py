@@ -2,25 +2,14 @@
 
 import numpy as np
 
-from escapement.dynamics.contact_state import STATE_ROWS, ContactState, write_state
+from escapement.dynamics.compliance import IMPULSE, LOST, STATE
+from escapement.dynamics.compliant_steps import HELD, PRESS, SLIDE
+from escapement.dynamics.contact_state import ContactState, write_state
+from escapement.dynamics.radau import within
 from escapement.dynamics.torque import cell_of
-from escapement.engines.contact.compliant.law import (
-    IMPULSE,
-    LOST,
-    STATE,
-    PinInSlot,
-    rates,
-    stored,
-)
-from escapement.engines.contact.compliant.radau import within
+from escapement.engines.contact.compliant.law import PinInSlot, rates, stored
 from escapement.engines.contact.slot import pose, slide, to_angle, touches
 from escapement.numerics.jit import jit
-
-SLIDE, PRESS, HELD = range(STATE_ROWS, STATE_ROWS + 3)
-"""Rows behind those of a `ContactState`: sliding speed, speed of penetration, and energy stored in
-the walls."""
-TABLE = STATE_ROWS + 3
-"""Number of rows."""
 
 
 @jit(allocates=True)
@@ -33,7 +22,7 @@ def tabulate(rows, which, times, scene, joint, step, out):
         within((times[i] - here.time) / h, h, here.state, then.series, y)
         driver_angle = here.engagement * cell_of(scene)
         case = PinInSlot(scene, joint, driver_angle, here.touch)
-        acceleration, moment = rates(y, mode, case, slopes)
+        acceleration, moment = rates(case, y, mode, slopes)
         at = pose(y, mode, scene)
         out[SLIDE, i], out[PRESS, i] = slide(at, mode, scene), mode * at.speed
         out[HELD, i] = stored(y, mode, case)

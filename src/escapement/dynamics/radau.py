@@ -12,6 +12,10 @@ The error is estimated by an embedded method of order 5, h gamma (f - P(0)), whe
 polynomial through the F_i and f the acceleration at the start. Within the step P is used as the
 acceleration.
 
+The law is that of the class of `case`, a named tuple, which has three kernels: ``rates(case, y,
+mode, out)`` writes the rates of a state, ``frequency(case, y, mode)`` is that of its fastest
+swing, and ``left(case, y, mode, out, goal)``, with these rates, is positive before an event.
+
 Source: Hairer and Wanner (1996), Solving Ordinary Differential Equations II, IV.5 and IV.8.
 """
 
@@ -21,8 +25,11 @@ import numpy as np
 from numpy.polynomial import legendre
 from numpy.typing import NDArray
 
-from escapement.engines.contact.compliant.law import LOST, STATE, WALLS, frequency, rates
+from escapement.dynamics.compliance import LOST, STATE, WALLS
+from escapement.numerics.by_type import kernel_of_case
 from escapement.numerics.jit import inner_jit
+
+rates, frequency, left = map(kernel_of_case, ("rates", "frequency", "left"))
 
 STAGES = 5
 _POINTS = legendre.legroots([*[0.0] * (STAGES - 1), -1.0, 1.0])
@@ -45,7 +52,9 @@ _FARTHEST = 2.0
 """How many times longer a step may be than the one whose polynomial gives its first guess."""
 _EXACT = 0.01
 """Newton's method ends when its error is this share of the tolerance."""
-_ROUNDING = 2e-15
+_EXACT_SPEED = 2e-15
+ROUNDING = 4e-16
+"""An event is located where its number is as near to zero as this."""
 _SLOW = 0.1
 """Below this speed [sqrt(torque/I_f)] the error is no longer relative to the speed."""
 
@@ -59,6 +68,7 @@ class StepMemory(NamedTuple):
     flow : F, shape (STAGES, 2). series : its polynomial P, by powers of the time over `span`.
     span : length of the step to which that polynomial belongs, 0 if there is none, and the time
         in it at which the next step starts.
+    tries : number of steps that were tried.
     spare, parts : memory of an iteration. slopes : J, shape (2, 4). inverses : inverses of the
         small matrices.
     """
@@ -68,6 +78,7 @@ class StepMemory(NamedTuple):
     flow: NDArray[np.float64]
     series: NDArray[np.float64]
     span: NDArray[np.float64]
+    tries: NDArray[np.int64]
     spare: NDArray[np.float64]
     parts: NDArray[np.complex128]
     slopes: NDArray[np.float64]
@@ -84,6 +95,7 @@ def workspace():
         flow=np.empty((STAGES, 2)),
         series=np.empty((STAGES, 2)),
         span=np.zeros(2),
+        tries=np.zeros(1, np.int64),
         spare=np.empty((STAGES, 2)),
         parts=np.empty((pairs, 2), np.complex128),
         slopes=np.empty((2, 4)),
@@ -98,7 +110,7 @@ def prepare(y, mode, case, work):
     for k in range(4):
         probe[0], probe[1], probe[2], probe[3] = y[0], y[1], y[2], y[3]
         probe[k] += 1e-9 if k < 2 else 1e-9 + 1e-3 * case.joint.slip
-        rates(probe, mode, case, found)
+        rates(case, probe, mode, found)
         for i in range(2):
             work.slopes[i, k] = (found[2 + i] - start[2 + i]) / (probe[k] - y[k])
 
@@ -150,7 +162,7 @@ def _evaluate(y, h, mode, case, work):
             q += MATRIX[i, j] * work.spare[j, 1]
         end[0], end[1] = y[0] + h * p, y[1] + h * q
         end[2], end[3] = work.spare[i, 0], work.spare[i, 1]
-        rates(end, mode, case, stages[1 + i])
+        rates(case, end, mode, stages[1 + i])
 
 
 @inner_jit
@@ -227,12 +239,13 @@ def _error(h, swing, scale, work):
 @inner_jit
 def attempt(y, h, mode, case, rtol, work):
     """Take a step to `work.end`; returns its error over the tolerance, inf if it fails."""
+    work.tries[0] += 1
     scale = _SLOW + max(abs(y[2]), abs(y[3]))
-    swing = frequency(y, mode, case)
+    swing = frequency(case, y, mode)
     _invert(h, work)
     _guess(h, work)
     work.span[0] = 0.0
-    if not _solve(y, h, mode, case, max(_EXACT * rtol, _ROUNDING) * scale, work):
+    if not _solve(y, h, mode, case, max(_EXACT * rtol, _EXACT_SPEED) * scale, work):
         return np.inf
     for k in range(4, STATE):
         gain = 0.0
@@ -248,6 +261,46 @@ def attempt(y, h, mode, case, rtol, work):
     work.span[0], work.span[1] = h, 0.0
     error = _error(h, swing, scale, work) / (rtol * scale)
     return error if error == error else np.inf
+
+
+@inner_jit
+def growth(error):
+    """Factor on the length of a step with this error, for that of the next one."""
+    return min(max(0.9 * error ** (-1.0 / 6.0), 0.2), 6.0) if error > 0.0 else 6.0
+
+
+@inner_jit
+def locate(y, h, mode, case, rtol, work, goal):
+    """Length of the step that ends at an event within it, by false position (Illinois).
+
+    It is 0 if a step of the search fails. `goal` says which event it is.
+    """
+    low, high, length = 0.0, h, h
+    at_high = left(case, work.end, mode, work.stages[STAGES], goal)
+    at_low = left(case, y, mode, work.stages[0], goal)
+    # a step that begins at an event is halved until its end is past the event
+    at_low, last = at_low if at_low > 100.0 * ROUNDING else 0.0, 0
+    for _ in range(100):
+        length = (low * at_high - high * at_low) / (at_high - at_low)
+        if not low < length < high:
+            length = 0.5 * (low + high)
+        # if no double lies between both ends, the step ends at the first one past the event
+        done = high - low <= 1e-15 * h or not low < length < high
+        length = high if done else length
+        if attempt(y, length, mode, case, rtol, work) == np.inf:
+            return 0.0
+        value = left(case, work.end, mode, work.stages[STAGES], goal)
+        if done or abs(value) <= ROUNDING:
+            break
+        if value > 0.0:
+            low, at_low = length, value
+            at_high = 0.5 * at_high if last == 1 else at_high
+            last = 1
+        else:
+            high, at_high = length, value
+            at_low = 0.5 * at_low if last == -1 else at_low
+            last = -1
+    return length
 
 
 @inner_jit

@@ -1,26 +1,27 @@
-"""A motion with compliant contact, as pieces of contact and flight in SI units."""
+"""A motion with compliant contact, from the ends of its steps: pieces of contact and flight."""
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
 import numpy as np
 
+from escapement.dynamics.compliance import IMPULSE, LOAD, LOCKED, LOST, WALLS
 from escapement.dynamics.contact_state import STATE_ROWS, ContactState
 from escapement.dynamics.motion import State
 from escapement.dynamics.state_from_table import state_from
 from escapement.dynamics.trajectory import Events, Extrema, Impacts, Trajectory
-from escapement.engines.contact.compliant.law import IMPULSE, LOAD, LOST, WALLS
-from escapement.engines.contact.compliant.rows import HELD, PRESS, SLIDE, TABLE, tabulate
-from escapement.engines.contact.slot import LOCKED
 from escapement.mechanisms.protocol import FloatArray
 from escapement.model.escapement import Escapement
-from escapement.model.scene import Joint
 from escapement.numerics.gauss import POINTS, WEIGHTS
 from escapement.numerics.search import peaks, zeros
 
+SLIDE, PRESS, HELD = range(STATE_ROWS, STATE_ROWS + 3)
+"""Rows behind those of a `ContactState`: sliding speed, speed of penetration, and energy stored in
+the walls."""
 _SHARES = np.linspace(0.0, 1.0, 5)
 """Points in each step between which extrema and changes of sign are looked for."""
 _RATE, _TURN, _MOMENT, _FORCE = _PEAKS = [
@@ -37,19 +38,21 @@ _CANDIDATES = 4
 class Steps:
     """The states at the ends of all steps of a march, in natural units.
 
-    table : array of `march.STEP_END`.
-    escapement, joint : the mechanism that moves.
+    table : array of records with the time, engagement, mode, speed of the last touch, and state at
+        the end of each step. Where the law changes there are two with the same time.
+    escapement : the mechanism that moves.
+    tabulate : fills rows of a `ContactState`, and those behind it, at times between the records of
+        these indices and their next ones.
     """
 
     table: np.ndarray
     escapement: Escapement
-    joint: Joint
+    tabulate: Callable[[np.ndarray, FloatArray, FloatArray], None]
 
     def at(self, which: np.ndarray, times: FloatArray) -> FloatArray:
-        """Results of `rows.tabulate` at times between rows and their next ones."""
-        found = np.empty((TABLE, times.size))
-        step = self.escapement.mechanism.follower_step
-        tabulate(self.table, which, times, self.escapement.scene, self.joint, step, found)
+        """What `tabulate` fills in, at times between records and their next ones."""
+        found = np.empty((HELD + 1, times.size))
+        self.tabulate(which, times, found)
         return found
 
     @cached_property

@@ -1,0 +1,88 @@
+"""`simulate` of two bodies whose outlines yield where they touch."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+
+import numpy as np
+
+from escapement.base.errors import InvalidValue
+from escapement.base.spoken import as_spoken
+from escapement.base.status import Status
+from escapement.dynamics.codes import Ending
+from escapement.dynamics.compliant_march import MOST_TRIES, CompliantMarch, simulated
+from escapement.dynamics.motion import Motion
+from escapement.engines.two_bodies import simulate as rigid
+from escapement.engines.two_bodies.compliant import march as marching
+from escapement.engines.two_bodies.compliant.law import CONTACT, MOST
+from escapement.engines.two_bodies.compliant.rows import tabulate
+from escapement.engines.two_bodies.scene import prepared
+from escapement.mechanisms.features import CONVEX
+from escapement.mechanisms.protocol import FloatArray
+from escapement.model.escapement import Escapement
+
+FINEST = 1e-10
+"""A smaller relative error is lost in the rounding of penetrations."""
+_DEEPEST = 0.01
+"""Depth of a contact at which a motion ends, if no rounding sets a smaller one [crank radii]."""
+
+
+class March(CompliantMarch):
+    """The march of two bodies with outlines."""
+
+    engine, clock_type, row_type = "two_bodies", marching.CLOCK, marching.STEP_END
+
+    def __init__(self, escapement: Escapement, speed: float, rtol: float) -> None:
+        super().__init__(escapement, max(rtol, FINEST))
+        scene = prepared(escapement)
+        self._bodies = scene.law, scene.pairs, scene.joints, self.joint
+        self._held, self._pitches = np.zeros(MOST, CONTACT), scene.pitches
+        self.state[:3] = *scene.start, speed * escapement.time_unit
+        # of two rounded places a third of their radii is left round
+        rounds = scene.pairs[scene.pairs["kind"] == CONVEX]
+        radii = rounds["rho"] + rounds["radius"]
+        self.deepest = min(_DEEPEST, float(radii.min(initial=np.inf)) / 3.0)
+        if self.deepest == 0.0:
+            raise InvalidValue(
+                "stiffness must be 0 where sharp corners of both bodies may meet, got "
+                f"{as_spoken(escapement.stiffness, 'stiffness')}; round the corners of one of them"
+            )
+
+    def march(self, engagements: int, end: float, rows: np.ndarray) -> tuple[int, Ending]:
+        """See `CompliantMarch.march`."""
+        scene = self._bodies, self._pitches, self.deepest
+        limits = self.rtol, engagements, end, MOST_TRIES
+        count, why = marching.march(self.state, self.clock, self._held, *scene, *limits, rows)
+        return count, why
+
+    def filler(self, rows: np.ndarray) -> Callable[[np.ndarray, FloatArray, FloatArray], None]:
+        """See `CompliantMarch.filler`."""
+
+        def fill(which: np.ndarray, times: FloatArray, found: FloatArray) -> None:
+            tabulate(rows, which, times, self._bodies, self._pitches, found)
+
+        return fill
+
+    def outcome(self, why: Ending) -> tuple[Status, str]:
+        """See `CompliantMarch.outcome`."""
+        engagement = int(self.before[0] + self.clock["engagement"][0])
+        if why in (Ending.STANDS, Ending.UNDRIVEN):
+            return rigid.outcome(self.escapement, why, self.state[0], engagement)
+        driver = math.degrees(self.state[0] + engagement * self.escapement.mechanism.cell_angle)
+        size = self.deepest * self.escapement.mechanism.crank_radius
+        reason = {
+            Ending.SINKS: f"the bodies sink into each other by {as_spoken(size, 'length')}, where "
+            "the outline no longer says how they push; give a greater stiffness",
+            Ending.TOO_LONG: f"{self.clock['tries'][0]} steps were used up",
+        }.get(why, f"the bodies touch at more than {MOST} points")
+        where = f"at a driver angle of {driver:.3f} degrees, in engagement {engagement + 1}"
+        return Status.NOT_CONVERGED, f"the mechanism was followed {where}, where {reason}"
+
+
+def simulate(
+    escapement: Escapement, *, engagements: int | None, duration: float | None,
+    initial_speed: float, rtol: float,
+) -> Motion:  # fmt: skip
+    """Motion of two bodies that yield; arguments are validated by `escapement.simulate`."""
+    return simulated(March(escapement, initial_speed, rtol), engagements, duration, rtol)
