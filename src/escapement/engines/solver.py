@@ -120,9 +120,6 @@ def solver_for(contact: str, solver: Solver) -> Solver:
         If they name an engine that cannot compute the scene.
     """
     engine = solver.engine
-    if contact == "outlines" and solver.rtol is not None:
-        rule = "left out with outlines of both bodies, whose steps follow from the motion"
-        raise validate.fail("rtol", rule, solver.rtol, "leave it out")
     if (contact == "outlines") != (engine == "two_bodies") and (engine or contact == "outlines"):
         if engine is None:
             return _with_engine(solver, "two_bodies")

@@ -122,7 +122,8 @@ def plot_contact_moment(motion: Motion, ax: Axes | None = None, *, legend: bool 
     -------
     Axes
         Time [s] and moment [N m, on the command line in the user's units], with the prefixes
-        that suit. Below zero, shaded, the follower drives the pin of a slot; in a dwell there is no contact.
+        that suit. Below zero, shaded, the follower drives the pin of a slot; in a dwell there is no
+        contact.
     """
     times, moments = _moments(motion)
     ax = ax or style.new_axes(style.TWO_COLUMN, 3.0)
