@@ -146,7 +146,12 @@ def motions(kind, length, **solver):
             acting = {*WHEELS[kind], "follower_gravity"} - {"tooth_depth", "back"}
             return [{**base, **drive, "tried": sorted(acting)}]
         turned = {**OIL, **SWING, **drive}
-        scenes = [{**base, **LOSSES, **drive, **loose}, {**base, **turned, "tried": [*turned]}]
+        # steps of rigid bodies follow from their motion, whatever error is asked for
+        every = {**options_of("run"), **options_of("rundown")}.keys() - {*BY_DEFAULT, "rtol"}
+        scenes = [
+            {**base, **LOSSES, **drive, **loose, "tried": sorted(every)},
+            {**base, **turned, "tried": [*turned]},
+        ]
         return [*scenes, *sized(kind, **drive, **lost, **length)]
     base = {**wheel, **DRIVE, **lost, **length}
     scenes = [{**base, **LOSSES, **TRAINS, **solver}, {**base, **OIL}]

@@ -31,11 +31,12 @@ def execute(args: Arguments) -> int:
     """Search, write and draw what was asked for, print the designs."""
     from escapement.inverse_design.design_record import record_of, short_record_of
     from escapement.inverse_design.requirement import load_requirement
-    from escapement.study.subject import DRIVE
+    from escapement.study.subject import ESCAPEMENT
 
     _output.speak_as(args, args.wish, "wish")
-    if read_toml(args.wish, "wish").get("study") == DRIVE.name:
-        return _design_drives(args)
+    content = read_toml(args.wish, "wish")
+    if "study" in content or "ranges" in content:
+        return _search(args, {"study": ESCAPEMENT.name} | content)
     found = esc.design(load_requirement(args.wish)[0], count=args.count or 40)
     known = [*found.requirement.inputs(), ("count", args.count or 40, "ratio")]
     record = record_of(found)
@@ -53,15 +54,12 @@ def execute(args: Arguments) -> int:
     return 0
 
 
-def _design_drives(args: Arguments) -> int:
-    """The same for indexing drives."""
-    from escapement.inverse_design.drive_requirement import drive_requirement
-    from escapement.study.subject import DRIVE
-
+def _search(args: Arguments, wish: dict[str, Any]) -> int:
+    """The same by a study of what the wish describes."""
     if args.report is not None:
-        raise UsageError("--report must be left out for indexing drives, which have none")
-    requirement = drive_requirement(args.wish)
-    found = esc.design_drive(args.wish, count=args.count or 40)
+        raise UsageError("--report must be left out with [ranges], whose designs have none")
+    found = esc.design_drive(wish, count=args.count or 40)
+    requirement = found.requirement
     plan = {name: value for name, value in requirement.study.items() if not isinstance(value, dict)}
     known: list[Input] = [(name, value, "ratio") for name, value in plan.items()]
     known.append(("objectives", ", ".join(requirement.objectives), "ratio"))
@@ -76,6 +74,6 @@ def _design_drives(args: Arguments) -> int:
     )
     results = {name: Result(entry.unit) for name, entry in requirement.entries.items()}
     message = f"{len(lines)} designs, from {found.tried} points tried"
-    record = Record({"designs": lines, "message": message}, results | dict(DRIVE.figures))
+    record = Record({"designs": lines, "message": message}, results | dict(requirement.figures))
     _output.tell(args, record, known)
     return 0

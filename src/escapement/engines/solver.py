@@ -121,9 +121,6 @@ def solver_for(contact: str, solver: Solver) -> Solver:
     """
     engine = solver.engine
     outlines = contact.endswith("outlines")
-    if contact == "outlines" and solver.rtol is not None:
-        rule = "left out with outlines of rigid bodies, whose steps follow from the motion"
-        raise validate.fail("rtol", rule, solver.rtol, "leave it out")
     if outlines != (engine == "two_bodies") and (engine or outlines):
         if engine is None:
             return _with_engine(solver, "two_bodies")

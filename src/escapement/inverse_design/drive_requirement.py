@@ -1,4 +1,4 @@
-"""A requirement for an indexing drive: a study with ranges, bounds and objectives, not axes."""
+"""A requirement for a drive or a timer: a study with ranges, bounds and objectives, not axes."""
 
 from __future__ import annotations
 
@@ -10,23 +10,32 @@ from typing import Any
 from escapement.base import units, validate
 from escapement.base.files import AnyPath
 from escapement.base.quantity import Quantity
+from escapement.base.results import Result
 from escapement.base.text import Shown
 from escapement.base.toml_file import read_toml
 from escapement.mechanisms import DEFAULT_KIND, KINDS, kind_of
 from escapement.study.plan import settings_of
-from escapement.study.subject import DRIVE
+from escapement.study.subject import DRIVE, ESCAPEMENT, Subject, subject_of
 
 Range = tuple[float, float]
-GREATER = "dwell_left", "greatest_speed", "greatest_follower_inertia", "torque_min"
+GREATER = (
+    *("dwell_left", "greatest_speed", "greatest_follower_inertia", "torque_min"),
+    *("jam_margin", "critical_friction", "velocity_min"),
+)
 """Figures that should be great; all others should be small."""
 _OWN = "ranges", "bounds", "objectives"
+SCATTER = "scatter"
+_SCATTER = Result("ratio", "half the relative change of the period over the friction range")
 
 
 @dataclass(frozen=True, repr=False)
 class DriveRequirement(Shown):
-    """What an indexing drive must do; numbers are in the units that `study` names.
+    """What a drive or a timer must do; numbers are in the units that `study` names.
 
-    study : content of a study file without axes, see `escapement.index` for its numbers.
+    study : content of a study file without axes.
+    subject : what it is about.
+    frictions : values of a timer whose friction is uncertain: least, middle and greatest.
+    figures : those that may be objectives and have bounds.
     ranges : ends between which numbers are searched, by the names of axes.
     entries : the declarations of these numbers.
     bounds : least and greatest value of figures, by names of results.
@@ -34,6 +43,9 @@ class DriveRequirement(Shown):
     """
 
     study: Mapping[str, Any]
+    subject: Subject
+    frictions: tuple[float, ...]
+    figures: Mapping[str, Result]
     ranges: Mapping[str, Range]
     entries: Mapping[str, Quantity]
     bounds: Mapping[str, Range]
@@ -46,7 +58,7 @@ class DriveRequirement(Shown):
 
 
 def drive_requirement(requirement: Mapping[str, Any] | AnyPath) -> DriveRequirement:
-    """Read a requirement for an indexing drive, from its file or from the content of one.
+    """Read a requirement from its file or from the content of one; without `study` of a drive.
 
     Raises
     ------
@@ -57,28 +69,37 @@ def drive_requirement(requirement: Mapping[str, Any] | AnyPath) -> DriveRequirem
     """
     content = requirement if isinstance(requirement, Mapping) else read_toml(requirement, "wish")
     study = {name: value for name, value in content.items() if name not in _OWN}
-    study["study"] = DRIVE.name
+    subject = subject_of(content) if "study" in content else DRIVE
+    study["study"], figures = subject.name, dict(subject.figures)
     system = validate.choice("units", study.get("units", units.SYSTEMS[0]), units.SYSTEMS)
     ranges, bounds = (_table(content, name) for name in ("ranges", "bounds"))
     machine = _table(study, "mechanism")
     kind = kind_of(validate.choice("mechanism.kind", machine.get("kind", DEFAULT_KIND), [*KINDS]))
-    found = settings_of(kind, kind.meshed, system, DRIVE)
+    found = settings_of(kind, kind.meshed, system, subject)
     entries = {name: x for name, x in found.items() if isinstance(x, Quantity) and x.axis}
+    frictions: tuple[float, ...] = ()
+    if subject is ESCAPEMENT and isinstance(study.get("friction"), list | tuple):
+        low, high = _ends(entries["friction"], "friction", study.pop("friction"))
+        frictions, figures[SCATTER] = (low, 0.5 * (low + high), high), _SCATTER
     if not ranges:
         remedy = "write for example speed = [3, 9] under [ranges]"
         raise validate.fail("ranges", "a table of numbers to search", "none", remedy)
     validate.known_keys(ranges, [*entries], "in [ranges]")
-    validate.known_keys(bounds, [*DRIVE.figures], "in [bounds]")
-    objectives = content.get("objectives", ["torque_rms"])
+    validate.known_keys(bounds, [*figures], "in [bounds]")
+    usual = "torque_rms" if subject is DRIVE else SCATTER if frictions else "period"
+    objectives = content.get("objectives", [usual])
     if isinstance(objectives, str) or not objectives:
         remedy = 'for example ["torque_rms"]'
         raise validate.fail("objectives", "a list of names", objectives, remedy)
     return DriveRequirement(
         study,
+        subject,
+        frictions,
+        figures,
         {name: _ends(entries[name], name, value) for name, value in ranges.items()},
         {name: entries[name] for name in ranges},
-        {name: _bound(name, value, system) for name, value in bounds.items()},
-        tuple(validate.choice("objectives", x, [*DRIVE.figures]) for x in objectives),
+        {name: _bound(name, figures[name].kind, value, system) for name, value in bounds.items()},
+        tuple(validate.choice("objectives", x, [*figures]) for x in objectives),
     )
 
 
@@ -101,10 +122,10 @@ def _ends(entry: Quantity, name: str, given: Any) -> Range:
     return low, high
 
 
-def _bound(name: str, given: Any, system: str) -> Range:
+def _bound(name: str, kind: str, given: Any, system: str) -> Range:
     """Least and greatest value; a single number is the greatest, or the least of `GREATER`."""
     entry = Quantity(
-        long_name=name, unit=DRIVE.figures[name].kind, minimum=-math.inf, remedy="give a number",
+        long_name=name, unit=kind, minimum=-math.inf, remedy="give a number",
         name=name, key=name,
     )  # fmt: skip
     entry = replace(entry, system=system)

@@ -1,4 +1,4 @@
-"""`design_drive`: the indexing drives that satisfy a requirement best."""
+"""`design_drive`: the drives or timers that satisfy a requirement best, by studies of them."""
 
 from __future__ import annotations
 
@@ -14,15 +14,22 @@ from escapement.base.progress import set_stage
 from escapement.base.text import Shown, show
 from escapement.base.units import factor, printed
 from escapement.constant_speed.indexing import IndexingDrive
-from escapement.inverse_design.drive_requirement import GREATER, DriveRequirement, drive_requirement
+from escapement.inverse_design.drive_requirement import (
+    GREATER,
+    SCATTER,
+    DriveRequirement,
+    drive_requirement,
+)
 from escapement.inverse_design.front import spread_out, undominated
 from escapement.mechanisms.protocol import FloatArray, Mechanism
+from escapement.model.escapement import Escapement
 from escapement.study.parse import parse_plan
 from escapement.study.plan import StudyPlan
 from escapement.study.running import run_plan
-from escapement.study.subject import DRIVE
+from escapement.study.subject import DRIVE, ESCAPEMENT
 
-_FIRST, _AROUND = 12, 5  # powers of two: points that are tried at first, and around a design
+_POINTS = {DRIVE.name: (12, 5), ESCAPEMENT.name: (7, 3)}
+"""Powers of two: points that are tried at first, and around a design."""
 _SHRINKS = (0.1, 0.03, 0.01, 0.003, 0.001)
 """Half the widths of the boxes around designs in which better ones are looked for, in turn, as
 shares of the ranges."""
@@ -30,14 +37,14 @@ shares of the ranges."""
 
 @dataclass(frozen=True, repr=False)
 class DriveDesign(Shown):
-    """An indexing drive that satisfies a requirement.
+    """An indexing drive or an escapement that satisfies a requirement.
 
-    drive : as `escapement.index` returns it.
+    drive : as `escapement.index` returns it, or the escapement at its middle friction.
     chosen : the numbers that were searched, in SI.
     values : the figures of the objectives and of the bounds, in SI.
     """
 
-    drive: IndexingDrive
+    drive: IndexingDrive | Escapement
     chosen: dict[str, float]
     values: dict[str, float]
 
@@ -80,7 +87,7 @@ class _Points:
 def design_drive(
     requirement: Mapping[str, Any] | AnyPath, *, count: int = 40, seed: int = 0
 ) -> DriveDesigns:
-    """Find the indexing drives that satisfy a requirement, none better in everything than another.
+    """Find the drives or timers that satisfy a requirement, none better in everything than another.
 
     The ranges are searched at a Sobol' sequence; then better drives are looked for around those
     that satisfy the bounds and are not dominated, ever closer to them.
@@ -88,7 +95,8 @@ def design_drive(
     Parameters
     ----------
     requirement : Mapping or path
-        A study of an indexing drive without axes, with three keys more: `ranges`, a table with
+        A study without axes, of an indexing drive or, with `study` = "escapement", of a timer of
+        any kind, whose `friction` may be [low, high]. Three keys more are `ranges`, a table with
         the two ends of every number to search; `bounds`, a table with the least and the greatest
         value of figures; and `objectives`, a list of figures to improve. A single number as bound
         is the greatest value, but the least for those in `drive_requirement.GREATER`, which are
@@ -110,11 +118,12 @@ def design_drive(
     """
     asked = drive_requirement(requirement)
     size = len(asked.ranges)
-    points = _tried(asked, qmc.Sobol(size, seed=seed).random_base2(_FIRST))
+    first, more = _POINTS[asked.subject.name]
+    points = _tried(asked, qmc.Sobol(size, seed=seed).random_base2(first))
     tried = points.good.size
     if not points.good.any():
         return DriveDesigns(asked, (), tried, _reason(asked, points))
-    around = qmc.Sobol(size, seed=seed).random_base2(_AROUND) - 0.5
+    around = qmc.Sobol(size, seed=seed).random_base2(more) - 0.5
     best = _best(asked, points, count)
     for number, shrink in enumerate(_SHRINKS, 1):
         set_stage(f"improving the designs, round {number} of {len(_SHRINKS)}")
@@ -122,14 +131,14 @@ def design_drive(
         found = _tried(asked, np.clip(near.reshape(-1, size), 0.0, 1.0))
         tried += found.good.size
         best = _best(asked, best | found, count)
-    plan = _plan(asked, best.shares)
+    plan = _plan(asked, best.shares, asked.frictions[1] if asked.frictions else None)
     order = np.argsort(_costs(asked, best)[:, 0], kind="stable")
     designs = tuple(_made(asked, plan, best, int(case)) for case in order)
     return DriveDesigns(asked, designs, tried, "done")
 
 
-def _plan(asked: DriveRequirement, shares: FloatArray) -> StudyPlan:
-    """The study of the drives at points of the unit cube."""
+def _plan(asked: DriveRequirement, shares: FloatArray, friction: float | None) -> StudyPlan:
+    """The study at points of the unit cube, with a friction if that is uncertain."""
     columns = {}
     for (name, (low, high)), share in zip(asked.ranges.items(), shares.T, strict=True):
         if asked.entries[name].whole:
@@ -140,17 +149,21 @@ def _plan(asked: DriveRequirement, shares: FloatArray) -> StudyPlan:
         else:
             column = low + share * (high - low)
         columns[name] = column.tolist()
-    names = [*dict.fromkeys((*asked.objectives, *asked.bounds))]
-    sample = {"method": "list", **columns}
-    return parse_plan({**asked.study, "results": names, "sample": sample})
+    names = {*asked.objectives, *asked.bounds, *(["period"] if asked.frictions else [])} - {SCATTER}
+    study = {**asked.study, "results": sorted(names), "sample": {"method": "list", **columns}}
+    return parse_plan(study if friction is None else study | {"friction": friction})
 
 
 def _tried(asked: DriveRequirement, shares: FloatArray) -> _Points:
     """Points, and their figures; good are those within the bounds."""
-    study = run_plan(_plan(asked, shares))
-    values = {name: np.asarray(x, dtype=float) for name, x in study.results.items()}
-    good = np.asarray(study.results["status"]) == 0
-    del values["status"]
+    frictions = asked.frictions or (None,)
+    studies = [run_plan(_plan(asked, shares, friction)) for friction in frictions]
+    good = np.all([study.results["status"] == 0 for study in studies], axis=0)
+    middle = studies[len(studies) // 2].results
+    values = {name: np.asarray(x, dtype=float) for name, x in middle.items() if name != "status"}
+    if asked.frictions:
+        periods = [study.results["period"] for study in studies]
+        values[SCATTER] = 0.5 * np.ptp(periods, axis=0) / values["period"]
     for name, (low, high) in asked.bounds.items():
         good &= (values[name] >= low) & (values[name] <= high)
     for name in asked.objectives:
@@ -178,24 +191,25 @@ def _best(asked: DriveRequirement, points: _Points, count: int) -> _Points:
 def _made(asked: DriveRequirement, plan: StudyPlan, points: _Points, case: int) -> DriveDesign:
     """The design at a point."""
     values = {
-        name: float(x[case]) * factor(DRIVE.figures[name].kind, asked.system)
+        name: float(x[case]) * factor(asked.figures[name].kind, asked.system)
         for name, x in points.values.items()
     }
     given = plan.values(case)
-    return DriveDesign(plan.drive(case), {name: given[name] for name in asked.ranges}, values)
+    made = plan.drive(case) if asked.subject is DRIVE else plan.escapement(case)
+    return DriveDesign(made, {name: given[name] for name in asked.ranges}, values)
 
 
 def _reason(asked: DriveRequirement, points: _Points) -> str:
     """The bound that no point satisfies, or all if each is satisfied by some point."""
     for name, (low, high) in asked.bounds.items():
         values = points.values[name][np.isfinite(points.values[name])]
-        unit = printed(DRIVE.figures[name].kind, asked.system)
+        unit = printed(asked.figures[name].kind, asked.system)
         if not values.size:
-            return f"{name} does not exist for any of these drives; look what it needs"
+            return f"{name} does not exist for any of these; look what it needs"
         for rule, limit, end, word in (
             ("at most", high, values.min(), "least"), ("at least", low, values.max(), "greatest"),
         ):  # fmt: skip
             if end > limit if rule == "at most" else end < limit:
                 wanted, reached = (f"{show(float(x))} {unit}".rstrip() for x in (limit, end))
                 return f"{name} must be {rule} {wanted}, and the {word} found is {reached}"
-    return "no drive satisfies all bounds together; relax " + " or ".join(asked.bounds or ["them"])
+    return "none satisfies all bounds together; relax " + " or ".join(asked.bounds or ["them"])

@@ -44,18 +44,8 @@ class Chain(NamedTuple):
         """A closed chain run through the other way, with the material still named on the left."""
         return Chain(self.points[::-1], -np.roll(self.bulges[::-1], -1))
 
-    def nearest(self, point: complex) -> complex:
-        """The point of it that is nearest to another one."""
-        found = (segment.nearest(point) for segment in _segments(self))
-        return min(found, key=lambda one: abs(one - point))
 
-    def sampled(self, count: int) -> ComplexArray:
-        """Points along it, `count` of each segment, its start among them."""
-        shares = np.arange(count) / count
-        return np.concatenate([segment.at(shares) for segment in _segments(self)])
-
-
-class _Segment(NamedTuple):
+class Segment(NamedTuple):
     """A line, or an arc about a centre; `turn` is the angle by which it turns to the left [rad]."""
 
     start: complex
@@ -129,7 +119,18 @@ def features_of(chains: Sequence[Chain], fold: int = 1) -> Features:
     return Features(kinds, x, y, direction=direction, extent=extent, radius=radius, fold=fold)
 
 
-def _segments(chain: Chain) -> list[_Segment]:
+def nearest(segments: Sequence[Segment], point: complex) -> complex:
+    """The point of a chain that is nearest to another one."""
+    return min((one.nearest(point) for one in segments), key=lambda found: abs(found - point))
+
+
+def sampled(segments: Sequence[Segment], count: int) -> ComplexArray:
+    """Points along a chain, `count` of each segment, its start among them."""
+    shares = np.arange(count) / count
+    return np.concatenate([segment.at(shares) for segment in segments])
+
+
+def segments_of(chain: Chain) -> list[Segment]:
     """The segments of a chain, without those that have no length."""
     starts = chain.points[: chain.bulges.size]
     along, turns = np.roll(chain.points, -1)[: starts.size] - starts, 4.0 * np.arctan(chain.bulges)
@@ -138,7 +139,7 @@ def _segments(chain: Chain) -> list[_Segment]:
     lists = (values.tolist() for values in (starts, starts + along, turns, centres))
     near = _SAME * max(np.ptp(chain.points.real), np.ptp(chain.points.imag))
     return [
-        _Segment(*found)
+        Segment(*found)
         for found, size in zip(zip(*lists, strict=True), np.abs(along), strict=True)
         if size > near
     ]
@@ -147,7 +148,7 @@ def _segments(chain: Chain) -> list[_Segment]:
 def _rows(chain: Chain, fold: int) -> list[tuple[float, ...]]:
     """The features of one chain, each with the numbers of `Features`."""
     points, sector = chain.points, np.exp(2j * np.pi / fold)
-    segments = _merged(_segments(chain), chain.closed)
+    segments = _merged(segments_of(chain), chain.closed)
     # the joint after the last segment is that with the first, of the next sector in an open chain
     following = None
     if chain.closed:
@@ -167,7 +168,7 @@ def _rows(chain: Chain, fold: int) -> list[tuple[float, ...]]:
     return rows
 
 
-def _row(segment: _Segment) -> tuple[float, ...]:
+def _row(segment: Segment) -> tuple[float, ...]:
     along, turn = segment.end - segment.start, segment.turn
     if turn == 0.0:
         start = segment.start
@@ -180,7 +181,7 @@ def _row(segment: _Segment) -> tuple[float, ...]:
     return kind, centre.real, centre.imag, middle, 0.5 * abs(turn), radius
 
 
-def _merged(segments: list[_Segment], closed: bool) -> list[_Segment]:
+def _merged(segments: list[Segment], closed: bool) -> list[Segment]:
     """The segments, with neighbours that lie on one line or one circle made one."""
     found = segments[:1]
     for segment in segments[1:]:
@@ -193,11 +194,11 @@ def _merged(segments: list[_Segment], closed: bool) -> list[_Segment]:
     return found
 
 
-def _joined(one: _Segment, two: _Segment) -> _Segment | None:
+def _joined(one: Segment, two: Segment) -> Segment | None:
     """Two segments as one, None where they do not lie on one line or circle."""
     turn = math.remainder(two.direction(False) - one.direction(True), 2.0 * math.pi)
     if abs(turn) > _TANGENT or (one.turn == 0.0) != (two.turn == 0.0) or one.turn * two.turn < 0.0:
         return None
     if one.turn != 0.0 and abs(one.centre - two.centre) > _SAME * abs(one.start - one.centre):
         return None
-    return _Segment(one.start, two.end, one.turn + two.turn, one.centre)
+    return Segment(one.start, two.end, one.turn + two.turn, one.centre)

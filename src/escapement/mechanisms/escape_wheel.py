@@ -165,10 +165,15 @@ class EscapeWheel(TwoBodies):
         ]
         return sides[0], sides[1]
 
+    @cached_property
+    def _pallets(self) -> list[list[chains.Segment]]:
+        """The lines and arcs of both pallets."""
+        return [chains.segments_of(chain) for chain in self.follower_chains]
+
     def pushed(self, pallet: int, phi: FloatArray) -> tuple[Any, Any]:
         """Where a tooth pushes a pallet at ascending verge angles, and the normal; complex."""
-        chain, apart = self.follower_chains[pallet], self.axes_distance
-        points = apart + chain.sampled(_FACES) * np.exp(1j * phi)[:, None]
+        apart = self.axes_distance
+        points = apart + chains.sampled(self._pallets[pallet], _FACES) * np.exp(1j * phi)[:, None]
         radius = np.abs(points)
         side = self.tooth_angles(np.minimum(radius, 1.0))[1]
         ahead = np.where(radius <= 1.0, np.angle(points) - side, np.inf)
@@ -181,7 +186,7 @@ class EscapeWheel(TwoBodies):
     def innermost(self, pallet: int, phi: float) -> complex:
         """The point of a pallet that is nearest to the wheel's axis at a verge angle."""
         turn, apart = cmath.exp(1j * phi), self.axes_distance
-        return complex(apart + turn * self.follower_chains[pallet].nearest(-apart / turn))
+        return complex(apart + turn * chains.nearest(self._pallets[pallet], -apart / turn))
 
     def blocked(self, phi: FloatArray, samples: int) -> FloatArray:
         """Wheel angles between which a pallet stands in the way of a tooth, shape (n, 2, 2).
@@ -191,8 +196,10 @@ class EscapeWheel(TwoBodies):
         points of each line and arc of a pallet are compared with the teeth.
         """
         root, found = 1.0 - self.tooth_depth / self.wheel_radius, []
-        for chain in self.follower_chains:
-            points = self.axes_distance + chain.sampled(samples) * np.exp(1j * phi)[:, None]
+        for pallet in self._pallets:
+            points = (
+                self.axes_distance + chains.sampled(pallet, samples) * np.exp(1j * phi)[:, None]
+            )
             radius, angles = np.abs(points), np.angle(points)
             trailing, leading = self.tooth_angles(np.clip(radius, root, 1.0))
             crossing, ends = _across_rim(points), []

@@ -39,7 +39,7 @@ class Runaway(EscapeWheel):
         Angles of the leading and the trailing face to the radius [rad]: > 0 where the root is
         ahead of the tip, and behind it.
     pallets : str
-        "pins" or "flat".
+        "pins" (the default) or "flat".
     span : float
         Teeth between the pallets, a whole number and a half.
     pallet_radius : float
@@ -65,7 +65,7 @@ class Runaway(EscapeWheel):
     kind: ClassVar[str] = "runaway"
     summary: ClassVar[str] = "escape wheel and verge with two pins or flat pallets, no spring"
 
-    pallets: str = field(metadata=setting(Choice(
+    pallets: str = field(default=PALLETS[0], kw_only=True, metadata=setting(Choice(
         long_name=f"pallets: {' or '.join(PALLETS)}", allowed=PALLETS, metavar="NAME",
         typical=PALLETS[0], default=PALLETS[0],
     )))  # fmt: skip

@@ -81,7 +81,7 @@ def check_outlines(owner: Any) -> None:
             raise validate.fail(name, rule, value, remedy)
     for role, train in owner.trains.items():
         if (passed := train.efficiency) < 1.0:
-            rule = "1 with outlines of both bodies, whose engine has no trains with losses"
+            rule = "1 with outlines, whose engine does not follow which way power flows"
             remedy = f"give {passed:g} of the torque" if role == "barrel" else ""
             remedy = remedy or f"give 1/{passed:g} of the load torque"
             raise validate.fail(f"{role}_efficiency", rule, passed, remedy)

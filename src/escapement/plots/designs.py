@@ -6,7 +6,6 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from escapement.base.text import words
-from escapement.constant_speed.index_record import INDEX
 from escapement.plots import style
 from escapement.plots.style import finished, readable
 
@@ -33,7 +32,8 @@ def plot_designs(found: "Designs | DriveDesigns") -> Figure:
     from escapement.inverse_design.requirement import BOUNDS
 
     kinds_of_unit = {name: entry.unit for name, entry in BOUNDS.items()}
-    kinds_of_unit |= {name: result.kind for name, result in INDEX.items()}
+    searched = getattr(found.requirement, "figures", {})
+    kinds_of_unit |= {name: result.kind for name, result in searched.items()}
     usual = ("mass", "size") if "mass" in found.designs[0].values else found.designs[0].values
     names = [*dict.fromkeys((*found.requirement.objectives, *usual))][:2]
     # a single figure stands over itself
@@ -47,11 +47,11 @@ def plot_designs(found: "Designs | DriveDesigns") -> Figure:
         columns.append(scale * values)
         labels.append((words(name), unit))
     wheels: list[Any] = [one.mechanism for one in found.designs]
-    kinds = [(wheel.slots, bool(getattr(wheel, "internal", False))) for wheel in wheels]
+    kinds = [(w.slots or 0, bool(getattr(w, "internal", False)), w.kind) for w in wheels]
     for marker, kind in zip(_MARKERS, sorted(set(kinds)), strict=False):
         here = np.array([used == kind for used in kinds])
-        slots, internal = kind
-        label = f"{slots} slots" + ", internal" * internal
+        slots, internal, name = kind
+        label = f"{slots} slots" + ", internal" * internal if slots else name
         axes.plot(columns[0][here], columns[1][here], marker, color=style.BLUE, mfc="none",
                   label=label)  # fmt: skip
     finished(axes, labels[0], labels[1], 2)

@@ -1,0 +1,112 @@
+"""What a user does with bodies that touch anywhere: commands, pages, studies, designs, refusals."""
+
+import json
+import math
+import re
+from pathlib import Path
+
+import pytest
+
+import escapement as esc
+from command_scenes import WHEELS, argv_of
+from escapement.base.errors import InvalidValue
+
+VERGE = esc.Runaway(
+    teeth=12, wheel_radius=1.0, tooth_depth=0.22, lead=math.radians(45), back=math.radians(15),
+    tip_radius=0.01, span=2.5, pallet_radius=1.02, pin_radius=0.05,
+)  # fmt: skip
+LOAD = esc.LoadCurve((0.0, 3.0, 2.0 * math.pi), (0.1, 0.2, 0.1))
+
+BODIES = ("--torque", 1.0, "--driver-inertia", 1.0, "--follower-inertia", 0.3)
+
+
+def test_a_motion_is_drawn_and_played_and_angles_are_told_in_degrees(command):
+    argv = argv_of("run", "runaway", WHEELS["runaway"])[1:]
+    code, out, err = command("run", *argv, *BODIES, "--engagements", 2, "-o", "m.h5", "--json")
+    assert code == 0, err
+    assert json.loads(out)["inputs"]["lead_deg"] == 45.0
+    for name in ("m.png", "m.html"):
+        assert command("plot", "m.h5", "-o", name)[0] == 0
+    told = re.search(r'id="data">(.*?)</script>', Path("m.html").read_text("utf-8"), re.DOTALL)
+    played = json.loads(told[1])["motion"]
+    assert (played["entry"], played["touching"], played["meshed"]) == (0.0, True, False)
+    numbers = {name: value for name, value in WHEELS["runaway"].items() if name != "lead"}
+    lines = [f"{name} = {value}" for name, value in numbers.items()]
+    study = ["torque = 1.0", "[mechanism]", 'kind = "runaway"', *lines, "[inertia]"]
+    study += ["driver = 1.0", "follower = 0.3", "[sweep]", "lead = [44, 45]"]
+    Path("s.toml").write_text("\n".join(study))
+    code, out, err = command("sweep", "s.toml", "--json", "--quiet")
+    assert code == 0, err
+    inputs = json.loads(out)["inputs"]
+    assert inputs["lead_deg"] == pytest.approx([44.0, 45.0])
+    assert inputs["back_deg"] == pytest.approx(15.0)
+
+
+@pytest.mark.parametrize(
+    ("given", "told"),
+    [
+        ({"pin_length": 0.1}, "stresses are told of pins in straight slots"),
+        ({"barrel": esc.Train(3.0, 0.9)}, "give 0.9 of the torque"),
+        ({"load_train": esc.Train(3.0, 0.9), "load_torque": 0.1}, "give 1/0.9 of the load torque"),
+        ({"load_curve": LOAD}, "their follower swings"),
+        ({"follower_rest_angle": 0.1}, "give follower_spring or follower_gravity"),
+    ],
+)
+def test_what_bodies_with_outlines_cannot_have_is_told_with_a_remedy(given, told):
+    with pytest.raises(InvalidValue, match=told):
+        esc.Escapement(VERGE, esc.Inertia(1.0, 0.3), 1.0, **given)
+
+
+def test_what_needs_a_transmission_is_refused():
+    verge = VERGE
+    timer = esc.Escapement(verge, esc.Inertia(1.0, 0.3), 1.0)
+    with pytest.raises(InvalidValue, match="must have a transmission function"):
+        verge.follower_angle(0.1)
+    with pytest.raises(InvalidValue, match="must have a transmission function"):
+        esc.index(verge, 1.0, 1.0, follower_inertia=1.0)
+    with pytest.raises(InvalidValue, match="whose beats are blows"):
+        esc.fit_run_up(None, timer)
+
+
+WISH = {
+    "study": "escapement", "torque": 1.0, "friction": [0.05, 0.35],
+    "mechanism": {
+        "kind": "runaway", "teeth": 12, "wheel_radius": 1.0, "tooth_depth": 0.22, "lead": 45,
+        "back": 15, "tip_radius": 0.01, "span": 2.5, "pallet_radius": 1.02, "pin_radius": 0.05,
+    },
+    "inertia": {"driver": 1.0}, "ranges": {"follower_inertia": [0.2, 20.0]},
+    "objectives": ["scatter", "blow_max"],
+}  # fmt: skip
+
+
+@pytest.mark.slow
+def test_a_search_finds_the_verge_that_friction_changes_least():
+    """The scatter has its least at one inertia, which bisection of its slope finds as well."""
+    found = esc.design_drive(WISH, count=6)
+    best = found.designs[0]
+
+    def scatter(inertia):
+        periods = [
+            esc.terminal(esc.Escapement(VERGE, esc.Inertia(1.0, inertia), 1.0, friction=mu)).period
+            for mu in (0.05, 0.2, 0.35)
+        ]
+        return 0.5 * (max(periods) - min(periods)) / periods[1]
+
+    assert best.values["scatter"] == pytest.approx(scatter(best.chosen["follower_inertia"]))
+    inertias = [0.2 * 100.0 ** (k / 60) for k in range(61)]
+    assert best.values["scatter"] <= min(map(scatter, inertias))
+    assert best.drive.friction == pytest.approx(0.2)
+    blows = [one.values["blow_max"] for one in found.designs]
+    assert blows == sorted(blows, reverse=True)
+    esc.plots.plot_designs(found)
+
+
+def test_a_wish_for_a_timer_is_refused_with_a_reason():
+    for change, told in (
+        ({"ranges": {"speed": [1.0, 2.0]}}, "unknown key 'speed'"),
+        ({"objectives": ["torque_rms"]}, "objectives must be"),
+        ({"friction": [0.3, 0.1]}, "friction must be"),
+        ({"friction": 0.2}, "objectives must be"),
+    ):
+        with pytest.raises(InvalidValue, match=told):
+            esc.design_drive(WISH | change)
