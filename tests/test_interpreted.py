@@ -159,10 +159,27 @@ def test_what_is_inlined_is_inlined_after_the_change_over(tmp_path):
     assert "two_more" in only.name
 
 
+OTHERS = """
+from dataclasses import replace
+plain, pins = scenes[0], {"pallets": "pins", "span": 2.5, "pallet_radius": 1.02, "pin_radius": 0.05}
+teeth = {"teeth": 12, "wheel_radius": 1.0, "tooth_depth": 0.22, "lead": 0.785, "back": 0.262}
+runaway = esc.Runaway(**teeth, **pins, tip_radius=0.01)
+scenes += [
+    replace(plain, torque=esc.TorqueCurve(speed=[0.0, 200.0], torque=[torque, 0.0])),
+    replace(scenes[-1], stiffness=1e6, restitution=0.0),
+    esc.Escapement(runaway, esc.Inertia(1.0, 0.3), 1.0, friction=0.15),
+]
+for scene in scenes:
+    motion = esc.simulate(scene, 2)
+    motion.reversals, motion.samples, motion.balance(), esc.terminal(scene)
+esc.sweep(plain, results=["period", "contact_moment_max"], friction=[0.1, 0.2])
+"""
+
+
 def test_the_command_compiles_what_the_others_need():
     """The suite's cache is filled by it, so that a command in a new process compiles nothing."""
     code = "from escapement.base.notice import notice\nfrom escapement.cli import main\n"
-    code += f"main({RUN[2:]!r})\nprint(notice.done, end='')"
+    code += f"main({RUN[2:]!r})\n{SCENES}{OTHERS}print(notice.done, end='')"
     assert esc  # the package of this process is that of the new one
     done = subprocess.run(
         [sys.executable, "-c", code], capture_output=True, text=True, timeout=120, check=True

@@ -1,6 +1,6 @@
 """compile all numerical code for this machine, so that later work begins at once"""
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterable
 from typing import TYPE_CHECKING, Any
 
 from escapement.cli import _output
@@ -37,47 +37,34 @@ def compile_all(processes: int = 1) -> int:
     """
     from multiprocessing import get_context
 
-    from escapement.base.notice import notice
     from escapement.numerics import jit
-    from escapement.numerics.interpreted import compile_from_now_on
 
-    compile_from_now_on()
-    apart, other = None, 0
+    apart, found = None, None
     if processes > 1 and jit.fcntl is not None:
         context = get_context("spawn")
         found = context.Value("i", 0)
-        apart = context.Process(target=_solve_apart, args=(found,), daemon=True)
+        apart = context.Process(target=_compile, args=(_APART, found), daemon=True)
         apart.start()
-    for timer in (free := [*_timers()]):
-        _solve(timer, ("energy", "ivp"))
-    _solve_others(free[0])
+    done = _compile(_FIRST)
     if apart is not None:
         apart.join()
-        other = found.value
     if apart is None or apart.exitcode != 0:
-        _solve_apart()
+        done = _compile(_APART)
     jit.note_all_compiled()
-    return notice.done + other
+    return done + (found.value if found else 0)
 
 
-def _solve_apart(found: Any = None) -> None:
-    """Solve what shares little code with the rest, and tell how many functions that took.
-
-    These are a case of each kind of contact, and drives at constant speed.
-    """
-    import escapement as esc
+def _compile(solvers: Iterable[Callable[[], None]], found: Any = None) -> int:
+    """Call functions that solve cases, and tell how many kernels this process has compiled."""
     from escapement.base.notice import notice
     from escapement.numerics.interpreted import compile_from_now_on
 
     compile_from_now_on()
-    wheel = esc.Geneva(slots=4, crank_radius=0.01, pin_radius=0.001, clearance=1e-5)
-    rigid = esc.Escapement(wheel, _inertia(), _TORQUE, friction=0.2)
-    compliant = esc.Escapement(wheel, _inertia(), _TORQUE, friction=0.2, stiffness=1e6)
-    for timer in (rigid, compliant):
-        _solve(timer, ("contact",))
-    _solve_drives()
+    for solve in solvers:
+        solve()
     if found is not None:
         found.value = notice.done
+    return notice.done
 
 
 def _inertia() -> "Inertia":
@@ -86,24 +73,7 @@ def _inertia() -> "Inertia":
     return esc.Inertia(3.39e-7, 5.65e-6)
 
 
-def _timers() -> Iterator["Escapement"]:
-    """A timer without contact of every kind that has numerical code of its own."""
-    import escapement as esc
-
-    inertia = _inertia()
-    curve = esc.TorqueCurve([0.0, 1.0, 2.0], [_TORQUE, 0.9 * _TORQUE, _TORQUE], periodic=True)
-    plain = esc.Geneva(slots=4)
-    uneven = esc.Geneva(slots=4, crank_radius=0.01, slot_offsets=(1e-5, 0.0, 0.0, 0.0))
-    rolling = esc.GearDriven(8, 1, "epicycloid")
-    yield esc.Escapement(plain, inertia, _TORQUE, friction=0.35)
-    yield esc.Escapement(plain, inertia, _TORQUE, follower_drag=1e-9)
-    yield esc.Escapement(plain, inertia, _TORQUE, follower_viscous=1e-6)
-    yield esc.Escapement(plain, inertia, curve, friction=0.2)
-    yield esc.Escapement(uneven, inertia, _TORQUE, friction=0.2)
-    yield esc.Escapement(rolling, inertia, _TORQUE, friction=0.1)
-
-
-def _solve(timer: "Escapement", engines: tuple[str, ...]) -> None:
+def _solve(timer: "Escapement", *engines: str) -> None:
     """A motion, with all that can be asked of it, and the terminal cycle."""
     import escapement as esc
 
@@ -113,20 +83,74 @@ def _solve(timer: "Escapement", engines: tuple[str, ...]) -> None:
         esc.terminal(timer, engine=engine)
 
 
-def _solve_others(timer: "Escapement") -> None:
-    """A run-down, a study, and limits."""
-    from dataclasses import replace
+def _solve_free() -> None:
+    """A timer without contact of every kind that has numerical code of its own."""
+    import escapement as esc
+
+    inertia, plain = _inertia(), esc.Geneva(slots=4)
+    curve = esc.TorqueCurve([0.0, 1.0, 2.0], [_TORQUE, 0.9 * _TORQUE, _TORQUE], periodic=True)
+    uneven = esc.Geneva(slots=4, crank_radius=0.01, slot_offsets=(1e-5, 0.0, 0.0, 0.0))
+    for timer in (
+        esc.Escapement(plain, inertia, _TORQUE, friction=0.35),
+        esc.Escapement(plain, inertia, _TORQUE, follower_viscous=1e-6),
+        esc.Escapement(plain, inertia, curve, friction=0.2),
+        esc.Escapement(uneven, inertia, _TORQUE, friction=0.2),
+        esc.Escapement(esc.GearDriven(8, 1, "epicycloid"), inertia, _TORQUE, friction=0.1),
+    ):
+        _solve(timer, "energy", "ivp")
+
+
+def _solve_others() -> None:
+    """Run-downs, studies, and limits."""
+    import escapement as esc
+
+    inertia, wheel = _inertia(), esc.Geneva(slots=4, crank_radius=0.01)
+    timer = esc.Escapement(wheel, inertia, _TORQUE, friction=0.2, spring_rate=6e-4)
+    esc.rundown(timer)
+    _solve(timer, "ivp")
+    esc.sweep(timer, results=["period", "contact_force_max"], friction=[0.2, 0.3])
+    uneven = {"slot_offsets": {"tolerance": 1e-5}}
+    esc.budget(esc.Escapement(wheel, inertia, _TORQUE, friction=0.2), uneven, size=32)
+    esc.critical_friction(wheel, inertia)
+    esc.terminal(esc.Escapement(wheel, inertia, _TORQUE, friction=2.0))
+
+
+def _compile_for_losses() -> None:
+    """The long kernels for losses in bearings and air, and for torques over the speed."""
+    from escapement.dynamics.needs import Kind
+    from escapement.engines.energy.calls import kernel_addresses
+
+    for kind in (Kind.SPEED, Kind.STEADY):
+        kernel_addresses(kind)
+
+
+def _solve_contact() -> None:
+    """A case of each kind of contact."""
+    import escapement as esc
+
+    wheel = esc.Geneva(slots=4, crank_radius=0.01, pin_radius=0.001, clearance=1e-5)
+    rigid = esc.Escapement(wheel, _inertia(), _TORQUE, friction=0.2)
+    for timer in (rigid, esc.Escapement(wheel, _inertia(), _TORQUE, friction=0.2, stiffness=1e6)):
+        _solve(timer, "contact")
+
+
+def _solve_two_bodies() -> None:
+    """Pallets on an escape wheel."""
+    from math import radians
 
     import escapement as esc
 
-    esc.rundown(replace(timer, spring_rate=6e-4))
-    esc.sweep(timer, friction=[0.2, 0.3])
-    esc.critical_friction(timer.mechanism, timer.inertia)
+    wheel = esc.Runaway(
+        teeth=12, wheel_radius=1.0, tooth_depth=0.22, lead=radians(45), back=radians(15),
+        tip_radius=0.01, pallets="pins", span=2.5, pallet_radius=1.02, pin_radius=0.05,
+    )  # fmt: skip
+    _solve(esc.Escapement(wheel, esc.Inertia(1.0, 0.3), 1.0, friction=0.15), "two_bodies")
 
 
 def _solve_drives() -> None:
-    """Drives at constant speed, and a study of them."""
+    """Drives at constant speed, a study of them, and the printed program of 1973."""
     import escapement as esc
+    from escapement.sources.meyer.program import program_1973
 
     for mechanism in (esc.Geneva(slots=4), esc.Geneva(slots=6, internal=True)):
         esc.drive_torque(mechanism, 10.0, 0.1, 1e-4, friction=0.1)
@@ -134,3 +158,10 @@ def _solve_drives() -> None:
     drive = esc.index(wheel, 6.0, follower_inertia=0.4, load_frequency=15.0)
     _ = drive.torque_max, drive.entry_impact_speed, drive.deflection_max, drive.at(0.0)
     esc.sweep(drive, speed=[6.0, 7.0])
+    esc.reversal_study(4, 1.0)
+    program_1973(4, 0.35, 0.1, 3e-6, 5e-5, duration=0.001)
+
+
+_FIRST = _solve_free, _solve_others, _solve_drives
+_APART = _compile_for_losses, _solve_contact, _solve_two_bodies
+"""What two processes solve, which takes both about as long."""
