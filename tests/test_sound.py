@@ -17,6 +17,7 @@ RATE = 48000
 TIMER = esc.Escapement(
     esc.Geneva(5, pins=3), esc.Inertia(3.39e-7, 5.65e-6), torque=0.0113, friction=0.3
 )
+ENCODERS = esc.Readings(np.arange(30.0), np.arange(30.0))
 MODEL = [
     *("geneva", "--slots", "5", "--pins", "3", "--torque", ".0113"),
     *("--driver-inertia", "3.39e-7", "--follower-inertia", "5.65e-6"),
@@ -208,7 +209,7 @@ def test_a_text_without_beats_is_refused(tmp_path, text, words):
 
 def test_saved_beats_are_read_back(tmp_path):
     beats = esc.read_beats(written(tmp_path / "a.wav", ticks()))
-    esc.write_beats(beats, tmp_path / "a.csv")
+    esc.write_readings(beats, tmp_path / "a.csv")
     assert esc.read_beats(tmp_path / "a.csv").time.tolist() == beats.time.tolist()
 
 
@@ -312,6 +313,9 @@ def test_the_command_writes_beats_and_a_picture(tmp_path, capsys):
         (lambda: esc.synthetic_recording([-1.0]), "times must be"),
         (lambda: esc.read_beats("a.txt", nominal=0.0), "nominal must be"),
         (lambda: estimates(ticks(10)), "beats must be 18 or more"),
+        (lambda: esc.Readings.of_beats([1.0, 3.0, 2.0]), "time 2 must be later than"),
+        (lambda: esc.measure(instants(ticks(10)), esc.Geneva(4)), "must be those of encoders"),
+        (lambda: esc.fit_beats(ENCODERS, TIMER), "must be Readings of beats"),
         (lambda: esc.write_recording("a.wav", [np.nan]), "recording must be"),
     ],
 )

@@ -27,6 +27,7 @@ _FORMER = {
     "compare_rungs": "compare_fidelity",
     "fit_run_up": "fit_motion",
     "load_wish": "load_requirement",
+    "write_beats": "write_readings",
 }
 """Names that go with the next release, and those that replace them."""
 

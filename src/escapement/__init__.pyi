@@ -46,7 +46,6 @@ from escapement.measurement import read_recording as read_recording
 from escapement.measurement import synthetic_readings as synthetic_readings
 from escapement.measurement import synthetic_recording as synthetic_recording
 from escapement.measurement import timekeeping as timekeeping
-from escapement.measurement import write_beats as write_beats
 from escapement.measurement import write_readings as write_readings
 from escapement.measurement import write_recording as write_recording
 from escapement.mechanisms import CamIndexer as CamIndexer

@@ -80,7 +80,9 @@ def execute(args: Arguments) -> int:
     def plot(plots: Any) -> Any:
         return plots.plot_run_up(beats, fit) if run_up else plots.plot_timing(beats, keeping, sound)
 
-    _output.save(args, lambda: partial(esc.write_beats, beats, args.output, force=args.force), plot)
+    _output.save(
+        args, lambda: partial(esc.write_readings, beats, args.output, force=args.force), plot
+    )
     record = record_of_beats(beats, keeping, fit, args.units)
     _output.tell(args, record, inputs_of(escapement) if escapement else ())
     return 0

@@ -28,7 +28,7 @@ From sound to beats: read `beat_times` first.
 `measurement_record` has all that is reported.
 """
 
-from escapement.measurement.beat_times import read_beats, write_beats
+from escapement.measurement.beat_times import read_beats
 from escapement.measurement.beats import BeatFit, fit_beats
 from escapement.measurement.comparison import Measurement, measure, write_errors
 from escapement.measurement.encoder import (
@@ -71,6 +71,6 @@ __all__ = [
     "beat_spectrum", "chi_squared", "class_count", "fit_beats", "fit_motion",
     "histogram", "measure", "position", "published_chi_squared", "read_beats", "read_readings",
     "read_recording", "sensor_share", "sensor_uncertainty", "slope", "sturges",
-    "synthetic_readings", "synthetic_recording", "timekeeping", "write_beats", "write_errors",
+    "synthetic_readings", "synthetic_recording", "timekeeping", "write_errors",
     "write_readings", "write_recording",
 ]  # fmt: skip

@@ -8,20 +8,18 @@ import numpy as np
 from escapement.base import validate
 from escapement.base.columns import wrong_unit
 from escapement.base.errors import InputFileError, InvalidValue
-from escapement.base.files import AnyPath, write_file
+from escapement.base.files import AnyPath
 from escapement.base.headings import TIMES, name_and_unit
 from escapement.base.lines import BrokenLine
-from escapement.base.text import csv_lines
 from escapement.base.text_table import Content, Layout, read_table
 from escapement.measurement.loggers import check_increasing
 from escapement.measurement.onsets import Onsets, find_onsets
 from escapement.measurement.readings import Readings
 from escapement.measurement.recording import is_recording, read_recording
-from escapement.measurement.rhythm import FEWEST, Rhythm, find_rhythm
+from escapement.measurement.rhythm import Rhythm, find_rhythm
 from escapement.mechanisms.protocol import FloatArray
 
 HOUR = 3600.0
-_SAVED = "time [s],half_width [s],loudness"
 _INTERVALS = ("interval", "intervals", "beat", "beats", "duration", "durations", "period")
 _INSTANTS = ("time", "times", "t", "timestamp", "onset", "onsets")
 _CONTENT = Content("file of beats", "times", "a column of times, or of intervals", single=True)
@@ -81,7 +79,7 @@ def read_beats(
     try:
         if not is_recording(path):
             check_increasing("time", found.times)
-        rhythm = _every(found) if run_up else find_rhythm(found, expected)
+        rhythm = find_rhythm(found, expected, run_up)
     except InvalidValue as error:
         what = "recording" if is_recording(path) else "file"
         raise InputFileError(f"{what} {path} must hold beats: {error}") from None
@@ -111,30 +109,6 @@ def _remarks(rhythm: Rhythm, times: FloatArray, duration: float) -> Iterator[str
         yield f"{extra} other sounds are left out"
     if max(heard[0], duration - heard[-1]) > 10.0 * np.ptp(heard) / times.size:
         yield f"beats are heard from {heard[0]:.3g} s to {heard[-1]:.3g} s of {duration:.3g} s"
-
-
-def _every(found: Onsets) -> Rhythm:
-    """Each sure sound as a beat."""
-    sure = np.flatnonzero(found.sure)
-    if sure.size < FEWEST:
-        raise InvalidValue(
-            f"a run-up must have {FEWEST} beats or more, got {sure.size}; record from the release "
-            "on"
-        )
-    return Rhythm(sure, np.empty(0, int), 1)
-
-
-def write_beats(beats: Readings, path: AnyPath, *, force: bool = False) -> None:
-    """Write the beats that were heard as a CSV file, which `read_beats` reads.
-
-    Raises
-    ------
-    CannotCreate, StorageError
-        As `escapement.base.files.write_file`.
-    """
-    each = beats.time, beats.half_widths, beats.loudness
-    columns = [np.asarray(values)[beats.beats] for values in each]
-    write_file(path, [(_SAVED + "\n").encode(), csv_lines(columns)], force)
 
 
 def read_times(path: AnyPath, time_unit: str | None = None) -> FloatArray:

@@ -188,6 +188,8 @@ def measure(
         remedy = "give Readings(input, output) in rad"
         raise validate.fail("readings", "Readings or a path", readings, remedy)
     taken = readings if isinstance(readings, Readings) else read_readings(readings)
+    if taken.half_widths is not None:
+        raise validate.fail("readings", "those of encoders", readings, "see escapement.timekeeping")
     check_samples(taken.samples, taken.input.size)
     # the input of samples without an output helps to count turns, so they are left out last
     angle, output = taken.counted_input[taken.complete], taken.output[taken.complete]

@@ -14,7 +14,7 @@ from escapement.base.columns import Columns, read_columns
 from escapement.base.errors import InputFileError, InvalidValue
 from escapement.base.files import write_file
 from escapement.base.headings import COUNTS
-from escapement.base.text import Shown
+from escapement.base.text import Shown, csv_lines
 from escapement.measurement.loggers import check_increasing, checked_times, row_of, unrolled
 from escapement.mechanisms.protocol import FloatArray
 
@@ -25,6 +25,7 @@ WITHIN = "within 1e10 turns of zero, so that rounding stays below a thousandth o
 LEAST_SAMPLES = 20
 """Of fewer samples, too few degrees of freedom would be left for tests."""
 _SYNTHETIC = "# synthetic"
+_BEATS = b"time [s],half_width [s],loudness\n"
 _BLOCK = 1 << 17  # so many samples are worked on at once, which keeps temporary arrays small
 
 
@@ -96,6 +97,7 @@ class Readings(Shown):
         check_increasing("time", at)
         wide = np.broadcast_to(np.asarray(half_widths, float), at.shape)
         number = np.arange(1.0, at.size + 1.0)
+        more = {"loudness": np.full(at.size, np.nan)} | more
         return cls(number, np.full(at.size, np.nan), time=at, half_widths=wide, **more)
 
     def __post_init__(self) -> None:
@@ -311,7 +313,7 @@ def _unrolled(found: Columns, pair: tuple[int, int], remarks: list[str]) -> Iter
 def write_readings(
     readings: Readings, path: str | PathLike[str], *, note: str = "", force: bool = False
 ) -> None:
-    """Write readings as `read_readings` reads them.
+    """Write readings as `read_readings` reads them, or the beats that were heard.
 
     Parameters
     ----------
@@ -320,7 +322,7 @@ def write_readings(
     path : path
         The file.
     note : str
-        A comment for the beginning of the file.
+        A comment for the beginning of the file; beats have none.
     force : bool
         Whether an existing file may be replaced.
 
@@ -329,8 +331,13 @@ def write_readings(
     CannotCreate, StorageError
         If the file cannot be created, or writing fails.
     """
-    columns = {"input_deg": readings.input, "output_deg": readings.output}
-    write_table(path, columns, readings.synthetic, note, force)
+    if readings.half_widths is not None:
+        each = readings.time, readings.half_widths, readings.loudness
+        columns = [np.asarray(values)[readings.beats] for values in each]
+        write_file(path, [_BEATS, csv_lines(columns)], force)
+        return
+    angles = {"input_deg": readings.input, "output_deg": readings.output}
+    write_table(path, angles, readings.synthetic, note, force)
 
 
 def write_table(

@@ -18,8 +18,7 @@ from escapement.measurement.loggers import row_of
 from escapement.measurement.onsets import Onsets
 from escapement.mechanisms.protocol import FloatArray
 
-FEWEST = 8
-"""Sounds below which no rhythm is sought."""
+_FEWEST = 8  # sounds of which a rhythm is sought
 _MOST = 4  # sounds in a cycle
 _ALTERNATES = 3.0  # so much less do intervals of several sounds scatter, if they alternate
 _STEADY = 0.02  # scatter of intervals, as a share, below which they do not alternate
@@ -52,7 +51,7 @@ class _Cycle(NamedTuple):
     shares: FloatArray
 
 
-def find_rhythm(sounds: Onsets, nominal: float | None = None) -> Rhythm:
+def find_rhythm(sounds: Onsets, nominal: float | None = None, run_up: bool = False) -> Rhythm:
     """Number the beats.
 
     Parameters
@@ -61,6 +60,8 @@ def find_rhythm(sounds: Onsets, nominal: float | None = None) -> Rhythm:
         The sounds. Those that are not sure count only where the rhythm expects a beat.
     nominal : float, optional
         Expected time of a beat [s], which tells how many sounds it has.
+    run_up : bool
+        Whether there is no rhythm yet: then each sure sound is a beat.
 
     Raises
     ------
@@ -68,11 +69,13 @@ def find_rhythm(sounds: Onsets, nominal: float | None = None) -> Rhythm:
         When the sounds have no rhythm.
     """
     times, certain = sounds.times, np.flatnonzero(sounds.sure)
-    if certain.size < FEWEST:
+    if certain.size < _FEWEST:
         raise InvalidValue(
-            f"a rhythm must have at least {FEWEST} sounds, got {certain.size}; record longer, or "
+            f"a rhythm must have at least {_FEWEST} sounds, got {certain.size}; record longer, or "
             "nearer to the mechanism"
         )
+    if run_up:
+        return Rhythm(certain, np.empty(0, int), 1)
     cycle = _cycle_of(times[certain])
     per_beat = _sounds_of_beat(cycle, nominal)
     slots, apart = _followed(times[certain], cycle)
@@ -169,7 +172,7 @@ def _check(
     count = cycle.shares.size
     heard = taken.size / (np.ptp(slots[taken]) + 1.0) if taken.size else 0.0
     scatter = float(np.std(apart[taken])) * count / cycle.length if taken.size else math.inf
-    few = taken.size < max(FEWEST * count, _FITTING * slots.size)
+    few = taken.size < max(_FEWEST * count, _FITTING * slots.size)
     if few or heard < _FILLED or scatter > _SCATTER:
         raise InvalidValue(
             f"sounds must have a rhythm, got {slots.size} of which {taken.size} fit the one of "

@@ -210,6 +210,8 @@ def rounds_of(given: ArrayLike | Readings, mechanism: Mechanism, times: bool = F
     if times and not isinstance(given, Readings):
         given = Readings.of_beats(given)
     if isinstance(given, Readings):
+        if given.half_widths is None:
+            raise validate.fail("beats", "Readings of beats", given, "see escapement.read_beats")
         given, times = np.diff(np.asarray(given.time)), True
     values, faults = counted_beats(given)
     faults += [*_displaced(values, size)]

@@ -35,7 +35,7 @@ def plot_timing(
         timegrapher draws it, with the offsets of the positions. Below: amplitudes of what repeats,
         by its frequency.
     """
-    if not isinstance(beats, Readings):
+    if not isinstance(beats, Readings) or beats.half_widths is None:
         raise validate.fail("beats", "Readings of beats", beats, "give what read_beats returns")
     if not isinstance(keeping, Timekeeping):
         raise validate.fail("keeping", "a Timekeeping", keeping, "give what timekeeping returns")
