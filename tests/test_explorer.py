@@ -9,6 +9,7 @@ import pytest
 
 import escapement as esc
 from escapement import explorer
+from escapement.cli import main
 from escapement.explorer.fields import COMPUTED, settings
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -30,6 +31,15 @@ def test_the_page_is_one_small_file_that_asks_for_no_other():
     assert not re.findall(r"""(?:src|href)=["'](?!#|data:)|@import|url\(|fetch\(|import\(""", text)
     assert "default-src 'none'" in text
     assert "/*" + "SCRIPT*/" not in text
+
+
+def test_the_command_has_a_design_of_its_own(tmp_path):
+    for given, slots, friction in ((), 4, 0.2), (("--slots", "6", "--friction", ".1"), 6, 0.1):
+        path = tmp_path / f"{slots}.html"
+        assert main(["explore", *given, "--units", "mm", "-o", str(path)]) == 0
+        design = data_of(path.read_text(encoding="utf-8"))["design"]
+        assert (design["slots"], design["friction"]) == (slots, friction)
+        assert design["crank_radius"] == pytest.approx(0.02)
 
 
 def test_the_page_begins_with_the_design_and_its_words_are_those_of_the_package():

@@ -97,6 +97,12 @@ def test_the_cost_of_a_study_is_told():
     dear = plan_from(TIMER, axes, results=["period", "energy_residual"])
     assert "energy_residual is computed case by case" in cost_note(dear)
     assert cost_note(plan_from(TIMER, axes, results=["period", "pressure_max"])) == ""
+    torque = esc.TorqueCurve((0.0, math.pi, 2.0 * math.pi), (0.01, 0.008, 0.01), True)
+    own = cost_note(plan_from(replace(TIMER, torque=torque), axes, results=["period"]))
+    assert own == (
+        "all figures are computed case by case, about 3 ms for each: some 15 minutes on one "
+        "processor"
+    )
     few = plan_from(TIMER, {"friction": [0.1, 0.2]}, results=["energy_residual"])
     assert cost_note(few) == ""
 

@@ -33,6 +33,7 @@ _FORMER = {
 
 _PICTURES = {
     "escapement.mechanisms.kind": ("Kind", "drawing_above"),
+    "escapement.mechanisms.from_functions": ("FunctionDrive", "drawing_above"),
     "escapement.dynamics.motion": ("Motion", "film_above"),
 }
 """Classes by their homes, and the function of `plots.cells` for what a notebook shows of them."""

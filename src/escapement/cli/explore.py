@@ -1,16 +1,22 @@
-"""Command `explore`: a page that shows a motion, and computes it anew while you drag a number."""
+"""Command `explore`: a page that shows a motion, and computes it anew while you drag a number.
+
+Without torque and inertias it begins with a design of its own.
+"""
 
 import argparse
 from pathlib import Path
 
 from escapement.base.files import PAGES
 from escapement.base.quantity import declared
+from escapement.base.units import factor
 from escapement.cli import _arguments, _output, run
 from escapement.cli._arguments import Arguments, Parser, UsageError
 from escapement.engines.solver import Solver
+from escapement.mechanisms import DEFAULT_KIND
 from escapement.model.escapement import Run
 from escapement.model.inputs import inputs_of
 
+_ASKED = ("torque", "no_load_speed", "driver_inertia", "follower_inertia")
 _LENGTH = {"engagements": declared(Run)["engagements"]}
 
 
@@ -43,9 +49,15 @@ def execute(args: Arguments) -> int:
         args.study, args.kind = args.kind, None
     if args.output is None:
         raise UsageError("--output must name the page to write, got none; add -o page.html")
-    escapement, settings = run.read_case(args)
-    from escapement.explorer import page
+    from escapement.explorer import page, stops
 
+    asked = (getattr(args, name) for name in ("kind", "study", *_ASKED))
+    if all(value in (None, DEFAULT_KIND) for value in asked):
+        for name, value in stops()[0]["designs"][0]["design"].items():
+            if getattr(args, name) is None:
+                scale = factor(args.settings[name].unit, args.units)
+                setattr(args, name, value if scale == 1.0 else value / scale)
+    escapement, settings = run.read_case(args)
     speed, length = settings["initial_speed"], args.engagements or _LENGTH["engagements"].default
     text = page(escapement, initial_speed=speed, engagements=length)
     _output.save(args, lambda: text)

@@ -69,7 +69,7 @@ class Case(Declared):
 
     def __post_init__(self) -> None:
         self.check_fields()
-        check_losses(self, checked(self.mechanism).path.table)
+        check_losses(self, checked(self.mechanism).meshed)
 
     @property
     def inertial(self) -> float:

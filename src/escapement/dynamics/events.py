@@ -10,8 +10,11 @@ import numpy as np
 from escapement.dynamics.law import left_by_impact
 from escapement.dynamics.trajectory import Events, Handoffs, NoTrajectory
 from escapement.mechanisms.protocol import FloatArray
-from escapement.mechanisms.slotted import slide_change, transmission_at
+from escapement.mechanisms.slotted import slide_change, transmission, transmission_at
 from escapement.model.escapement import Escapement
+from escapement.model.scene import Scene
+
+_NONE = np.array([np.nan])
 
 
 def handoffs_of(escapement: Escapement, time: FloatArray, speed: FloatArray) -> Handoffs:
@@ -50,27 +53,33 @@ def impacts_among(found: Handoffs) -> Handoffs:
     return Handoffs(*(getattr(found, field.name)[struck] for field in fields(Handoffs)))
 
 
+def _slide_changes(scene: Scene, side: float) -> FloatArray:
+    """Driver angles at which the contact point on a wall crosses the line of centres."""
+    if scene.path.table:
+        inside = scene.edges[1:-1]
+        return np.append(inside[np.abs(transmission(scene.path, inside).u) < 1e-9], np.nan)
+    entry, exit_ = scene.edges[0], scene.edges[-1]
+    return np.array([slide_change(scene.path, scene.pin, side, entry, exit_)])
+
+
 def slide_changes_of(motion: Any) -> Events:
     """Every instant at which the contact point crosses the line of centres."""
     trajectory, scenes = motion.trajectory, motion.escapement.scenes
     if trajectory.slide_changes is not None:
         return trajectory.slide_changes  # type: ignore[no-any-return]
     pieces = np.flatnonzero(np.diff(trajectory.engagement) == 0) + 1
-    if scenes[0].path.table or pieces.size == 0:
+    if scenes[0].path.meshed or pieces.size == 0:
         return NoTrajectory.reversals
     start = trajectory.start[pieces]
     found = motion.within(pieces, start)
     engagement, side = trajectory.engagement[pieces], trajectory.sign[pieces]
     which, delays = engagement % len(scenes), np.array([m.delay for m in motion.escapement.pairs])
     angle = found.theta - engagement * motion.escapement.mechanism.cell_angle - delays[which]
-    changes = [
-        {s: slide_change(x.path, x.pin, s, x.edges[0], x.edges[-1]) for s in (1.0, -1.0)}
-        for x in scenes
-    ]
-    rows = zip(angle, side, which, strict=True)
-    here = [abs(x - changes[k].get(s, np.nan)) < 1e-9 for x, s, k in rows]
+    changes = [{s: _slide_changes(scene, s) for s in (1.0, -1.0)} for scene in scenes]
+    rows = [*zip(angle, side, which, strict=True)]
+    here = [(np.abs(x - changes[k].get(s, _NONE)) < 1e-9).any() for x, s, k in rows]
     # at a reversal the other wall takes over, and the contact point changes, unless both are one
-    both = [abs(changes[k].get(1.0, np.nan) - changes[k].get(-1.0, np.nan)) < 1e-9 for k in which]
+    both = [(np.abs(x - changes[k].get(-s, _NONE)) < 1e-9).any() for x, s, k in rows]
     kept = np.array(here) & ((side == trajectory.sign[pieces - 1]) | np.array(both))
     columns = engagement, start, found.theta, found.theta_dot
     return Events(*(column[kept] for column in columns))

@@ -20,8 +20,11 @@ def _stressed(escapement: Any) -> bool:
     return bool(escapement.pin_length)
 
 
-def _motored(escapement: Any) -> bool:
-    return escapement.no_load_speed is not None
+def is_motored(escapement: Any) -> bool:
+    """Whether a motor drives it: a torque that falls with the speed, or follows it in a table."""
+    curve = escapement.drive_curve
+    of_speed = curve is not None and curve.speed and not curve.angle
+    return escapement.no_load_speed is not None or bool(of_speed)
 
 
 def _never(_escapement: Any) -> bool:
@@ -84,14 +87,14 @@ FIGURES = {
         "frequency", "load cycles of each pin in a second", exists=_stressed
     ),
     "speed_dip": Result(
-        "ratio", "share by which the driver velocity falls below its greatest", exists=_motored
+        "ratio", "share by which the driver velocity falls below its greatest", exists=is_motored
     ),
-    "motor_torque_max": Result("torque", "greatest torque of the motor", exists=_motored),
+    "motor_torque_max": Result("torque", "greatest torque of the motor", exists=is_motored),
     "motor_torque_rms": Result(
-        "torque", "root mean square of the motor's torque over time", exists=_motored
+        "torque", "root mean square of the motor's torque over time", exists=is_motored
     ),
     "motor_stall_share": Result(
-        "ratio", "greatest torque of the motor over its torque at rest", exists=_motored
+        "ratio", "greatest torque of the motor over its torque at rest", exists=is_motored
     ),
     "energy_residual": Result("ratio", "energy unaccounted for, as a share of the work"),
 }  # fmt: skip

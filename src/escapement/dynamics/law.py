@@ -55,8 +55,8 @@ from escapement.dynamics.torque import (
     is_undriven,
     same_angle_gap,
 )
-from escapement.mechanisms.path import OFFSET, PIN_RATE, Path
-from escapement.mechanisms.slotted import pose_at
+from escapement.mechanisms.path import PIN_RATE, Path
+from escapement.mechanisms.slotted import offset_of, pose_at
 from escapement.model.scene import (
     ARRAYS,
     DRIVER_ANGLE,
@@ -125,7 +125,7 @@ def signed_loss(side, scene):
 def is_ideal(scene):
     """Whether the pin is thin and slides towards the axis, and the journals have no friction."""
     plain = scene.pin == 0.0 and scene.driver_journal == 0.0 and scene.follower_journal == 0.0
-    return plain and (scene.path.table or scene.path.numbers[OFFSET] == 0.0)
+    return plain and offset_of(scene.path) == 0.0
 
 
 @inner_jit
@@ -173,7 +173,7 @@ def grip(g, u, radius, side, scene, slide_sign=0.0, ratio_sign=0.0):
         return sign_of(u, slide_sign) * radius * u, radius
     slide = slide_at(g, u, radius, side, scene)
     slide_sign, ratio_sign = sign_of(slide, slide_sign), sign_of(g, ratio_sign)
-    arm = scene.pin + side * scene.path.numbers[OFFSET]
+    arm = scene.pin + side * offset_of(scene.path)
     lever = radius - side * signed_loss(side, scene) * slide_sign * arm
     return slide_sign * slide, lever - side * ratio_sign * scene.follower_journal
 

@@ -15,7 +15,8 @@ import numba
 import numpy as np
 from numba.extending import intrinsic
 
-from escapement.mechanisms.path import OFFSET, Path
+from escapement.mechanisms.path import Path
+from escapement.mechanisms.slotted import offset_of
 from escapement.model.scene import Scene
 from escapement.numerics.jit import in_both_forms
 from escapement.numerics.known import Known
@@ -73,7 +74,7 @@ def kind_of(path: Path, torque: Any, numbers: Iterable[Any]) -> Kind:
     plain = (np.reshape([*numbers], (len(NUMBERS), -1)) == _PLAIN[:, None]).all(axis=1)
     for kind in Kind:
         # only a slot through the axis is ideal
-        fits = kind > Kind.IDEAL or path.table or path.numbers[OFFSET] == 0.0
+        fits = kind > Kind.IDEAL or offset_of(path) == 0.0
         if kind >= least and fits and plain[_WITHOUT[kind]].all():
             return kind
     return Kind.SPEED

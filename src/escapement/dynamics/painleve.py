@@ -15,10 +15,12 @@ import numpy as np
 from escapement.dynamics.law import grip, is_ideal, sign_of, slide_at
 from escapement.dynamics.power_flow import FLOWS
 from escapement.dynamics.train_losses import in_flow, is_lossy, scene_in_flow
-from escapement.mechanisms.path import G0, G1, HALF_RATE, L0, L1, OFFSET
+from escapement.mechanisms.path import G0, G1, HALF_RATE, L0, L1
 from escapement.mechanisms.protocol import FloatArray, Mechanism
 from escapement.mechanisms.slotted import (
     circle,
+    is_meshed,
+    offset_of,
     pose_at,
     slide_change,
     transmission,
@@ -31,6 +33,8 @@ from escapement.numerics.chebyshev import zeros
 from escapement.numerics.jit import as_python, inner_jit, jit
 from escapement.numerics.roots import golden_point, golden_step, golden_trial, newton_in_bracket
 
+# Points of each interval of a table, and of all of it, at which a limit is looked for.
+_PARTS, _GRID = 32, 1024
 _LIMITS = "painleve.limits"
 _NOTE = "painleve.note"
 
@@ -132,7 +136,7 @@ def _nearness_at(theta, slide_sign, scene):
     inertia, ratio, share = scene.rho + g * g, abs(g), np.hypot(1.0, scene.mu_minus)
     driver, follower = scene.driver_journal / share, scene.follower_journal / share
     slide = slide_sign * slide_at(g, u, radius, -1.0, scene)
-    slope = ratio * slide + inertia * slide_sign * (scene.pin - scene.path.numbers[OFFSET])
+    slope = ratio * slide + inertia * slide_sign * (scene.pin - offset_of(scene.path))
     journal = ratio * (driver + ratio * follower) - inertia * sign_of(g) * follower
     return nearness(inertia * radius, slope, journal)
 
@@ -155,26 +159,52 @@ def _nearest(low, high, scene):
     return greatest, 0.5 * (low + high)
 
 
+@inner_jit
+def _nearest_of_table(scene, sign):
+    """As `_nearest`, over all angles at which g' has a sign; and the least distance R."""
+    edges, most, angle, least = scene.edges, 0.0, np.nan, np.inf
+    for k in range(edges.size - 1):
+        low, step = edges[k], (edges[k + 1] - edges[k]) / _PARTS
+        slide_sign = np.sign(pose_at(scene.path, low + 0.5 * _PARTS * step)[1])
+        greatest, best = 0.0, np.nan
+        for i in range(_PARTS + 1):
+            theta = low + i * step
+            pose = pose_at(scene.path, theta)
+            least = min(least, pose[3])
+            value = _nearness_at(theta, slide_sign, scene) if pose[2] * sign > 0.0 else 0.0
+            if value > greatest:
+                greatest, best = value, theta
+        if greatest > 0.0:
+            found, nearest = _nearest(max(best - step, low), min(best + step, edges[k + 1]), scene)
+            if found > most:
+                most, angle = found, nearest
+    return most, angle, least
+
+
 @jit
 def friction_limit(scene, low, high):
     """Least friction at which `margin` vanishes between two driver angles, and the angle.
 
-    If the lever of the side s = +1 vanishes at less friction, the result is that friction, and the
-    angle is NaN. Below the result margin and lever are both positive. The friction of the scene
-    itself has no influence on it.
+    Of a table the angles only tell which angles count: those before the greatest g, where g' is
+    positive, or those behind it. If the lever of the side s = +1 vanishes at less friction, the
+    result is that friction, and the angle is NaN. Below the result margin and lever are both
+    positive. The friction of the scene itself has no influence on it.
     """
     # `margin` is smooth on either side of the angle at which the sliding changes its direction
     entry, exit_ = scene.edges[0], scene.edges[-1]
-    change = slide_change(scene.path, scene.pin, -1.0, entry, exit_)
-    if not low < change < high:
-        change = high
-    most, angle = _nearest(low, change, scene)
-    if change < high:
-        behind, nearest = _nearest(change, high, scene)
-        if behind > most:
-            most, angle = behind, nearest
-    radius = min(pose_at(scene.path, 0.0)[3], pose_at(scene.path, exit_)[3])
-    arm = scene.pin + abs(scene.path.numbers[OFFSET])
+    if scene.path.table:
+        most, angle, radius = _nearest_of_table(scene, -1.0 if low == 0.0 else 1.0)
+    else:
+        change = slide_change(scene.path, scene.pin, -1.0, entry, exit_)
+        if not low < change < high:
+            change = high
+        most, angle = _nearest(low, change, scene)
+        if change < high:
+            behind, nearest = _nearest(change, high, scene)
+            if behind > most:
+                most, angle = behind, nearest
+        radius = min(pose_at(scene.path, 0.0)[3], pose_at(scene.path, exit_)[3])
+    arm = scene.pin + abs(offset_of(scene.path))
     lever = nearness(radius, arm, scene.follower_journal / np.hypot(1.0, scene.mu_minus))
     if lever > most:
         most, angle = lever, np.nan
@@ -183,7 +213,16 @@ def friction_limit(scene, low, high):
 
 @jit
 def first_beyond(scene, low, high):
-    """First driver angle between two at which `margin` is not positive, NaN if there is none."""
+    """First driver angle between two at which `margin` is not positive, NaN if there is none.
+
+    Of a table the first of a grid.
+    """
+    if scene.path.table:
+        for i in range(_GRID + 1):
+            theta = low + (high - low) * i / _GRID
+            if pose_at(scene.path, theta)[2] < 0.0 and not margin(theta, scene) > 0.0:
+                return theta
+        return np.nan
     change = slide_change(scene.path, scene.pin, -1.0, scene.edges[0], scene.edges[-1])
     middle = change if low < change < high else high
     while low < high:
@@ -225,9 +264,9 @@ def _beyond(scene):
     follows from the stationary g on the circle, without its driver angle. A mechanism without slots
     has no such limit, because J_s = rho + g^2 eta is positive.
     """
-    if scene.path.table:
+    if is_meshed(scene.path):
         return False
-    if not is_ideal(scene):
+    if scene.path.table or not is_ideal(scene):
         return scene.mu_minus >= friction_limit(scene, 0.0, scene.edges[-1])[0]
     # Where g > 0, J may vanish for s = -1. In a part of one of Meyer's published cells g < 0, and J
     # may vanish for s = +1. This needs no test, because both sides have the same mu there, and the
@@ -264,7 +303,8 @@ class FrictionLimit(NamedTuple):
 @inner_jit
 def has_limit_of_its_own(scene):
     """Whether the limit of a scene has to be searched for, and once for all flows of power."""
-    return not (scene.path.table or is_ideal(scene) or is_lossy(scene))
+    searched = scene.path.table or not is_ideal(scene)
+    return searched and not (is_meshed(scene.path) or is_lossy(scene))
 
 
 @inner_jit
@@ -315,7 +355,7 @@ def friction_limits(escapement: Escapement) -> tuple[float, float]:
         return np.inf, np.inf  # the engine finds out on its way
     if _LIMITS not in kept:
         scenes = _flows_of(escapement)
-        if all(as_python(is_ideal)(scene) for scene in scenes):
+        if all(_is_closed(scene) for scene in scenes):
             ends = [(scene.path, scene.rho, scene.edges[0], scene.edges[-1]) for scene in scenes]
             kept[_LIMITS] = (min(painleve_limit(*row)[0] for row in ends),) * 2
         else:
@@ -329,6 +369,12 @@ def _flows_of(escapement: Escapement) -> list[Scene]:
     if not as_python(is_lossy)(escapement.scene):
         return [*escapement.scenes]
     return [scene_in_flow(scene, float(i)) for scene in escapement.scenes for i in range(FLOWS)]
+
+
+def _is_closed(scene: Scene) -> bool:
+    """Whether the limit is that of gears, or of an ideal pin, which has a closed form."""
+    path = scene.path
+    return path.meshed or bool(not path.table and as_python(is_ideal)(scene))
 
 
 def _limit(escapement: Escapement, before: bool) -> float:
@@ -371,7 +417,7 @@ def painleve_message(escapement: Escapement) -> str | None:
     if friction < limit:
         return None
     scenes, count = _flows_of(escapement), len(escapement.scenes)
-    if len(scenes) == 1 and as_python(is_ideal)(scenes[0]):
+    if len(scenes) == 1 and _is_closed(scenes[0]):
         angle, k = (
             critical_angle(escapement.mechanism, escapement.without_trains.inertia, friction),
             0,
@@ -411,7 +457,7 @@ def uniqueness_note(escapement: Escapement) -> str | None:
 
 
 def _uniqueness_note(escapement: Escapement) -> str | None:
-    if all(as_python(is_ideal)(scene) for scene in escapement.scenes):
+    if all(_is_closed(scene) for scene in escapement.scenes):
         return None
     if escapement.contact == "compliant":
         # with compliant contact the motion is unique

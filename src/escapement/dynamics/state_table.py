@@ -21,7 +21,7 @@ from escapement.dynamics.load import load_at
 from escapement.dynamics.power_flow import factors, weight
 from escapement.dynamics.torque import cell_after, fall_at
 from escapement.dynamics.train_losses import flowing, is_lossy, train_losses
-from escapement.mechanisms.slotted import pose_at
+from escapement.mechanisms.slotted import is_meshed, pose_at
 from escapement.numerics.jit import inner_jit, jit
 
 # This far ahead or behind [rad], v and g are clear of zero where they vanish at the end of a piece.
@@ -63,7 +63,7 @@ def signs_near(theta, inward, side, scene):
     At the ends of a piece v or g is zero, so that rounding would decide. There `inward` is 1 at the
     start and -1 at the end; it is 0 where the signs are those at the angle itself.
     """
-    if inward == 0.0 or side == 0.0 or scene.path.table or is_ideal(scene):
+    if inward == 0.0 or side == 0.0 or is_meshed(scene.path) or is_ideal(scene):
         return 0.0, 0.0
     g, u, _dg, radius = pose_at(scene.path, theta + inward * _CLEAR)
     return np.sign(slide_at(g, u, radius, side, scene)), np.sign(g)

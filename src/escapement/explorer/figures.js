@@ -44,17 +44,18 @@ function terminalCycle(scene, chain, start) {
 
 /** Greatest accelerations of driver and follower, contact moment and force over the runs. */
 function peaksOf(runs) {
-  const read = (run, x, q) => {
-    const { w, X, Q, J, h, pose: at } = run.at(x);
+  const of = ({ w, X, Q, J, h, pose: at }, run, q) => {
     if (q === 0) return Math.abs(Q / J);
     if (q === 1) return Math.abs(at.g * (Q / J) + at.dg * w);
     return run.panel.locked ? 0 : Math.abs(q === 2 ? X / J : X / (J * h));
   };
+  const read = (run, x, q) => of(run.at(x), run, q);
+  const states = runs.map((run) => POINTS.map((x) => run.at(x)));
   return [0, 1, 2, 3].map((q) => {
     let best = -1;
     const tops = [];
-    for (const run of runs) {
-      const values = POINTS.map((x) => read(run, x, q));
+    for (const [k, run] of runs.entries()) {
+      const values = states[k].map((state) => of(state, run, q));
       values.forEach((value, i) => {
         best = Math.max(best, value);
         const top = !(value < values[i - 1]) && !(value < values[i + 1]);
@@ -131,10 +132,15 @@ export const emptyRecord = () => ({ handoffs: [], events: [], runs: [] });
 export function marchAll(scene, chain, w, count, out) {
   const march = new March(scene, chain);
   let [time, status] = [0, "ok"];
+  let [before, rose] = [NaN, 0];
   for (let j = 0; j < count; j++) {
     const started = time;
+    // an engagement that begins as the last one is the same: the next ones differ even less
+    const same = scene.rate === 0 && march.rising === rose && Math.abs(w - before) <= 1e-12 * w;
+    [before, rose] = [w, march.rising];
     try {
-      march.engagement(w, scene.rate > 0 ? j * scene.cell : 0);
+      if (same) march.runs = march.runs.map((run) => run.again());
+      else march.engagement(w, scene.rate > 0 ? j * scene.cell : 0);
     } catch (error) {
       if (error instanceof NotConverged) return { status: "not_converged", time: started };
       if (!(error instanceof Stopped)) throw error;
@@ -143,8 +149,11 @@ export function marchAll(scene, chain, w, count, out) {
     }
     time += march.time;
     out.events.push(...march.events.map((e) => ({ ...e, engagement: j, time: started + e.time })));
-    out.runs.push(...march.runs.map((run) =>
-      Object.assign(run, { engagement: j, start: started + run.start })));
+    for (const run of march.runs) {
+      run.engagement = j;
+      run.start = started + run.since;
+      out.runs.push(run);
+    }
     if (status !== "ok") break;
     w = march.w;
     out.handoffs.push({ time, w });

@@ -157,7 +157,7 @@ export class March {
     this.E = run.E[N];
     if (this.hurried) return;
     this.noteExtrema(run);
-    run.start = this.time;
+    run.since = this.time;
     this.runs.push(run);
     this.time += run.duration;
   }

@@ -143,7 +143,8 @@ export class Run {
     this.push = blank(); // s X, which is negative behind a reversal
     this.Q = blank();
     this.dt = this.elapsed = null;
-    this.start = this.engagement = 0;
+    // time since the start of the engagement, and of the motion
+    this.since = this.start = this.engagement = 0;
     this.slowest = Infinity;
     this.reverses = false;
     const { alpha, beta } = this.solution;
@@ -175,6 +176,11 @@ export class Run {
       if (i < first || i > last) continue;
       if (w < this.slowest) this.slowest = w;
     }
+  }
+
+  /** The same motion in another engagement, which begins with the same speed. */
+  again() {
+    return Object.assign(Object.create(Run.prototype), this);
   }
 
   /** Angle, w, X, Q = J theta_ddot, J and h at x. */

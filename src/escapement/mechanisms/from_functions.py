@@ -9,42 +9,80 @@ from typing import Any
 
 from escapement.base import validate
 from escapement.base.errors import InvalidValue
-from escapement.mechanisms.kind import ArrayLike, np, table
+from escapement.base.text import Shown
+from escapement.mechanisms.kind import ArrayLike, cells_of, np, slotted, table
 from escapement.mechanisms.path import Path
-from escapement.mechanisms.protocol import FloatArray, Mechanism
+from escapement.mechanisms.protocol import FloatArray, Mechanism, dwell_angle
+from escapement.numerics.chebyshev import Series
 
 TOLERANCE = 1e-10
 """Greatest error of the follower angle and of g, as shares of the step and of the greatest g."""
 _SAMPLES = 1009
+_SAME = 1e-9  # share of a cell; a pin that turns round nearer to a break does so at the break
 
 
 @dataclass(frozen=True, repr=False)
-class FunctionDrive(Mechanism):
-    """What `from_functions` returns: a mechanism without slots, whose follower angle is a series.
+class FunctionDrive(Shown, Mechanism):
+    """What `from_functions` returns: a mechanism whose follower angle is a series.
 
     angle : follower angle over the driver angle.
-    breaks : entry, and the exit from which on the follower is locked [rad].
+    breaks : entry, kinks, where a pin turns round in its slot, and the exit from which on the
+        follower is locked [rad].
     cell_angle, follower_step : of a cell [rad].
+    distance : that of the pin from the follower's axis in units of `crank_radius`; None without a
+        slot.
+    crank_radius : greatest distance of the pin from the follower's axis [m]; None without a slot.
     """
 
     angle: Any
     breaks: tuple[float, ...]
     cell_angle: float
     follower_step: float
+    distance: Any = None
+    crank_radius: float | None = None
 
-    meshed = True
     without_parts = True
+    plain_crank = False
+
+    def _shown(self) -> list[tuple[str, Any, str]]:
+        names = ("cell_angle", "follower_step", "breaks")
+        rows = [(name, getattr(self, name), "rad") for name in names]
+        return [*rows, ("slotted", not self.meshed, "")]
+
+    @property
+    def meshed(self) -> bool:
+        """Whether no pin slides, and its losses are given by an efficiency."""
+        return self.distance is None
 
     @cached_property
     def path(self) -> Path:
-        """The series of g, piece by piece, as kernels evaluate it."""
+        """The series of g and of the pin's distance, piece by piece, as kernels evaluate them."""
         slope = self.angle.derivative()
         missing = table.ORDER - slope.rows.shape[1]
-        return table.table_path(slope.edges, np.pad(slope.rows, ((0, 0), (0, missing))))
+        ratio = Series(slope.edges, np.pad(slope.rows, ((0, 0), (0, missing))))
+        return table.table_path(*ratio) if self.meshed else table.slot_path(ratio, self.distance)
+
+    def _local(self, theta: ArrayLike) -> tuple[FloatArray, FloatArray, Any]:
+        """Number of the cell of each driver angle, the angle in it, and whether it moves there."""
+        cells, local = cells_of(self, theta)
+        end = self.breaks[-1]
+        return cells, np.minimum(local, end), (local <= end) | (dwell_angle(self) == 0.0)
+
+    def transmission(self, theta: ArrayLike) -> slotted.Transmission:
+        """Transmission at driver angles of any size [rad]; zero in a dwell."""
+        _cells, local, moves = self._local(theta)
+        found = slotted.transmission(self.path, local)
+        slide = np.zeros_like(found.u) if self.meshed else found.u
+        return slotted.Transmission(*(np.where(moves, x, 0.0) for x in (found.g, slide, found.dg)))
+
+    def radius(self, theta: ArrayLike) -> FloatArray:
+        """Distance of the pin from the follower's axis at driver angles, in `crank_radius` [-]."""
+        return np.asarray(self.distance(self._local(theta)[1]))
 
     def follower_angle(self, theta: ArrayLike) -> FloatArray:
-        """Follower angle at driver angles from dead centre [rad], zero at dead centre."""
-        return np.asarray(self.angle(theta) - self.angle(0.0))
+        """Follower angle at driver angles of any size [rad], zero at dead centre."""
+        cells, local, _moves = self._local(theta)
+        return np.asarray(cells * self.follower_step + self.angle(local) - self.angle(0.0))
 
 
 def from_functions(
@@ -52,11 +90,12 @@ def from_functions(
     *,
     cell_angle: float,
     breaks: Sequence[float] = (),
+    pin_distance: Callable[[FloatArray], ArrayLike] | None = None,
     tolerance: float = TOLERANCE,
 ) -> FunctionDrive:
     """A mechanism of one's own, from the function that gives its follower angle.
 
-    The function is fitted once by Chebyshev series, which are checked between their points.
+    The functions are fitted once by Chebyshev series, which are checked between their points.
 
     Parameters
     ----------
@@ -69,14 +108,17 @@ def from_functions(
         Entry, every kink of a derivative, and the exit [rad], ascending, at most a cell apart; from
         the exit to the end of the cell the follower is locked. By default the follower moves all
         the time, from minus half a cell to half a cell.
+    pin_distance : callable, optional
+        Distance R of a thin pin from the follower's axis [m], > 0, while it moves the follower in
+        a radial slot, at an array of driver angles. It slides by R'/R relative to R, against
+        friction. Default: a mechanism without slots, whose loss is given by an `efficiency`.
     tolerance : float
-        Greatest error of the follower angle, as a share of its step, and of its derivative, as a
-        share of the greatest.
+        Greatest error of each function, as a share of the follower's step and of the greatest
+        distance, and of their derivatives, as a share of the greatest.
 
     Returns
     -------
     FunctionDrive
-        Without slots: its loss is given by an `efficiency`.
 
     Raises
     ------
@@ -84,40 +126,72 @@ def from_functions(
         When an argument breaks its rule, or the fit does not reach the tolerance.
     """
     cell = validate.positive("cell_angle", cell_angle, "give the angle of a cell in rad")
-    edges = [*validate.numbers("breaks", breaks, "give angles in rad")] or [-0.5 * cell, 0.5 * cell]
+    given: list[float] = validate.numbers("breaks", breaks, "give angles in rad").tolist()
+    edges = given or [-0.5 * cell, 0.5 * cell]
     rule, remedy = "two angles or more, ascending, at most a cell apart", "give entry and exit"
     if len(edges) < 2 or min(np.diff(edges)) <= 0.0 or edges[-1] - edges[0] > cell * (1.0 + 1e-12):
         raise validate.fail("breaks", rule, list(breaks), remedy)
-
-    def angles(theta: FloatArray) -> FloatArray:
-        values = np.asarray(follower_angle(theta), dtype=float)
-        if values.shape != theta.shape or not np.isfinite(values).all():
-            rule = "a function that gives a finite angle for each of an array"
-            raise validate.fail("follower_angle", rule, values.shape, "write it with NumPy")
-        return values
-
-    sense = np.sign(np.diff(angles(np.array([edges[0], edges[-1]]))))[0] or 1.0
-    middles = 0.5 * (np.array(edges[1:]) + edges[:-1])
-    series, again = (
-        table.resolved(lambda x: sense * angles(x), points)
-        for points in (edges, sorted([*edges, *middles.tolist()]))
-    )
-    theta = np.linspace(edges[0], edges[-1], _SAMPLES)
-    step = float(np.ptp(series(np.array([edges[0], edges[-1]]))))
-    slopes = series.derivative()(theta)
-    errors = {
-        "the angle": np.abs(series(theta) - sense * angles(theta)).max() / (step or 1.0),
-        "its derivative": np.abs(slopes - again.derivative()(theta)).max() / slopes.max(),
-    }
-    for what, error in errors.items():
-        if not error <= tolerance:
-            raise InvalidValue(
-                f"follower_angle must be smooth between the breaks, so that {what} is fitted to "
-                f"{tolerance:g}, got {error:.2g}; name its kinks in breaks"
-            )
+    ends = np.array([edges[0], edges[-1]])
+    turned = float(np.diff(_values("follower_angle", follower_angle, ends))[0])
+    angle = _fitted("follower_angle", follower_angle, edges, turned or 1.0, tolerance)
+    samples = np.linspace(edges[0], edges[-1], _SAMPLES)
+    slopes = angle.derivative()(samples)
     if slopes.min() < -tolerance * slopes.max():
         raise validate.fail(
             "follower_angle", "a function with a derivative of one sign", float(slopes.min()),
             "a follower that turns back has no engagement",
         )  # fmt: skip
-    return FunctionDrive(series, tuple(map(float, edges)), cell, step)
+    step = abs(turned)
+    if pin_distance is None:
+        return FunctionDrive(angle, tuple(edges), cell, step)
+    distances = _values("pin_distance", pin_distance, samples)
+    greatest = float(distances.max())
+    if distances.min() <= 0.0:
+        rule, remedy = "greater than 0 from entry to exit", "a pin in the axis turns nothing"
+        raise validate.fail("pin_distance", rule, float(distances.min()), remedy)
+    distance = _fitted("pin_distance", pin_distance, edges, greatest, tolerance)
+    slide = distance.derivative()
+    slide.rows[np.abs(slide.rows).max(axis=1) < tolerance] = 0.0
+    every = [*edges]
+    for turn in slide.roots()[0]:
+        if np.abs(turn - np.array(every)).min() > _SAME * cell:
+            every.append(float(turn))
+    return FunctionDrive(angle, tuple(sorted(every)), cell, step, distance, greatest)
+
+
+def _values(name: str, function: Callable[..., ArrayLike], theta: FloatArray) -> FloatArray:
+    """Values of a user's function, or an error if they are no finite numbers."""
+    values = np.asarray(function(theta), dtype=float)
+    if values.shape != theta.shape or not np.isfinite(values).all():
+        rule = "a function that gives a finite number for each of an array"
+        raise validate.fail(name, rule, values.shape, "write it with NumPy")
+    return values
+
+
+def _fitted(
+    name: str, function: Callable[..., ArrayLike], edges: list[float], unit: float, tolerance: float
+) -> Series:
+    """Series of a function, in units of the greatest size of what it stands for.
+
+    `unit` has the sign with which the function counts; of a follower angle it is the step.
+    """
+    sense = np.sign(unit) if name == "follower_angle" else 1.0 / unit
+    middles = 0.5 * (np.array(edges[1:]) + edges[:-1])
+    series, again = (
+        table.resolved(lambda x: sense * _values(name, function, x), points)
+        for points in (edges, sorted([*edges, *middles.tolist()]))
+    )
+    theta = np.linspace(edges[0], edges[-1], _SAMPLES)
+    slopes = series.derivative()(theta)
+    missed = np.abs(series(theta) - sense * _values(name, function, theta)).max()
+    bent = np.abs(slopes - again.derivative()(theta)).max()
+    errors = {
+        "it": missed / abs(sense * unit), "its derivative": bent / (np.abs(slopes).max() or 1.0)
+    }  # fmt: skip
+    for what, error in errors.items():
+        if not error <= tolerance:
+            raise InvalidValue(
+                f"{name} must be smooth between the breaks, so that {what} is fitted to "
+                f"{tolerance:g}, got {error:.2g}; name its kinks in breaks"
+            )
+    return series

@@ -47,14 +47,16 @@ class PinNumbers(NamedTuple):
 HALF_RATE, L0, L1, G0, G1, U1, RATE_SUM, EXIT, G2, PIN_RATE, OFFSET = range(len(PinNumbers._fields))
 """Indices of `PinNumbers` in the array `Path.numbers`."""
 PIECES, TERMS, EDGES = range(3)
-"""Indices of a table's numbers: how many pieces and terms of a series there are; the first edge."""
+"""Indices of a table's numbers: how many pieces and terms of a series there are; the first edge.
+
+The number of terms is negative where a second table follows, of the pin's distance R in a slot."""
 
 
 class Path(NamedTuple):
     """Flat numbers from which kernels evaluate the transmission of a mechanism.
 
-    table : whether `numbers` tabulate g over the driver angle, as `mechanisms.table` makes
-        them; otherwise they describe the path of a pin in a slot.
+    table : whether `numbers` tabulate g over the driver angle, and R where a pin slides, as
+        `mechanisms.table` makes them; otherwise they describe the path of a pin in a slot.
     numbers : shape (n,): `PinNumbers`, or a table's numbers in the order of `mechanisms.table`.
     """
 
@@ -62,13 +64,18 @@ class Path(NamedTuple):
     numbers: NDArray[np.float64]
 
     @property
+    def meshed(self) -> bool:
+        """Whether it is that of gears, in which no pin slides in a slot."""
+        return bool(self.table and self.numbers[TERMS] > 0.0)
+
+    @property
     def corners(self) -> NDArray[np.float64]:
         """Driver angles [rad], shape (k,), at which the transmission of a table is not smooth.
 
-        `numbers` holds them after the pieces of the table. A pin path has none, because they are
-        among the breaks of its mechanism.
+        `numbers` holds them after the pieces of the table. Where a pin slides in a slot there are
+        none, because they are among the breaks of its mechanism.
         """
-        if not self.table:
+        if not self.meshed:
             return np.empty(0)
         pieces, terms = int(self.numbers[PIECES]), int(self.numbers[TERMS])
         return self.numbers[EDGES + pieces + 1 + pieces * terms :]

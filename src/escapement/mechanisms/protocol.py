@@ -63,7 +63,7 @@ class Mechanism:
     @property
     def meshed(self) -> bool:
         """Whether it has no slots: its losses are given by an efficiency, not by friction."""
-        return bool(self.path.table)
+        return bool(self.path.meshed)
 
     plain_crank: ClassVar[bool] = True
     """Whether the driver's bearing carries only the contact force, and so may have friction."""

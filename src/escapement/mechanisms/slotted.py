@@ -29,12 +29,13 @@ from escapement.mechanisms.path import (
     OFFSET,
     PIN_RATE,
     RATE_SUM,
+    TERMS,
     U1,
     Path,
     PinNumbers,
 )
 from escapement.mechanisms.protocol import FloatArray
-from escapement.mechanisms.table import ratio_at
+from escapement.mechanisms.table import distance_at, ratio_at
 from escapement.numerics.gauss import BLOCK
 from escapement.numerics.jit import as_python, inner_jit, jit
 from escapement.numerics.roots import newton_in_bracket
@@ -55,6 +56,18 @@ def beside_axis(numbers, g, u, square):
     return g + offset * u / radius, slide, dg, radius
 
 
+@inner_jit
+def is_meshed(path):
+    """As `Path.meshed`, for kernels."""
+    return path.table and path.numbers[TERMS] > 0.0
+
+
+@jit
+def offset_of(path):
+    """Distance of the slot's line from the follower's axis."""
+    return 0.0 if path.table else path.numbers[OFFSET]
+
+
 @jit
 def pose_at(path, theta):
     """Transmission (g, u, g') and distance R of the pin at one driver angle, from a path.
@@ -65,13 +78,16 @@ def pose_at(path, theta):
     is G1 sin(h - h_r) sin(h + h_r), as accurate as the distance from there; this matters most if
     the follower's inertia is many times the driver's. Otherwise r is 0 and G2 = G0.
 
-    Of a table: g and g' from its series; u = g, because the loss in gears is proportional to g,
-    and R = 1.
+    Of a table: g and g' from its series, and R and u = R'/R where it has a second one. Otherwise
+    u = g, because the loss in gears is proportional to g, and R = 1.
     """
     c = path.numbers
     if path.table:
         g, dg = ratio_at(c, theta)
-        return g, g, dg, 1.0
+        if is_meshed(path):
+            return g, g, dg, 1.0
+        radius, slope = distance_at(c, theta)
+        return g, slope / radius, dg, radius
     half = c[HALF_RATE] * theta
     sine = np.sin(half)
     square = sine * sine

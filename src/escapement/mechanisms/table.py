@@ -5,6 +5,8 @@ that passes through. Kernels read piecewise Chebyshev series: the numbers of the
 
     [pieces, order, edges..., coefficients of g, piece after piece]
 
+Of a pin in a slot they are two such tables, of g with a negative order, and of R.
+
 A table given by a user has rows of driver and follower angles. A periodic quintic spline
 interpolates them, or smooths them if they scatter. The smooth one minimises
 
@@ -45,26 +47,45 @@ _RIDGE = 1e-13
 
 
 @inner_jit
-def ratio_at(numbers, theta):
-    """g and g' of a table at one driver angle; beyond its ends the last piece goes on."""
-    pieces, order = int(numbers[PIECES]), int(numbers[TERMS])
-    low, high = 0, pieces
+def ratio_at(numbers, theta, start=0):
+    """g and g' of a table at one driver angle; beyond its ends the last piece goes on.
+
+    `start` is the index at which the table begins.
+    """
+    pieces, order = int(numbers[start + PIECES]), int(abs(numbers[start + TERMS]))
+    edges, low, high = start + EDGES, 0, pieces
     while high - low > 1:
         middle = (low + high) // 2
-        if theta >= numbers[EDGES + middle]:
+        if theta >= numbers[edges + middle]:
             low = middle
         else:
             high = middle
-    left, right = numbers[EDGES + low], numbers[EDGES + low + 1]
+    left, right = numbers[edges + low], numbers[edges + low + 1]
     scale = 2.0 / (right - left)
     x = (theta - left) * scale - 1.0
-    first = EDGES + pieces + 1 + low * order
+    first = edges + pieces + 1 + low * order
     # Clenshaw's recurrence, and its derivative
     b1, b2, d1, d2 = 0.0, 0.0, 0.0, 0.0
     for k in range(order - 1, 0, -1):
         d1, d2 = 2.0 * (b1 + x * d1) - d2, d1
         b1, b2 = numbers[first + k] + 2.0 * x * b1 - b2, b1
     return numbers[first] + x * b1 - b2, scale * (b1 + x * d1 - d2)
+
+
+@inner_jit
+def distance_at(numbers, theta):
+    """R and R' of a pin in a slot, from the second table."""
+    pieces = int(numbers[PIECES])
+    return ratio_at(numbers, theta, EDGES + 1 + pieces - pieces * int(numbers[TERMS]))
+
+
+def slot_path(ratio: Series, distance: Series) -> Path:
+    """Path of a pin in a slot, from the series of g and of R, both with `ORDER` terms a piece."""
+    tables = (table_path(*series).numbers for series in (ratio, distance))
+    own = (t[: EDGES + 1 + int(t[PIECES]) * (ORDER + 1)] for t in tables)
+    numbers = np.concatenate([*own])
+    numbers[TERMS] = -ORDER
+    return Path(True, numbers)
 
 
 def table_path(edges: FloatArray, series: FloatArray) -> Path:

@@ -461,7 +461,10 @@ class Escapement(Declared):
     @cached_property
     def notes(self) -> str:
         """What the results of an escapement say about its settings; "" if there is nothing."""
-        return "; ".join(filter(None, (self.assumed, self.idle)))
+        drive = self.drive_curve
+        of_both = drive is not None and drive.speed and drive.angle
+        motor = "figures of a motor need a torque over the speed alone" if of_both else ""
+        return "; ".join(filter(None, (self.assumed, self.idle, motor)))
 
     @property
     def _damps_critically(self) -> bool:
@@ -552,7 +555,7 @@ class Escapement(Declared):
     @cached_property
     def scenes(self) -> tuple[Scene, ...]:
         """The escapement as an engine sees it in each of its `pairs`."""
-        meshed = self.pairs[0].path.table
+        meshed = self.mechanism.meshed
         numbers: dict[str, Any]
         numbers = {name: float(value) for name, value in natural(self.referred, meshed).items()}
         torque = np.array([0.0, 0.0, 1.0]) if self.curve is None else self.curve.knots()

@@ -18,7 +18,7 @@ _OF_PIN = ("pin_length", "pin_gap", "pressure_pin_radius")
 def numbers_of(escapement: Escapement) -> dict[str, float]:
     """The numbers of an escapement that may vary, by the names that studies use [SI]."""
     mechanism: Any = escapement.mechanism
-    meshed, length = escapement.scene.path.table, mechanism.crank_radius
+    meshed, length = mechanism.meshed, mechanism.crank_radius
     settings = {**escapement.inertia.settings, **escapement.settings}
     settings["torque"] = full_torque(escapement)
     # the terminal cycle belongs to the full torque of a spring
@@ -39,7 +39,8 @@ def numbers_of(escapement: Escapement) -> dict[str, float]:
                 found[name] = float(value)
     elif length and not meshed:
         lengths = mechanism.lengths.items()
-        found |= {name: float(value) for name, value in lengths if name not in left_out}
+        own = mechanism.settings.keys() - left_out
+        found |= {name: float(value) for name, value in lengths if name in own}
     found |= mechanism.errors
     return found
 

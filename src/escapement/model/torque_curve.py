@@ -191,6 +191,12 @@ class TorqueCurve(Shown):
         x = np.array(self.speed) / self.speed[-1]
         return CubicSpline(x, self.table.T, extrapolate=False)
 
+    @property
+    def level_speeds(self) -> FloatArray:
+        """Speeds at which a torque over the speed alone is greatest or least [rad/s]."""
+        found = self._spline.derivative().roots(discontinuity=False, extrapolate=False)[0]
+        return np.asarray(found[np.isfinite(found)] * self.speed[-1])
+
     def fall(self) -> FloatArray:
         """How much less torque there is at a speed than at rest, as `Scene.fall` has it."""
         coefficients = -np.moveaxis(self._spline.c, 0, 2) / self.greatest

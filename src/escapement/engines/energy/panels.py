@@ -24,7 +24,7 @@ from escapement.dynamics.torque import (
     torque_at,
 )
 from escapement.dynamics.train_losses import is_lossy
-from escapement.mechanisms.slotted import pose_at, transmission_on
+from escapement.mechanisms.slotted import is_meshed, pose_at, transmission_on
 from escapement.numerics.gauss import POINTS, N, tail_of
 from escapement.numerics.jit import inner_jit
 from escapement.numerics.known import where_known
@@ -377,9 +377,9 @@ def lay_out(scene, cells, store, loose):
         while left < right:
             panel, knot = store.panels[count], next_knot(left, right, scene)
             panel.locked = k == moving
-            # at a break of a slotted path |u| has a kink; at the corner of a table it has none
+            # at a break of a slotted path |u| has a kink; at the corner of a mesh it has none
             panel.kink = left > edges[0] and (
-                left > edges[k] or panel.locked or not scene.path.table
+                left > edges[k] or panel.locked or not is_meshed(scene.path)
             )
             panel.interval = k
             panel.cell = 1 if left == edges[k] and knot == right else cells.shape[1]

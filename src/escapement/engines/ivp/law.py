@@ -45,9 +45,9 @@ class SceneLaw:
         return self.scene.torque.size == 3
 
     @property
-    def is_table(self) -> bool:
-        """Whether the transmission comes from a table and not from a pin's path."""
-        return self.scene.path.table
+    def is_meshed(self) -> bool:
+        """Whether the transmission is that of gears, in which no pin slides."""
+        return self.scene.path.meshed
 
     @cached_property
     def losses(self) -> np.ndarray:
@@ -124,8 +124,8 @@ class SceneLaw:
         return float(contact_at(theta, w, side, self.plain)) if side else 1.0
 
     def signs(self, theta: float, side: float) -> tuple[float, float]:
-        """Signs of the sliding speed and of g; 0 for a table, in which they never change."""
-        if self.is_table:
+        """Signs of the sliding speed and of g; 0 for gears, in which they never change."""
+        if self.is_meshed:
             return 0.0, 0.0
         g, u, _dg, radius = pose_at(self.scene.path, theta)
         slide = as_python(dynamics.slide_at)(g, u, radius, side, self.scene)

@@ -224,7 +224,7 @@ class _Simulation:
         # Next to a stop of a mesh all of the friction loss is rounding. A table's pieces are
         # short and may lie there, so that the whole engagement says how much is usual.
         edges = self.law.scene.edges
-        first, last = (edges[0], edges[-1]) if self.law.is_table else (self.theta, end)
+        first, last = (edges[0], edges[-1]) if self.law.is_meshed else (self.theta, end)
         typical, time_left = 0.5 * (first + last), self.end_time - self.time
         task = Task(
             theta=self.theta,
