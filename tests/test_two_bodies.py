@@ -110,7 +110,7 @@ def test_geneva_in_every_digit():
     assert states[-1, SPEED] / unit == pytest.approx(85.9951334232, abs=1e-9)
     last = rows[(rows["engagement"] == 39) & (rows["kind"] >= 0)]
     lift, blow = (np.degrees(last["theta"][last["kind"] == kind]) - 45.0 for kind in (7, 6))
-    assert lift[0] == pytest.approx(24.4721, abs=1e-4)
+    assert lift[-1] == pytest.approx(24.4721, abs=1e-4)  # before it the last pin may leave
     assert blow[-1] == pytest.approx(28.5776, abs=1e-4)
 
 

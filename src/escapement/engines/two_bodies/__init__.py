@@ -13,7 +13,8 @@ Read `march` first. The files, from the bottom to the top:
 - `law`: torques, and accelerations in flight and in contact
 - `blow`: the impulse of a blow with friction and restitution
 - `step`: one step, and the first event in it
-- `watch`: how long no pair can close, and whether bodies overlap
+- `overlap`: whether bodies overlap
+- `watch`: the pair that closes first in a step
 - `change`: the mode behind an event
 - `march`: from handoff to handoff
 - `trace`, `trajectory`: states at given times, and the pieces that `Motion` asks for

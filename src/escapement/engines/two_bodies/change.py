@@ -36,7 +36,7 @@ def _sense(speed, torque, held):
 @inner_jit
 def flight(law, y):
     """The mode of a flight; it is the end if nothing moves in it."""
-    driver, follower = torques(law, y)
+    driver, follower = torques(law, y, np.sign(y[2]), np.sign(y[3]))
     senses = _sense(y[2], driver, law.bearing), _sense(y[3], follower, law.load)
     mode = Mode(-1, 0, 0, 0.0, senses[0], senses[1])
     push = free(law, mode, y)
@@ -45,13 +45,13 @@ def flight(law, y):
 
 
 @inner_jit
-def settle(law, pairs, contact, y):
-    """The mode behind an instant at which a pair is closed.
+def settle(law, pairs, contact, y, still):
+    """The mode behind an instant at which a pair is closed, whose gap does not open faster.
 
     Signs of `contact` that are not 0 are those of a slip or a speed that is passing zero.
     """
     touch = touching(law, pairs, contact, y)
-    if touch.g0 * y[2] + touch.g1 * y[3] > STILL:
+    if touch.g0 * y[2] + touch.g1 * y[3] > still:
         return flight(law, y)
     if abs(y[2]) + abs(y[3]) < AT_REST:
         y[2], y[3] = 0.0, 0.0
@@ -131,9 +131,9 @@ def close(law, pairs, mode, y, new):
         return new, Ending.JAM, impulse
     moves = abs(y[2]) + abs(y[3]) > AT_REST
     if rate > tiny:
-        mode, ending = settle(law, pairs, new, y)
+        mode, ending = settle(law, pairs, new, y, STILL)
     elif moves and rate_of(law, pairs, new, y) >= -tiny:
-        mode, ending = settle(law, pairs, contact_of(mode.pair, mode.nose, mode.track), y)
+        mode, ending = settle(law, pairs, contact_of(mode.pair, mode.nose, mode.track), y, STILL)
     else:
         # alternating blows would go on for ever, until both bodies are at rest
         y[2], y[3] = 0.0, 0.0
@@ -156,7 +156,7 @@ def _pass_on(law, pairs, mode, y):
         touch = touch_at(pair, place(pair, law.centre, y, nose, track))
         inside = min(touch.on_track, touch.on_nose) >= -BESIDE and abs(touch.gap) <= BESIDE
         if inside and abs(touch.g0 * y[2] + touch.g1 * y[3]) <= STAYS:
-            next_mode, ending = settle(law, pairs, contact_of(i, nose, track), y)
+            next_mode, ending = settle(law, pairs, contact_of(i, nose, track), y, STAYS)
             if next_mode.pair >= 0:
                 return next_mode, ending
     return flight(law, y)
@@ -179,4 +179,4 @@ def behind_event(law, pairs, mode, y, event):
     driver = -mode.driver_sense if event == DRIVER_STOPS else 0.0
     follower = -mode.follower_sense if event == FOLLOWER_STOPS else 0.0
     turned = Mode(mode.pair, mode.nose, mode.track, sigma, driver, follower)
-    return settle(law, pairs, turned, y)
+    return settle(law, pairs, turned, y, STILL)

@@ -13,7 +13,7 @@ from collections import namedtuple
 import numpy as np
 
 from escapement.dynamics.torque import torque_after
-from escapement.engines.two_bodies.touch import place, touch_at
+from escapement.engines.two_bodies.touch import contact_at, place
 from escapement.numerics.jit import inner_jit
 
 MOTION, STATE = 4, 10
@@ -48,23 +48,24 @@ Push = namedtuple("Push", "driver follower force moment slip yielding")
 """Accelerations of both bodies, normal force and its torque on the follower, slip, and A."""
 
 
-@inner_jit
-def torques(law, y):
-    """Torques on both bodies without contact and without constant friction."""
+@inner_jit(merged=True)
+def torques(law, y, driver_sense, follower_sense):
+    """Torques on both bodies without contact and without constant friction, for speeds in these
+    senses."""
     driver = law.gain * law.torque[2]
     if len(law.torque) != 3:
         driver = torque_after(y[0] - law.begin, law)[0]
-    driver -= (law.driver_drag * abs(y[2]) + law.driver_viscous) * y[2]
-    follower = -(law.follower_drag * abs(y[3]) + law.follower_viscous) * y[3]
+    driver -= (law.driver_drag * driver_sense * y[2] + law.driver_viscous) * y[2]
+    follower = -(law.follower_drag * follower_sense * y[3] + law.follower_viscous) * y[3]
     if law.spring != 0.0 or law.weight != 0.0:
         follower -= law.spring * (y[1] - law.rest) + law.weight * np.sin(y[1] - law.rest)
     return driver, follower
 
 
-@inner_jit
+@inner_jit(merged=True)
 def free(law, mode, y):
     """Both bodies without contact; friction of its bearing holds a body whose sense is 0."""
-    driver, follower = torques(law, y)
+    driver, follower = torques(law, y, mode.driver_sense, mode.follower_sense)
     driver = (driver - mode.driver_sense * law.bearing) / law.rho
     follower -= mode.follower_sense * law.load
     driver = 0.0 if law.bearing > 0.0 and mode.driver_sense == 0.0 else driver
@@ -72,10 +73,10 @@ def free(law, mode, y):
     return Push(driver, follower, 0.0, 0.0, 0.0, 1.0)
 
 
-@inner_jit
+@inner_jit(merged=True)
 def pushed(law, mode, touch, y):
     """Both bodies with the contact at a touch."""
-    driver, follower = torques(law, y)
+    driver, follower = torques(law, y, mode.driver_sense, mode.follower_sense)
     driver -= mode.driver_sense * law.bearing
     follower -= mode.follower_sense * law.load
     rubbing = law.mu_plus * mode.sigma
@@ -87,14 +88,14 @@ def pushed(law, mode, touch, y):
     return Push((driver + force * b0) / law.rho, follower + moment, force, moment, slip, yielding)
 
 
-@inner_jit
+@inner_jit(merged=True)
 def touching(law, pairs, mode, y):
     """The touch of the pair in contact."""
     pair = pairs[mode.pair]
-    return touch_at(pair, place(pair, law.centre, y, mode.nose, mode.track))
+    return contact_at(pair, place(pair, law.centre, y, mode.nose, mode.track))
 
 
-@inner_jit
+@inner_jit(merged=True)
 def push_at(law, pairs, mode, y):
     """Accelerations and force in a state."""
     if mode.pair < 0:
@@ -103,19 +104,15 @@ def push_at(law, pairs, mode, y):
 
 
 @inner_jit
-def rates(law, pairs, mode, y, out):
-    """Write the rates of a state; those of lost work only where there is room for them."""
-    push = push_at(law, pairs, mode, y)
-    out[0], out[1], out[2], out[3] = y[2], y[3], push.driver, push.follower
-    if len(out) > MOTION:
-        driver, follower, force = abs(y[2]), abs(y[3]), push.force
-        out[4] = law.mu_plus * force * abs(push.slip)
-        out[5] = (law.bearing + force * law.driver_journal) * driver
-        out[6] = force * law.follower_journal * follower
-        out[7] = (law.driver_drag * driver + law.driver_viscous) * driver * driver
-        out[8] = (law.follower_drag * follower + law.follower_viscous) * follower * follower
-        out[9] = law.load * follower
-    return push
+def losses(law, mode, push, y, out):
+    """Write the powers that are lost, in the order of a state."""
+    driver, follower, force = mode.driver_sense * y[2], mode.follower_sense * y[3], push.force
+    out[0] = law.mu_plus * force * mode.sigma * push.slip
+    out[1] = (law.bearing + force * law.driver_journal) * driver
+    out[2] = force * law.follower_journal * follower
+    out[3] = (law.driver_drag * driver + law.driver_viscous) * driver * driver
+    out[4] = (law.follower_drag * follower + law.follower_viscous) * follower * follower
+    out[5] = law.load * follower
 
 
 @inner_jit

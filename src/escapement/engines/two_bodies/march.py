@@ -9,7 +9,7 @@ from escapement.dynamics.event_rows import EVENT
 from escapement.engines.two_bodies import step
 from escapement.engines.two_bodies.change import behind_event, close, contact_of, flight, rate_of
 from escapement.engines.two_bodies.law import MOTION, STATE, Mode, energy, push_at, touching
-from escapement.engines.two_bodies.watch import OVERLAPS, WATCH, bounds_of, deeper, look, outgrown
+from escapement.engines.two_bodies.watch import OVERLAPS, WATCH, deeper, first_closed, longest_step
 from escapement.numerics.altered import altered
 from escapement.numerics.jit import inner_jit, jit
 from escapement.numerics.records import record_dtype
@@ -17,10 +17,12 @@ from escapement.numerics.records import record_dtype
 _IMAGES, _SIGNS = ("pair", "nose", "track"), ("sigma", "driver_sense", "follower_sense")
 ROW = record_dtype({
     **EVENT, "engagement": np.int64, "lost": (float, (STATE - MOTION,)),
+    "length": float,
     **dict.fromkeys(_IMAGES, np.int64), **dict.fromkeys(_SIGNS, float),
 })  # fmt: skip
-"""A row of the record: an event, or `STEP` within a piece. Work that is lost is counted from the
-start of the motion; the wall is the sense in which the contact turns the follower."""
+"""A row of the record: an event, or `STEP` within a piece, of which it has the length. Work that is
+lost is counted from the start of the motion; the wall is the sense in which the contact turns the
+follower."""
 BEGIN = 12
 """Numbers of the state at the start of the motion or at a handoff."""
 (TIME, SPEED, PHI, TURNING, THETA, STEPS, PAIR, _NOSE, _TRACK, _SIGMA, _FIRST, _SECOND) = range(12)
@@ -70,59 +72,41 @@ def _struck(law, pairs, notes, mode, y, time, contact):
 
 
 @inner_jit
-def _first_closed(law, pairs, joints, watch, mode, y, push, time):
-    """Look at the pairs whose times have come; returns the one that is closed or enclosed, or -1,
-    what was found, and a time."""
-    bounds = bounds_of(law, y, push, mode)
-    until = time + bounds.cap
-    for i in range(len(watch)):
-        if watch[i].until <= time:
-            found = look(law, pairs, joints, watch, i, mode, y, push, bounds, time)
-            if found != 0:
-                return i, found, time
-        until = min(until, watch[i].until)
-    return -1, 0, until
-
-
-@inner_jit
-def _look_anew(watch, time):
-    for i in range(len(watch)):
-        watch[i].until = time
-
-
-@inner_jit
-def _engage(law, pairs, joints, watch, notes, y, work, mode, goal, end_time):
+def _engage(law, pairs, joints, watch, notes, y, path, mode, goal, end_time):
     """Follow the motion to the driver angle `goal`; returns mode, time and an `Ending`."""
     time, longest, begun = 0.0, np.inf, True
     touched = mode.pair >= 0 or y[0] > 1e-3 * goal
     for i in range(len(watch)):
-        watch[i].behind = 0  # each nose behind a track is looked at once a pitch
-    known = bounds_of(law, y, push_at(law, pairs, mode, y), mode)
+        watch[i].distance, watch[i].behind = -1.0, 0  # each pair is looked at once a pitch
+        watch[i].theta_first = np.inf
     for _ in range(MOST_STEPS):
         notes.used[1] += 1
         touched = touched or mode.pair >= 0
-        push, event = push_at(law, pairs, mode, y), step.NOTHING
-        if begun or outgrown(known, push):
-            known = bounds_of(law, y, push, mode)
-            _look_anew(watch, time)
-        closed, found, until = _first_closed(law, pairs, joints, watch, mode, y, push, time)
+        push = push_at(law, pairs, mode, y)
+        length = min(longest_step(y, push), longest)
+        error = step.advance(law, pairs, mode, y, push, length, path)
+        if not error <= step.ERROR and length > SMALLEST:
+            longest = length * step.growth(error)
+            continue
+        trend, longest = np.sign(push.driver), length * step.growth(error)
+        part, event = step.first_event(law, pairs, mode, y, length, goal, trend, path)
+        part, closed, found = first_closed(law, pairs, joints, watch, mode, y, length, part, path)
         if found == OVERLAPS:
-            return mode, time, Ending.OVERLAPS
-        if closed < 0:
-            part = min(until - time, longest)
-            error, longest = step.advance(law, pairs, mode, y, part, work), np.inf
-            if error > step.ERROR and part > SMALLEST:
-                longest = part * max(0.2, 0.8 * (step.ERROR / error) ** (1.0 / 7.0))
-                continue
+            return mode, time + part, Ending.OVERLAPS
+        if part > 0.0:
+            part, entered = deeper(law, pairs, watch, y, length, part, path)
+            closed = entered if entered >= 0 else closed
             if begun or mode.pair >= 0 or not law.plain:
                 kind = Event.FLIGHT if mode.pair < 0 else Event.CONTACT
                 _note(law, pairs, notes, kind if begun else STEP, time, mode, y)
-            begun, trend = False, np.sign(push.driver)
-            part, event = step.first_event(law, pairs, mode, y, part, goal, trend, work)
-            part, closed = deeper(law, pairs, watch, mode, y, part, work)
-            time += part
+                if len(notes.rows) > 0:
+                    notes.rows[min(notes.used[0], len(notes.rows)) - 1].length = length
+            step.state_at(path, y, length, part, path.here)
             for i in range(len(y)):
-                y[i] = work.out[i]
+                y[i] = path.here[i]
+            if mode.pair >= 0:
+                step.bring_back(law, pairs, mode, y)
+            time, begun = time + part, False
         if time >= end_time:
             return mode, time, Ending.OVER
         if closed >= 0:
@@ -141,7 +125,7 @@ def _engage(law, pairs, joints, watch, notes, y, work, mode, goal, end_time):
                 _note(law, pairs, notes, Event.SLIDE_CHANGE, time, mode, y)
         if ending != Ending.RUNNING:
             return mode, time, ending
-        begun = True
+        begun, longest = True, np.inf
     return mode, time, Ending.TOO_LONG
 
 
@@ -193,14 +177,14 @@ def march(law, pairs, joints, pitches, limit, first, begins, rows, used):
         How the last engagement ended, how many were completed, where and when it ended.
     """
     y = np.zeros(STATE if len(rows) > 0 else MOTION)
-    work, watch = step.memory_for(len(y)), np.zeros(len(pairs), WATCH)
+    path, watch = step.path_for(len(y)), np.zeros(len(pairs), WATCH)
     time, mode = begins[0, TIME], _read(law, begins[0], y)
     for k in range(len(begins) - 1):
         notes, begun = Notes(rows, used, first + k), used[0]
         here = altered(law, "begin", law.begin - (first + k) * pitches[0])
         ends = limit - time
         mode, end, ending = _engage(
-            here, pairs, joints, watch, notes, y, work, mode, pitches[0], ends
+            here, pairs, joints, watch, notes, y, path, mode, pitches[0], ends
         )
         for i in range(begun, min(used[0], len(rows))):
             rows[i].time += time

@@ -15,20 +15,20 @@ from escapement.mechanisms.features import CONVEX, HOLLOW, LINE, Features
 from escapement.numerics.records import record_dtype
 
 PAIR = record_dtype({
-    # bodies and numbers of the features; the kind of the track, and radius and size of both
+    # bodies and numbers of the features; the kind of the track, and radius and size of both; the
+    # length from the middle of the track to its ends
     **dict.fromkeys(("nose", "nose_feature", "track_feature", "kind"), np.int64),
-    **dict.fromkeys(("rho", "nose_half", "extent", "radius"), float),
+    **dict.fromkeys(("rho", "nose_half", "extent", "radius", "reach"), float),
     **dict.fromkeys(("nose_at", "nose_along", "at", "along", "middle"), complex),
     # of so many images around the partner, from the first on, this is the one with the number
     **dict.fromkeys(("nose_fold", "nose_first", "nose_count", "nose_number"), np.int64),
     **dict.fromkeys(("track_fold", "track_first", "track_count", "track_number"), np.int64),
-    "rest": float,  # share of a step after which these images are found anew
 })  # fmt: skip
 """A pair, once for each image of a body that repeats. The middle is that of the track."""
-MOVED = 0.25
-"""Share of a pitch by which a body may turn until its images are found anew."""
 TURN = 0.12
 """Greatest angle of a step [rad]."""
+WIDE = 1.5 * TURN
+"""Angle by which a body may turn until its images are found anew [rad]."""
 _SAME = 1e-9
 
 
@@ -41,7 +41,7 @@ def pairs_of(driver: Features, follower: Features) -> np.ndarray:
                 (first, count), (start, size) = _around(one, i, two, k), _around(two, k, one, i)
                 for a, b in product(range(count), range(size)):
                     images = one.fold, first, count, a, two.fold, start, size, b
-                    rows.append((nose, i, k, *_numbers(one, i, two, k), *images, _rest(one, two)))
+                    rows.append((nose, i, k, *_numbers(one, i, two, k), *images))
     return np.array(rows, PAIR)
 
 
@@ -59,19 +59,16 @@ def _around(one: Features, i: int, two: Features, k: int) -> tuple[int, int]:
     ends, other = ends_of(one, i), ends_of(two, k)
     wide = 0.5 * float(np.ptp(np.angle(ends / ends[2])))
     wide += 0.5 * float(abs(other[1] - other[0]) / max(abs(ends[2]), 1e-9))
-    count = 2 * math.ceil(wide * one.fold / (2.0 * math.pi) + MOVED + 0.05)
+    count = 2 * math.ceil((wide + WIDE) * one.fold / (2.0 * math.pi) + 0.05)
     return (1 - count // 2, count) if count < one.fold else (0, one.fold)
-
-
-def _rest(one: Features, two: Features) -> float:
-    most = max(body.fold if body.fold > 1 else 0 for body in (one, two))
-    return min(1.0, MOVED * 2.0 * math.pi / most / TURN) if most else 1.0
 
 
 def _numbers(one: Features, i: int, two: Features, k: int) -> tuple[complex, ...]:
     nose = complex(one.x[i], one.y[i]), cmath.rect(1.0, one.direction[i])
     track = complex(two.x[k], two.y[k]), cmath.rect(1.0, two.direction[k]), ends_of(two, k)[2]
-    return two.kind[k], one.radius[i], one.extent[i], two.extent[k], two.radius[k], *nose, *track
+    reach = float(np.ptp(np.abs(ends_of(two, k) - track[2])))
+    sizes = one.radius[i], one.extent[i], two.extent[k], two.radius[k], reach
+    return two.kind[k], *sizes, *nose, *track
 
 
 def ends_of(body: Features, i: int) -> np.ndarray:

@@ -1,96 +1,150 @@
 """One step of a motion in one mode, and the first event within it.
 
-A step takes extrapolated midpoint rules (Gragg, Bulirsch and Stoer), of order 8 at most, and brings
-a kept contact back to a gap of zero. In a flight with constant torques it is exact.
+In a step the accelerations of both bodies are polynomials, which obey the law at the points of
+Gauss. They are found by iteration. Speeds and angles are their integrals, so that states within the
+step are as exact as at its end. In a flight with constant torques all of them are exact.
 """
 
 from collections import namedtuple
 
 import numpy as np
+from numpy.polynomial import legendre
 
-from escapement.engines.two_bodies.law import MOTION, free, pushed, rates, touching
+from escapement.engines.two_bodies.law import MOTION, free, losses, push_at, pushed, touching
+from escapement.engines.two_bodies.touch import place, touch_at
 from escapement.numerics.jit import inner_jit
 
 ERROR = 2e-14
-"""Greatest difference of the last two columns of a step's extrapolation."""
-STAGES = (2, 4, 6, 8)
+"""Greatest last coefficient of a step's speeds."""
+NODES = 12
+_MOST_SWEEPS, _SETTLED = 20, 1e-14
+"""Iterations of a step, and the change of speeds at which they end."""
 MARGINS = 9
 """Numbers that are positive in a mode: distance to the handoff, speeds in their senses, force,
 slip in its sense, what is left of track and nose, A, and the driver's acceleration in its sense."""
 (HANDOFF, DRIVER_STOPS, FOLLOWER_STOPS, LIFTS, SLIPS, TRACK_ENDS, NOSE_ENDS, JAMS, TURNS) = range(9)
 NOTHING = -1
 
+_POINTS, _WEIGHTS = legendre.leggauss(NODES)
+_SERIES = (np.arange(NODES) + 0.5)[:, None] * legendre.legvander(_POINTS, NODES - 1).T * _WEIGHTS
+_ONCE, _TWICE = (
+    np.ascontiguousarray(legendre.legint(_SERIES, times, lbnd=-1, scl=0.5)) for times in (1, 2)
+)
+"""Legendre series of the integrals of a polynomial, from its values at the points."""
+_TO_SPEEDS = np.ascontiguousarray((legendre.legvander(_POINTS, NODES) @ _ONCE).T)
+_TO_ANGLES = np.ascontiguousarray((legendre.legvander(_POINTS, NODES + 1) @ _TWICE).T)
+_SHARES = 0.5 * (1.0 + _POINTS)
+_LOOKS = 4  # times in a step at which events are looked for
 
-Memory = namedtuple("Memory", "out table marks")
-"""The state at the end of a step, and memory: rows as long as a state, and the `MARGINS`."""
+
+Path = namedtuple("Path", "rates points speeds angles here marks")
+"""The rates of speeds and lost work at the points, the series of their integrals and of the
+angles; a state within the step and the `MARGINS` there."""
 
 
 @inner_jit(allocates=True)
-def memory_for(size):
-    """Memory for states of a size."""
-    return Memory(np.empty(size), np.empty((len(STAGES) + 4, size)), np.empty(MARGINS))
+def path_for(size):
+    """Memory for steps with states of a size."""
+    rates, speeds = np.empty((size - 2, NODES)), np.empty((size - 2, NODES + 1))
+    angles, here = np.empty((2, NODES + 2)), np.empty(size)
+    return Path(rates, np.empty((4, NODES)), speeds, angles, here, np.empty(MARGINS))
 
 
 @inner_jit
-def advance(law, pairs, mode, y, length, work):
-    """Write the state after a step into `work.out`; returns an estimate of its error."""
-    out, begin, error = work.out, work.table[0], 0.0
-    rates(law, pairs, mode, y, begin)
-    if mode.pair >= 0 or not law.plain:
-        error = _extrapolate(law, pairs, mode, y, length, work)
-        if mode.pair >= 0:
-            _close(law, pairs, mode, out)
-        return error
-    for i in range(2):
-        out[i] = y[i] + (y[2 + i] + 0.5 * begin[2 + i] * length) * length
-        out[2 + i] = y[2 + i] + begin[2 + i] * length
-    for i in range(MOTION, len(out)):
-        # friction of bearings, on bodies that do not turn back within a step
-        turned = out[0] - y[0] if i == 5 else out[1] - y[1] if i == 9 else 0.0
-        out[i] = y[i] + (law.bearing if i == 5 else law.load) * abs(turned)
-    return error
-
-
-@inner_jit
-def _extrapolate(law, pairs, mode, y, length, work):
-    """The step by midpoint rules with ever more substeps, extrapolated to infinitely many."""
-    table, error = work.table, 0.0
-    begin, rate, old, new = table[0], table[1], table[2], table[3]
-    for k in range(len(STAGES)):
-        h = length / STAGES[k]
-        for i in range(len(y)):
-            old[i], new[i] = y[i], y[i] + h * begin[i]
-        for _ in range(1, STAGES[k]):
-            rates(law, pairs, mode, new, rate)
-            for i in range(len(y)):
-                old[i], new[i] = new[i], old[i] + 2.0 * h * rate[i]
-        rates(law, pairs, mode, new, rate)
-        for i in range(len(y)):
-            table[4 + k, i] = 0.5 * (new[i] + old[i] + h * rate[i])
-        for j in range(k - 1, -1, -1):
-            ratio, error = (STAGES[k] / STAGES[j]) ** 2 - 1.0, 0.0
-            for i in range(len(y)):
-                change = (table[5 + j, i] - table[4 + j, i]) / ratio
-                table[4 + j, i] = table[5 + j, i] + change
-                error = max(error, abs(change)) if i < MOTION else error
-        if k > 0 and error <= ERROR:
-            break
-    for i in range(len(y)):
-        work.out[i] = table[4, i]
-    return error
-
-
-@inner_jit
-def _close(law, pairs, mode, y):
-    """Bring a kept contact back to a gap of zero, and its rate too, along I^-1 G."""
-    for _ in range(2):
-        touch = touching(law, pairs, mode, y)
-        weak = touch.g0 * touch.g0 / law.rho + touch.g1 * touch.g1
-        rate = (touch.g0 * y[2] + touch.g1 * y[3]) / weak
+def advance(law, pairs, mode, y, push, length, path):
+    """Find the path of a step that begins with a state and its accelerations; returns its error."""
+    rates, points, here, change = path.rates, path.points, path.here, 0.0
+    for j in range(NODES):
+        s = length * _SHARES[j]
         for i in range(2):
-            part = touch.g0 / law.rho if i == 0 else touch.g1
-            y[i] -= part * touch.gap / weak
-            y[2 + i] -= part * rate
+            rate = push.driver if i == 0 else push.follower
+            points[i, j] = y[i] + s * (y[2 + i] + 0.5 * s * rate)
+            points[2 + i, j] = y[2 + i] + s * rate
+            rates[i, j] = rate
+    if mode.pair >= 0 or not law.plain:
+        for _ in range(_MOST_SWEEPS):
+            change = 0.0
+            for j in range(NODES):
+                for i in range(4):
+                    here[i] = points[i, j]
+                push = push_at(law, pairs, mode, here)
+                driver, follower = push.driver - rates[0, j], push.follower - rates[1, j]
+                rates[0, j], rates[1, j] = push.driver, push.follower
+                change += abs(driver) + abs(follower)
+                _correct(points, j, length, driver, follower)
+            change *= length
+            if not change > _SETTLED:
+                break
+        if not change <= ERROR:
+            return np.inf
+    if len(y) > MOTION:
+        for j in range(NODES):
+            for i in range(4):
+                here[i] = points[i, j]
+            losses(law, mode, push_at(law, pairs, mode, here), here, rates[2:, j])
+    change = 0.0
+    for i in range(len(rates)):
+        _series(_ONCE, rates[i], length, path.speeds[i])
+        if i < 2:
+            _series(_TWICE, rates[i], length * length, path.angles[i])
+            last = abs(path.speeds[i, NODES]) + 0.1 * abs(path.speeds[i, NODES - 1])
+            change = max(change, last)
+    return change
+
+
+@inner_jit(merged=True)
+def _correct(points, j, length, driver, follower):
+    """Correct the states at all points for a change of the accelerations at one."""
+    for k in range(NODES):
+        by = length * _TO_SPEEDS[j, k]
+        points[2, k] += by * driver
+        points[3, k] += by * follower
+        by = length * length * _TO_ANGLES[j, k]
+        points[0, k] += by * driver
+        points[1, k] += by * follower
+
+
+@inner_jit
+def growth(error):
+    """By how much a step may be longer than one with this error."""
+    return 0.9 * min(max((ERROR / max(error, 1e-100)) ** (1.0 / NODES), 0.2), 4.0)
+
+
+@inner_jit
+def _series(integral, values, scale, out):
+    for k in range(len(out)):
+        total = 0.0
+        for j in range(NODES):
+            total += integral[k, j] * values[j]
+        out[k] = scale * total
+
+
+@inner_jit
+def state_at(path, y, length, s, out):
+    """Write the state at a time s within a step of a length that begins with y."""
+    x = 2.0 * s / length - 1.0
+    here, ahead = 1.0, x  # Legendre polynomials
+    for i in range(len(y)):
+        out[i] = y[i] + s * y[2 + i] if i < 2 else y[i]
+    for k in range(NODES + 2):
+        out[0] += path.angles[0, k] * here
+        out[1] += path.angles[1, k] * here
+        if k <= NODES:
+            for i in range(2, len(y)):
+                out[i] += path.speeds[i - 2, k] * here
+        here, ahead = ahead, ((2 * k + 3) * x * ahead - (k + 1) * here) / (k + 2)
+
+
+@inner_jit
+def bring_back(law, pairs, mode, y):
+    """Bring a kept contact back to a gap of zero, and its rate too, along I^-1 G."""
+    touch = touching(law, pairs, mode, y)
+    weak = touch.g0 * touch.g0 / law.rho + touch.g1 * touch.g1
+    rate = (touch.g0 * y[2] + touch.g1 * y[3]) / weak
+    for i in range(2):
+        part = touch.g0 / law.rho if i == 0 else touch.g1
+        y[i] -= part * touch.gap / weak
+        y[2 + i] -= part * rate
 
 
 @inner_jit
@@ -98,12 +152,13 @@ def margins(law, pairs, mode, y, goal, trend, out):
     """Write the numbers that are positive in a mode; `trend` is the sign of the acceleration."""
     out[:] = 1.0
     out[HANDOFF] = goal - y[0]
-    if mode.driver_sense != 0.0 and law.bearing + law.driver_journal > 0.0:
+    if mode.driver_sense != 0.0 and law.bearing + law.driver_journal + law.driver_drag > 0.0:
         out[DRIVER_STOPS] = mode.driver_sense * y[2]
-    if mode.follower_sense != 0.0 and law.load + law.follower_journal > 0.0:
+    if mode.follower_sense != 0.0 and law.load + law.follower_journal + law.follower_drag > 0.0:
         out[FOLLOWER_STOPS] = mode.follower_sense * y[3]
     if mode.pair >= 0:
-        touch = touching(law, pairs, mode, y)
+        pair = pairs[mode.pair]
+        touch = touch_at(pair, place(pair, law.centre, y, mode.nose, mode.track))
         push = pushed(law, mode, touch, y)
         out[LIFTS], out[SLIPS], out[JAMS] = push.force, mode.sigma * push.slip, push.yielding
         out[TRACK_ENDS], out[NOSE_ENDS] = touch.on_track, touch.on_nose
@@ -113,37 +168,45 @@ def margins(law, pairs, mode, y, goal, trend, out):
 
 
 @inner_jit
-def first_event(law, pairs, mode, y, length, goal, trend, work):
-    """The length of a step to its first event, and which of `MARGINS` that is.
-
-    `work.out` is the state at the end of the step, and then that at the event.
-    """
-    found, here = NOTHING, work.marks
-    margins(law, pairs, mode, work.out, goal, trend, here)
-    for kind in range(MARGINS):
-        if here[kind] < 0.0:
-            length, found = _root(law, pairs, mode, y, length, goal, trend, work, kind), kind
-            margins(law, pairs, mode, work.out, goal, trend, here)
-    return length, found
+def first_event(law, pairs, mode, y, length, goal, trend, path):
+    """The time in a step of its first event, or its length, and which of `MARGINS` that is."""
+    here, before = path.marks, 0.0
+    for k in range(1, _LOOKS + 1):
+        first, found, after = length * k / _LOOKS, NOTHING, length * k / _LOOKS
+        state_at(path, y, length, after, path.here)
+        margins(law, pairs, mode, path.here, goal, trend, here)
+        for kind in range(MARGINS):
+            if here[kind] < 0.0:
+                first = _root(law, pairs, mode, y, length, goal, trend, path, kind, before, first)
+                found = kind
+                state_at(path, y, length, first, path.here)
+                margins(law, pairs, mode, path.here, goal, trend, here)
+        if found != NOTHING:
+            return first, found
+        before = after
+    return length, NOTHING
 
 
 @inner_jit
-def _root(law, pairs, mode, y, length, goal, trend, work, kind):
-    """The part of a step after which a margin is zero; `work.out` is the state there."""
-    here, low, high, side, part = work.marks, 0.0, length, 0.0, length
-    last = here[kind]
-    margins(law, pairs, mode, y, goal, trend, here)
-    first = here[kind]
+def _margin(law, pairs, mode, y, length, goal, trend, path, kind, s):
+    state_at(path, y, length, s, path.here)
+    margins(law, pairs, mode, path.here, goal, trend, path.marks)
+    return path.marks[kind]
+
+
+@inner_jit
+def _root(law, pairs, mode, y, length, goal, trend, path, kind, low, high):
+    """The time between two others at which a margin is zero, or just behind."""
+    given, side, start = (law, pairs, mode, y, length, goal, trend, path, kind), 0.0, low
+    first, last = _margin(*given, low), _margin(*given, high)
     for _ in range(100):
         # the method of Illinois: a false position that halves the value of an end that stays
         part = (low * last - high * first) / (last - first)
         if not first > 0.0:
-            part = 0.25 * high  # it begins at zero, and may be positive for a while
+            part = low + 0.25 * (high - low)  # it begins at zero, and may be positive for a while
         elif not low < part < high:
             part = 0.5 * (low + high)
-        advance(law, pairs, mode, y, part, work)
-        margins(law, pairs, mode, work.out, goal, trend, here)
-        value = here[kind]
+        value = _margin(*given, part)
         if value < 0.0:
             high, last = part, value
             first = 0.5 * first if side < 0.0 else first
@@ -153,6 +216,6 @@ def _root(law, pairs, mode, y, length, goal, trend, work, kind):
             last = 0.5 * last if side > 0.0 else last
             side = 1.0
         done = high - low <= 1e-15 * length or abs(value) <= 1e-15
-        if (done and first > 0.0) or high < 1e-12:
+        if (done and first > 0.0) or high - start < 1e-12:
             break
     return part

@@ -14,6 +14,7 @@ from collections import namedtuple
 import numpy as np
 
 from escapement.mechanisms.features import CONVEX, LINE
+from escapement.numerics.altered import altered
 from escapement.numerics.jit import inner_jit, jit
 
 ALLOWED = 1e-9
@@ -40,7 +41,7 @@ direction, elsewhere not less than it. If the nearest point `jumps`, only the sp
 nose may be `behind` the track, deeper than a contact can be."""
 
 
-@inner_jit
+@inner_jit(merged=True)
 def dot(a, b):
     """Scalar product of two vectors."""
     return a.real * b.real + a.imag * b.imag
@@ -72,15 +73,34 @@ def images(pair, centre, y):
     return nose, track
 
 
-@jit
+@inner_jit(merged=True)
+def length_of(z):
+    """Length of a vector."""
+    return np.sqrt(z.real * z.real + z.imag * z.imag)
+
+
+@inner_jit
+def image_turn(image, fold):
+    """The direction into which an image of a body is turned."""
+    return cmath.rect(1.0, image * 2.0 * np.pi / fold)
+
+
+@jit(merged=True)
 def place(pair, centre, y, nose_image, track_image):
     """Where the nose of a pair is, for a state that begins with angles and speeds."""
+    turn = cmath.rect(1.0, y[pair.nose] + nose_image * 2.0 * np.pi / pair.nose_fold)
+    track_turn = cmath.rect(1.0, y[1 - pair.nose] + track_image * 2.0 * np.pi / pair.track_fold)
+    return posed(pair, centre, y, turn, track_turn)
+
+
+@inner_jit(merged=True)
+def posed(pair, centre, y, nose_turn, track_turn):
+    """Where the nose of a pair is whose images are turned into these directions."""
     wa, wb = y[2 + pair.nose], y[3 - pair.nose]
-    angle = y[1 - pair.nose] + track_image * 2.0 * np.pi / pair.track_fold
-    turn = y[pair.nose] + nose_image * 2.0 * np.pi / pair.nose_fold - angle
-    turned = cmath.rect(1.0, turn)
+    back = track_turn.conjugate()
+    turned = nose_turn * back
     arm = pair.nose_at * turned
-    at = arm + (-centre if pair.nose == 0 else centre) * cmath.rect(1.0, -angle)
+    at = arm + (-centre if pair.nose == 0 else centre) * back
     v = 1j * (wa * arm - wb * at)
     return Place(arm, at, v, wb * wb * at - wa * wa * arm - 2j * wb * v, turned)
 
@@ -88,29 +108,36 @@ def place(pair, centre, y, nose_image, track_image):
 @jit
 def touch_at(pair, at):
     """The gap of a pair and what belongs to it, whether it is closed or not."""
-    x, curvature, on_track, on_nose = at.at - pair.at, 0.0, 1.0, 1.0
-    foot = x * pair.along.conjugate()
+    touch, x = contact_at(pair, at), at.at - pair.at
+    foot, on_track, on_nose = x * pair.along.conjugate(), 1.0, 1.0
     if pair.kind == LINE:
-        n, gap = -1j * pair.along, -foot.imag - pair.rho
         on_track = min(foot.real, pair.extent - foot.real)
-    else:
-        distance, sign = abs(x), float(pair.kind)
-        n, curvature = sign / distance * x, sign / distance
-        gap = sign * (distance - pair.radius) - pair.rho
-        if pair.extent < np.pi:
-            on_track = pair.extent - abs(cmath.phase(foot))
+    elif pair.extent < np.pi:
+        on_track = pair.extent - abs(cmath.phase(foot))
     if pair.nose_half < np.pi:
         middle = pair.nose_along * at.turned
-        on_nose = pair.nose_half - abs(cmath.phase(-n * middle.conjugate()))
+        on_nose = pair.nose_half - abs(cmath.phase(-normal(pair, at) * middle.conjugate()))
+    return altered(touch, "on_track", on_track, "on_nose", on_nose)
+
+
+@inner_jit(merged=True)
+def contact_at(pair, at):
+    """The same of a pair that touches within the ends of both features."""
+    x, curvature = at.at - pair.at, 0.0
+    if pair.kind == LINE:
+        n = -1j * pair.along
+        gap = dot(x, n) - pair.rho
+    else:
+        distance, sign = length_of(x), float(pair.kind)
+        n, curvature = sign / distance * x, sign / distance
+        gap = sign * (distance - pair.radius) - pair.rho
     kappa = dot(n, at.a) + curvature * dot(1j * n, at.v) ** 2
     # a vector product is the scalar product with the other vector turned back
     g_a, g_b = dot(at.arm, -1j * n), dot(at.at, 1j * n)
     h_a, h_b = dot(at.arm, n) - pair.rho, pair.rho - dot(at.at, n)
     if pair.nose != 0:
         g_a, g_b, h_a, h_b = g_b, g_a, h_b, h_a
-    return Touch(
-        gap=gap, g0=g_a, g1=g_b, h0=h_a, h1=h_b, kappa=kappa, on_track=on_track, on_nose=on_nose
-    )
+    return Touch(gap=gap, g0=g_a, g1=g_b, h0=h_a, h1=h_b, kappa=kappa, on_track=1.0, on_nose=1.0)
 
 
 @inner_jit
@@ -121,7 +148,7 @@ def nearness(pair, at):
     the distance from the surface of which the track is a part.
     """
     x = at.at - pair.at
-    distance, foot = max(abs(x), 1e-300), x * pair.along.conjugate()
+    distance, foot = max(length_of(x), 1e-300), x * pair.along.conjugate()
     if pair.kind == LINE:
         on_track = 0.0 <= foot.real <= pair.extent
         near = _from(x - min(max(foot.real, 0.0), pair.extent) * pair.along, pair.rho, False)
@@ -130,7 +157,7 @@ def nearness(pair, at):
         angle, sign = cmath.phase(foot), float(pair.kind)
         on_track = abs(angle) <= pair.extent
         gap, n = sign * (distance - pair.radius) - pair.rho, sign / distance * x
-        bend = 1.5 * abs(at.v) ** 2 / distance
+        bend = 1.5 * dot(at.v, at.v) / distance
         if pair.kind == CONVEX and gap > -ALLOWED:
             return Near(gap, n, 0.0, False, False)
         if not on_track:
@@ -152,22 +179,12 @@ def nearness(pair, at):
 @inner_jit
 def _from(x, rho, jumps):
     """Distance of a disc, whose centre is at x from a point."""
-    distance = max(abs(x), 1e-300)
+    distance = max(length_of(x), 1e-300)
     return Near(distance - rho, x / distance, 0.0, jumps, False)
 
 
-@inner_jit
+@inner_jit(merged=True)
 def normal(pair, at):
     """Normal of a track towards a nose."""
     x = at.at - pair.at
     return -1j * pair.along if pair.kind == LINE else float(pair.kind) / max(abs(x), 1e-300) * x
-
-
-@inner_jit
-def apart(pair, x):
-    """Distance of a point from a track, which is at x from the place of the track."""
-    foot = x * pair.along.conjugate()
-    if pair.kind == LINE:
-        return abs(foot - min(max(foot.real, 0.0), pair.extent))
-    angle = cmath.phase(foot)
-    return abs(foot - cmath.rect(pair.radius, min(max(angle, -pair.extent), pair.extent)))

@@ -1,10 +1,11 @@
-"""How long no pair of features can close.
+"""Which pair of features closes first within a step.
 
-A nose is at the distance D from the points of a track. Neither D nor its rate can change faster
-than the speeds and accelerations of the bodies allow, so that no contact can begin before a time
-that follows from them. Pairs are looked at again only when their times have come, and these times
-become exact as D goes to zero. A nose right beside a track is watched at the end of each step as
-well. If one is found within the other body all the same, the motion ends there.
+A nose is at the distance D from the points of a track. D changes no faster than the bodies turn, so
+that a pair is looked at only where they have turned by so much. Then neither D nor its rate can
+change faster than speeds and accelerations in the step allow, so that no contact can begin before a
+time that follows from them; there the pair is looked at again. These times become exact as D goes
+to zero. A nose right beside a track is watched at the end of each step as well. If one is found
+within the other body all the same, the motion ends there.
 """
 
 import cmath
@@ -12,26 +13,32 @@ from collections import namedtuple
 
 import numpy as np
 
-from escapement.engines.two_bodies.pairs import TURN
-from escapement.engines.two_bodies.step import advance
+from escapement.engines.two_bodies.law import push_at
+from escapement.engines.two_bodies.overlap import enclosed
+from escapement.engines.two_bodies.pairs import TURN, WIDE
+from escapement.engines.two_bodies.step import NODES, state_at
 from escapement.engines.two_bodies.touch import (
     ALLOWED,
-    apart,
     dot,
+    image_turn,
     images,
+    length_of,
     nearness,
-    normal,
     place,
+    posed,
     touch_at,
 )  # fmt: skip
 from escapement.numerics.jit import inner_jit
 from escapement.numerics.records import record_dtype
 
 WATCH = record_dtype({
-    "until": float, **dict.fromkeys(("nose", "track", "beside", "behind"), np.int64)
+    **dict.fromkeys(("distance", "theta", "phi", "reach", "theta_first", "phi_first"), float),
+    **dict.fromkeys(("nose_turn", "track_turn"), complex),
+    **dict.fromkeys(("nose", "track", "beside", "behind"), np.int64),
 })  # fmt: skip
-"""A pair: no contact begins until that time, unless its nose is right beside the track; the images
-that it means; and whether the nose was behind the track."""
+"""A pair when it was last looked at: the distance, or -1 beside the contact, the angles of both
+bodies, and how far the nose was from the axis of the track; the images that it means, and the
+angles at which they were found; whether the nose was right beside the track, or behind it."""
 CLOSES, OVERLAPS = 1, 2
 """What a look at a pair finds, or 0: a contact begins, or the nose has entered the other body."""
 CLOSED = 1e-13
@@ -41,72 +48,64 @@ EDGE, STILL = 1e-7, 1e-12
 speed stays as it is."""
 NEAR = 0.01
 """Share of the longest step after which a nose right beside a track is looked at again."""
-SLACK = 0.1
-"""An acceleration that changes may become twice as great, and by this share of the greatest of both
-bodies more, until all pairs are looked at again."""
 
 
-Bounds = namedtuple("Bounds", "cap driver follower more_driver more_follower")
-"""The accelerations of driver and follower, the time for which they are bounded, and by how much
-they may change until then."""
+Limits = namedtuple("Limits", "driver follower turns follower_turns")
+"""Bounds within a step: of the accelerations of driver and follower, and of what they turn by."""
 
 
 @inner_jit
-def bounds_of(law, y, push, mode):
-    """The bounds for a state with these accelerations."""
-    changes = 0.0 if mode.pair < 0 and law.plain else 1.0
-    driver, follower = abs(push.driver), abs(push.follower)
-    most = max(driver, follower)
-    rate = (1.0 + changes * (1.0 + SLACK)) * most + 1e-100
-    cap = TURN / (max(abs(y[2]), abs(y[3])) + np.sqrt(TURN * rate))
-    more = changes * (driver + SLACK * most), changes * (follower + SLACK * most)
-    return Bounds(cap, push.driver, push.follower, more[0], more[1])
+def longest_step(y, push):
+    """The time in which the bodies turn by `TURN` at most, if accelerations stay as they are."""
+    most = max(abs(push.driver), abs(push.follower)) + 1e-100
+    return TURN / (max(abs(y[2]), abs(y[3])) + np.sqrt(TURN * most))
 
 
 @inner_jit
-def outgrown(bounds, push):
-    """Whether accelerations have changed by half as much as the bounds allow."""
-    driver, follower = abs(push.driver - bounds.driver), abs(push.follower - bounds.follower)
-    return 2.0 * driver > bounds.more_driver or 2.0 * follower > bounds.more_follower
+def _limits(path, y, length, end):
+    driver, follower = 0.0, 0.0
+    for k in range(NODES + 1):
+        slope = k * (k + 1) / length  # twice that of a Legendre polynomial is no greater
+        driver += slope * abs(path.speeds[0, k])
+        follower += slope * abs(path.speeds[1, k])
+    turns = (abs(y[2]) + driver * end) * end, (abs(y[3]) + follower * end) * end
+    return Limits(driver, follower, turns[0], turns[1])
 
 
 @inner_jit
-def _free_time(pair, at, near, bounds, y):
+def _stays_away(pair, seen, y, limits):
+    """Whether a nose is too far from its track to reach it within a step."""
+    turn_a = abs(y[0] - seen.theta) + limits.turns
+    turn_b = abs(y[1] - seen.phi) + limits.follower_turns
+    if max(turn_a, turn_b) > WIDE:
+        return False
+    if pair.nose == 1:
+        turn_a, turn_b = turn_b, turn_a
+    across = length_of(pair.nose_at) * turn_a
+    return across + (seen.reach + across) * turn_b < seen.distance
+
+
+@inner_jit
+def _free_time(pair, at, near, limits, y, end):
     """Time for which a nose cannot reach the track.
 
-    Up to a time t its distance is at least D + D' t + (D'' - J t/3) t^2/2 with the greatest jerk J
-    of the nose's centre, as the track's body sees it: it turns about the axis of its own body by
-    the difference of both angles, while that axis turns about the other one. D'' is less where the
-    accelerations of the bodies change.
+    Up to a time t its distance is at least D + D' t - M t^2/2 with the greatest acceleration M of
+    the nose's centre, as the track's body sees it: it turns about the axis of its own body by the
+    difference of both angles, while that axis turns about the other one.
     """
-    rate_a, rate_b = bounds.driver, bounds.follower
-    more_a, more_b = bounds.more_driver, bounds.more_follower
+    arm, centre = length_of(at.arm), length_of(at.at - at.arm)
+    turning, swinging = limits.driver + limits.follower, limits.follower
     if pair.nose == 1:
-        rate_a, rate_b, more_a, more_b = rate_b, rate_a, more_b, more_a
-    arm, centre = abs(at.arm), abs(at.at - at.arm)
-    turning, swinging = abs(rate_a - rate_b) + more_a + more_b, abs(rate_b) + more_b
-    spin = abs(y[2] - y[3]) + turning * bounds.cap
-    swing = abs(y[3 - pair.nose]) + swinging * bounds.cap
+        swinging = limits.driver
+    spin, swing = abs(y[2] - y[3]) + turning * end, abs(y[3 - pair.nose]) + swinging * end
+    most = arm * (spin * spin + turning) + centre * (swing * swing + swinging) + 1e-100
+    slope = dot(near.direction, at.v)
     if near.jumps:
-        slope, jerk = -abs(at.v), 0.0
-        bend = -arm * (spin * spin + turning) - centre * (swing * swing + swinging)
+        slope = -length_of(at.v)
     else:
-        slope = dot(near.direction, at.v)
-        bend = dot(near.direction, at.a + 1j * (rate_a * at.arm - rate_b * at.at)) - near.bend
-        bend -= arm * (more_a + more_b) + centre * more_b
-        jerk = arm * spin * (spin * spin + 3.0 * turning)
-        jerk += centre * swing * (swing * swing + 3.0 * swinging)
-    free, longest, distance = 0.0, bounds.cap, near.distance
-    while longest > free:
-        most, found = bend - jerk * longest / 3.0, longest
-        root = np.sqrt(max(slope * slope - 2.0 * most * distance, 0.0))
-        if most < 0.0 and slope > 0.0:
-            found = (slope + root) / -most
-        elif root > 0.0 or most < 0.0:
-            found = 2.0 * distance / max(root - slope, 1e-100)
-        free = max(free, min(found, longest))
-        longest *= 0.4
-    return free
+        most += near.bend
+    root = np.sqrt(slope * slope + 2.0 * most * near.distance)
+    return (slope + root) / most if slope > 0.0 else 2.0 * near.distance / (root - slope)
 
 
 @inner_jit
@@ -133,91 +132,105 @@ def _meets(joints, i, k, ahead, fold):
 
 
 @inner_jit
-def look(law, pairs, joints, watch, i, mode, y, push, bounds, time):
-    """Look at a pair; returns what it finds, see `CLOSES`."""
+def first_closed(law, pairs, joints, watch, mode, y, length, end, path):
+    """The pair that closes first in a step before its end; returns the time, the pair or -1, and
+    what was found, see `CLOSES`."""
+    limits, closed, found = _limits(path, y, length, end), -1, 0
+    turns = cmath.rect(1.0, y[0]), cmath.rect(1.0, y[1])
+    most = max(limits.turns, limits.follower_turns)
+    for i in range(len(watch)):
+        pair, seen, s = pairs[i], watch[i], 0.0
+        if _stays_away(pair, seen, y, limits):
+            continue
+        while s < end or s == 0.0:
+            here, turned = y, turns
+            if s > 0.0:
+                here = path.here
+                state_at(path, y, length, s, here)
+                turned = cmath.rect(1.0, here[0]), cmath.rect(1.0, here[1])
+            free, what = _look(law, pairs, joints, watch, i, mode, here, turned, limits, end)
+            if what != 0:
+                end, closed, found = s, i, what
+                break
+            if most > WIDE:
+                free = min(free, length * WIDE / most)
+            s += max(free, 1e-15 * length)
+    return end, closed, found
+
+
+@inner_jit
+def _look(law, pairs, joints, watch, i, mode, y, turns, limits, end):
+    """Look at a pair; returns for how long it cannot close, and what was found."""
     seen, pair = watch[i], pairs[i]
-    nose, track = images(pair, law.centre, y)
-    seen.nose, seen.track, seen.beside = nose, track, 0
-    seen.until = time + bounds.cap * pair.rest
+    turned = max(abs(y[0] - seen.theta_first), abs(y[1] - seen.phi_first))
+    most = max(limits.turns, limits.follower_turns)
+    if turned + most > WIDE:
+        seen.nose, seen.track = images(pair, law.centre, y)
+        seen.nose_turn = image_turn(seen.nose, pair.nose_fold)
+        seen.track_turn = image_turn(seen.track, pair.track_fold)
+        seen.theta_first, seen.phi_first = y[0], y[1]
+    nose, track = seen.nose, seen.track
+    seen.beside, seen.distance = 0, -1.0
     if joined(pairs, joints, mode, i, nose, track):
         seen.behind = 0
-        return 0
-    at = place(pair, law.centre, y, nose, track)
+        return np.inf, 0
+    turn, track_turn = turns[pair.nose] * seen.nose_turn, turns[1 - pair.nose] * seen.track_turn
+    at = posed(pair, law.centre, y, turn, track_turn)
+    seen.theta, seen.phi, seen.reach = y[0], y[1], length_of(at.at)
+    seen.distance = length_of(at.at - pair.middle) - pair.reach - pair.rho
+    if _stays_away(pair, seen, y, limits):
+        return np.inf, 0
     near = nearness(pair, at)
+    seen.distance = near.distance
     was_behind, seen.behind = seen.behind, 1 if near.behind else 0
-    if near.behind and was_behind == 0 and _enclosed(law, pairs, i, nose, track, y):
-        return OVERLAPS
+    if near.behind and was_behind == 0 and enclosed(law, pairs, i, nose, track, y):
+        return 0.0, OVERLAPS
     seen.beside = 1 if near.distance <= ALLOWED else 0
     if near.distance > CLOSED:
-        seen.until = min(seen.until, time + _free_time(pair, at, near, bounds, y))
-        return 0
-    touch = touch_at(pair, at)
+        return _free_time(pair, at, near, limits, y, end), 0
+    touch, push = touch_at(pair, at), push_at(law, pairs, mode, y)
     left = min(touch.on_track, touch.on_nose)
     rate = touch.g0 * y[2] + touch.g1 * y[3]
     bend = touch.kappa + touch.g0 * push.driver + touch.g1 * push.follower
-    seen.until = time + bounds.cap * NEAR
-    if rate > STILL and bend < 0.0:
-        seen.until = min(seen.until, time - rate / bend)  # the top of a rebound
     # a nose that has just left the end of a feature would return to its continuation
-    pressed = rate <= STILL and bend < -STILL and left > EDGE
-    closes = abs(touch.gap) <= ALLOWED and ((rate < -STILL and left >= -EDGE) or pressed)
-    return CLOSES if closes else 0
+    still = STILL * (1.0 + abs(push.driver) + abs(push.follower))
+    pressed = rate <= STILL and bend < -still and left > EDGE
+    if abs(touch.gap) <= ALLOWED and ((rate < -STILL and left >= -EDGE) or pressed):
+        return 0.0, CLOSES
+    free = NEAR * longest_step(y, push)
+    if rate > STILL and bend < 0.0:
+        free = min(free, -rate / bend)  # the top of a rebound
+    return free, 0
 
 
 @inner_jit
-def _enclosed(law, pairs, i, nose, track, y):
-    """Whether the foremost point of a nose, which is behind a track, lies within its body.
-
-    It does if no other track of that body is nearer.
-    """
-    one = pairs[i]
-    at = place(one, law.centre, y, nose, track)
-    touch = touch_at(one, at)
-    if touch.on_nose < 0.0 or touch.on_track < 0.0 or touch.gap > -ALLOWED:
-        return False
-    point = -one.rho * normal(one, at)
-    for k in range(len(pairs)):
-        two = pairs[k]
-        if two.nose != one.nose or two.nose_feature != one.nose_feature:
-            continue
-        other, behind = images(two, law.centre, y)
-        if k == i or (other - nose) % one.nose_fold != 0:
-            continue
-        turned = cmath.rect(1.0, (track - behind) * 2.0 * np.pi / one.track_fold)
-        centre = place(two, law.centre, y, other, behind).at
-        if apart(two, centre + point * turned - two.at) < -touch.gap:
-            return False
-    return True
-
-
-@inner_jit
-def deeper(law, pairs, watch, mode, y, length, work):
-    """The part of a step until a nose right beside a track begins to enter it, and its pair, or -1.
-
-    `work.out` is the state at the end of the step, and then that at the end of the part.
-    """
+def deeper(law, pairs, watch, y, length, end, path):
+    """The time in a step at which a nose right beside a track begins to enter it, and its pair; or
+    the end and -1."""
     found = -1
     for i in range(len(watch)):
         if watch[i].beside == 0:
             continue
         level = _depth(law, pairs, watch, i, y)
-        if level < -ALLOWED or _depth(law, pairs, watch, i, work.out) >= level - CLOSED:
+        last = _depth_at(law, pairs, watch, i, y, length, end, path)
+        if level < -ALLOWED or last >= level - CLOSED:
             continue
-        low, high = 0.0, length
+        low, high = 0.0, end
         for _ in range(60):
-            part = 0.5 * (low + high)
-            advance(law, pairs, mode, y, part, work)
-            if _depth(law, pairs, watch, i, work.out) < level - CLOSED:
-                high = part
+            s = 0.5 * (low + high)
+            if _depth_at(law, pairs, watch, i, y, length, s, path) < level - CLOSED:
+                high = s
             else:
-                low = part
-        advance(law, pairs, mode, y, high, work)
-        if _depth(law, pairs, watch, i, work.out) >= level - ALLOWED:
-            length, found = high, i
-        else:
-            # the nose comes from behind
-            advance(law, pairs, mode, y, length, work)
-    return length, found
+                low = s
+        if _depth_at(law, pairs, watch, i, y, length, high, path) >= level - ALLOWED:
+            end, found = high, i  # else it comes from behind
+    return end, found
+
+
+@inner_jit
+def _depth_at(law, pairs, watch, i, y, length, s, path):
+    state_at(path, y, length, s, path.here)
+    return _depth(law, pairs, watch, i, path.here)
 
 
 @inner_jit
