@@ -9,17 +9,18 @@ import pytest
 import escapement as esc
 from escapement.base.errors import InvalidValue
 from escapement.base.status import Status
+from test_touching_overlap import random_runaways
 from test_two_bodies import flat, pins, runaway
 
 RIGID = 0.9554163897016
 """Period of the runaway with pins, from two programs that share nothing."""
 
 
-def overdamped(delay, slip=1e-5, make=pins, inertias=(1.0, 0.3)):
-    """Thirty times critical damping, so that blows are plastic; `delay` is damping/stiffness."""
-    stiffness = 4.0 * 30.0**2 / (delay**2 * sum(1.0 / inertia for inertia in inertias))
+def overdamped(delay, slip=1e-5, wheel=None, inertias=(1.0, 0.3), ratio=30.0):
+    """So many times critical damping that blows are plastic; `delay` is damping/stiffness."""
+    stiffness = 4.0 * ratio**2 / (delay**2 * sum(1.0 / inertia for inertia in inertias))
     damping = delay * stiffness
-    return runaway(make(), inertias, stiffness=stiffness, damping=damping, slip_speed=slip)
+    return runaway(wheel, inertias, stiffness=stiffness, damping=damping, slip_speed=slip)
 
 
 def last_period(timer, count=9, speed=0.0):
@@ -40,10 +41,21 @@ def test_error_of_the_slip_speed_is_of_first_order():
     # in one of the two blows the slip comes to zero
     speed = math.sqrt(2.0 * (0.14 - 0.05))
     errors = [
-        last_period(overdamped(1e-3, slip, flat, (1.0, 0.1)), speed=speed) - 0.9425425320853
+        last_period(overdamped(1e-3, slip, flat(), (1.0, 0.1)), speed=speed) - 0.9425425320853
         for slip in (1e-4, 1e-5)
     ]
     assert errors[0] / errors[1] == pytest.approx(10.0, abs=2.0)
+
+
+def test_no_contact_is_missed():
+    # a missed contact would change the times of handoffs by far more, or jam another design
+    for k, wheel in enumerate(random_runaways(3, 8)):
+        inertias = (1.0, (0.1, 1.0)[k // 2 % 2])
+        own = overdamped(1e-3, 1e-6, wheel, inertias, ratio=300.0)
+        yields = esc.simulate(own, 4, rtol=1e-9)
+        rigid = esc.simulate(runaway(wheel, inertias), 4)
+        assert yields.status is rigid.status
+        assert yields.handoff_times == pytest.approx(rigid.handoff_times, rel=2e-3)
 
 
 def geneva(slots, pin, half_clearance=5e-4):

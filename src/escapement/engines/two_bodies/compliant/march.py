@@ -61,7 +61,10 @@ _LONGEST = 0.02
 _MARGIN = 1e-4
 """A step may end with a nose so deep in the other body [length of the mechanism]."""
 _BEHIND = 1e-6
-"""A contact that first begins deeper than this came from behind."""
+"""A contact that begins deeper than this came from behind, or, if it is not deeper than a step can
+end, past the end of a feature beside it: a shorter step then tells."""
+_SHORTEST = 1e-7
+"""A shorter step tells no more."""
 _BESIDE = 1e-8
 """Beside each other features differ by less than this in the depth of a nose."""
 _FIRST = 0.3
@@ -90,9 +93,12 @@ def _survey(case, y, mode, start):
             continue
         here = place(pair, case.law.centre, y, nose, track)
         near = nearness(pair, here)
-        closing = abs(here.v) if near.jumps else -dot(near.direction, here.v)
-        if closing > 0.0:
-            longest = min(longest, (max(near.distance, 0.0) + _MARGIN) / closing)
+        closing = abs(here.v) if near.jumps else max(-dot(near.direction, here.v), 0.0)
+        bend = abs(here.a) + gain * max(abs(here.arm), abs(here.at))
+        way = max(near.distance, 0.0) + _MARGIN
+        longest = min(
+            longest, 2.0 * way / (closing + np.sqrt(closing * closing + 2.0 * bend * way))
+        )
     return longest
 
 
@@ -128,10 +134,12 @@ def _advance(case, y, clock, rtol, end, goal, looks, work):
         if left(case, work.end, mode, work.stages[STAGES], event) > 0.0:
             continue
         length = locate(y, h, mode, case, rtol, work, event)
-        behind = event.kind == CLOSES and (
-            pressed(case, case.seen[event.index], work.end).depth > _BEHIND
+        depth = (
+            pressed(case, case.seen[event.index], work.end).depth if event.kind == CLOSES else 0.0
         )
-        if length == 0.0 or (behind and attempt(y, h, mode, case, rtol, work) == np.inf):
+        beside = _BEHIND < depth <= 2.0 * _MARGIN and full > _SHORTEST
+        behind = depth > _BEHIND
+        if length == 0.0 or beside or (behind and attempt(y, h, mode, case, rtol, work) == np.inf):
             clock.step = 0.5 * full
             return 0.0, nothing
         if behind:
