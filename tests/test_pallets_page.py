@@ -1,7 +1,14 @@
 """The numbers of the page on pallets are those that compare finds."""
 
+import json
+import os
+import re
+import subprocess
+import sys
+from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 import escapement as esc
@@ -21,6 +28,82 @@ ROWS = {
     "greatest follower acceleration [rad/s²]": ("follower_acceleration_max", "{:.3g}"),
 }
 """What a row of the page's table tells, and with how many figures."""
+
+
+OTHER_LAWS = """
+import json, sys
+import numpy as np
+from escapement.engines.two_bodies import change
+import escapement as esc
+from escapement.study.parse import load_plan
+
+own = change.strike
+
+def struck(friction):
+    # plastic blows whose ratio of friction to normal force is that of their first slip, or zero
+    def strike(law, touch, y, _):
+        gap, slip = (a * y[2] + b * y[3] for a, b in ((touch.g0, touch.g1), (touch.h0, touch.h1)))
+        f = friction * law.mu_plus * np.sign(slip)
+        driver, follower = (touch.g0 - f * touch.h0) / law.rho, touch.g1 - f * touch.h1
+        impulse = -gap / (touch.g0 * driver + touch.g1 * follower)
+        y[2], y[3] = y[2] + impulse * driver, y[3] + impulse * follower
+        return impulse
+    return strike
+
+for path in sys.argv[1:]:
+    timer, periods = load_plan(path).escapement(0), []
+    for strike in (own, struck(0.0), struck(1.0)):
+        change.strike = strike
+        periods.append(float(np.diff(esc.simulate(timer, 9).handoff_times)[-1]))
+    print(json.dumps([x / periods[0] - 1.0 for x in periods[1:]]))
+"""
+
+
+def cells_of(text, name):
+    line = next(one for one in text.splitlines() if one.startswith(f"| {name} |"))
+    return [cell.strip().replace(" %", "%") for cell in line.strip("|").split("|")[1:]]
+
+
+def test_the_scatter_and_the_best_of_each_are_computed():
+    text = (ROOT / "docs/pallets.md").read_text(encoding="utf-8")
+    friction = np.linspace(0.05, 0.35, 7)
+    designs = [load_plan(ROOT / "runs" / f"{name}.toml").escapement(0) for name in FILES]
+
+    def scatter(timer):
+        periods = [esc.terminal(replace(timer, friction=mu)).period for mu in friction]
+        return 0.5 * np.ptp(periods) / periods[3]
+
+    told = cells_of(text, "scatter, friction .05 to .35")
+    assert told == [f"{scatter(one):.1%}" for one in designs]
+    best = re.findall(
+        r"(\.\d{3}) for the (?:Geneva|verge), with(?: a scatter of)? ([\d.]+) %", text
+    )
+    assert len(best) == 2
+    for (ratio, told), timer in zip(best, designs, strict=False):
+        sum_ = timer.inertia.driver + timer.inertia.follower
+        found = {}
+        for change in (0.8, 1.0, 1.25):
+            driver = change * float(ratio) / (1.0 + change * float(ratio)) * sum_
+            one = replace(timer, inertia=esc.Inertia(driver, sum_ - driver))
+            found[change] = scatter(one)
+        assert f"{100 * found[1.0]:.2g}" == told
+        # nan: below its best ratio the Geneva jams
+        assert not found[0.8] < found[1.0]
+        assert found[1.25] > found[1.0]
+
+
+def test_the_periods_by_other_laws_of_impact_are_computed():
+    text = (ROOT / "docs/pallets.md").read_text(encoding="utf-8")
+    paths = [str(ROOT / "runs" / f"{name}.toml") for name in FILES[1:]]
+    # the blow of uncompiled kernels can be replaced
+    run = subprocess.run(
+        [sys.executable, "-c", OTHER_LAWS, *paths], capture_output=True, text=True, check=True,
+        env=os.environ | {"NUMBA_DISABLE_JIT": "1"},
+    )  # fmt: skip
+    found = np.array([json.loads(line) for line in run.stdout.splitlines()]).T
+    names = "period with blows without friction", "period with the friction of the first slip"
+    for name, changes in zip(names, found, strict=True):
+        assert cells_of(text, name) == ["no blows", *(f"{round(x, 3) + 0.0:+.1%}" for x in changes)]
 
 
 def test_every_number_of_the_table_is_computed():

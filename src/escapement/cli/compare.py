@@ -1,5 +1,7 @@
 """Several designs side by side: period, sensitivities, losses, accelerations and forces."""
 
+from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -34,17 +36,22 @@ def execute(args: Arguments) -> int:
     _output.speak_as(args, args.config[0], "study file")
     designs, yields = zip(*(_design(Path(path)) for path in args.config), strict=True)
     stiffness = _arguments.typed(args, _STIFFNESS).get("stiffness")
-    found = esc.compare(*designs, equal_period=args.equal_period, stiffness=stiffness)
+    found: Sequence[Any] = esc.compare(
+        *designs, equal_period=args.equal_period, stiffness=stiffness
+    )
     names = [Path(path).stem for path in args.config]
     names = [f"{name} {k + 1}" * (names.count(name) > 1) or name for k, name in enumerate(names)]
     results = COMPARED | {
         f"yield_{figure}": Result("ratio", f"share of the sample within the limits of {figure}")
         for every in yields for figure in every
     }  # fmt: skip
-    records, notes = [], list[str]()
-    for name, one, inside in zip(names, found, yields, strict=True):
-        shares = {f"yield_{figure}": share for figure, share in inside.items()}
-        records.append(Record({**one.values, **shares}, results))
+    notes = list[str]()
+    found = [
+        replace(one, values={**one.values, **{f"yield_{n}": x for n, x in inside.items()}})
+        for one, inside in zip(found, yields, strict=True)
+    ]
+    records = [Record(one.values, results) for one in found]
+    for name, one in zip(names, found, strict=True):
         reasons: dict[str, list[str]] = {}
         for key, reason in one.reasons.items():
             reasons.setdefault(reason, []).append(key)
@@ -59,7 +66,7 @@ def execute(args: Arguments) -> int:
 
 def _design(path: Path) -> tuple[Escapement, dict[str, float]]:
     """The one design of a study file, and the yield of each figure that has limits there."""
-    from escapement.study.parse import load_tables
+    from escapement.study.parse import load_tables, parse_plan
     from escapement.tolerance.spread import spreads_of
     from escapement.tolerance.tolerance_budget import budget_of
 
@@ -77,6 +84,8 @@ def _design(path: Path) -> tuple[Escapement, dict[str, float]]:
         nominal = plan.built(plan.fixed_si | values)
         if not limits:
             return nominal, {}
+        # the yield needs these alone
+        plan = parse_plan({**plan.configuration, "results": [*limits]})
         scatters = budget_of(plan, limits).figures
     except InvalidValue as error:
         raise InvalidValue(f"{path}: {error}") from None

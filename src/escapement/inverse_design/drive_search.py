@@ -28,8 +28,8 @@ from escapement.study.plan import StudyPlan
 from escapement.study.running import run_plan
 from escapement.study.subject import DRIVE, ESCAPEMENT
 
-_POINTS = {DRIVE.name: (12, 5), ESCAPEMENT.name: (7, 3)}
-"""Powers of two: points that are tried at first, and around a design."""
+_FIRST, _AROUND = 12, 5  # powers of two: points that are tried at first, and around a design
+_FEWER = 9, 4  # the same at most of timers, which take far longer than drives
 _SHRINKS = (0.1, 0.03, 0.01, 0.003, 0.001)
 """Half the widths of the boxes around designs in which better ones are looked for, in turn, as
 shares of the ranges."""
@@ -118,7 +118,9 @@ def design_drive(
     """
     asked = drive_requirement(requirement)
     size = len(asked.ranges)
-    first, more = _POINTS[asked.subject.name]
+    first, more = _FIRST, _AROUND
+    if asked.subject is ESCAPEMENT:
+        first, more = min(3 + 2 * size, _FEWER[0]), min(1 + size, _FEWER[1])
     points = _tried(asked, qmc.Sobol(size, seed=seed).random_base2(first))
     tried = points.good.size
     if not points.good.any():

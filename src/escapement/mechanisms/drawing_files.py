@@ -11,10 +11,12 @@ import numpy as np
 from escapement.base import validate
 from escapement.base.errors import InputFileError
 from escapement.base.files import check_input
+from escapement.mechanisms.chains import Chain, ComplexArray, sampled, segments_of
 
 LAYERS = ("DRIVER", "FOLLOWER")
 _UNITS = {1: 0.0254, 2: 0.3048, 4: 1e-3, 5: 1e-2, 6: 1.0, 8: 25.4e-9, 9: 25.4e-6, 13: 1e-6}
 """Lengths of the units of a DXF file in m, by the code of $INSUNITS."""
+_SAMPLES = 32  # points of each line and arc that tell which chain lies within another
 _JOINED = 1e-6  # ends closer than this share of the body's size are one
 
 Row = tuple[float, float, float]
@@ -74,14 +76,14 @@ def read_outlines(path: str | PathLike[str]) -> Drawing:
         raise InputFileError(f"drawing {path} must have two axes, got both points at one place")
     turn = unit * abs(apart) / apart
     outlines = [
-        [(turn * (points - axis), bulges) for points, bulges in chains]
+        [chain._replace(points=turn * (chain.points - axis)) for chain in chains]
         for chains, axis in ((driver, driver_axis), (follower, follower_axis))
     ]
     (one, fold), (other, follower_fold) = map(_sector, outlines)
     return Drawing(one, other, unit * abs(apart), fold, follower_fold)
 
 
-def _body(space: Any, layer: str, where: str) -> tuple[list[tuple[Any, Any]], complex]:
+def _body(space: Any, layer: str, where: str) -> tuple[list[Chain], complex]:
     """The closed chains of a layer, counterclockwise outside, and the axis of the body."""
     where = f"{where}, layer {layer}"
     loose, closed, axes = list[_Segment](), list[list[_Segment]](), list[complex]()
@@ -106,7 +108,8 @@ def _body(space: Any, layer: str, where: str) -> tuple[list[tuple[Any, Any]], co
     closed += _joined(loose, where)
     if not closed:
         raise InputFileError(f"{where} must have a closed chain, got none; draw the body on it")
-    return [_turned(chain, closed) for chain in closed], axes[0]
+    chains = [Chain.of(*list(zip(*segments, strict=True))[::2]) for segments in closed]
+    return _turned(chains), axes[0]
 
 
 def _point(vector: Any) -> complex:
@@ -178,42 +181,22 @@ def _joined(loose: list[_Segment], where: str) -> list[list[_Segment]]:
     return found
 
 
-def _turned(chain: list[_Segment], every: list[list[_Segment]]) -> tuple[Any, Any]:
-    """Points and bulges of a chain with the material on its left."""
-    points = np.array([start for start, _, _ in chain])
-    bulges = np.array([bulge for _, _, bulge in chain], dtype=float)
-    inside = sum(_within(points[0], other) for other in every if other is not chain)
-    # a chain within another one is a hole
-    if (_area(chain) > 0.0) == (inside % 2 == 0):
-        return points, bulges
-    return points[::-1], -np.roll(bulges[::-1], -1)
+def _turned(chains: list[Chain]) -> list[Chain]:
+    """Closed chains with the material on their left; one within another is a hole."""
+    loops, found = [sampled(segments_of(chain), _SAMPLES) for chain in chains], []
+    for chain, loop in zip(chains, loops, strict=True):
+        outside = (loop.conj() * np.roll(loop, -1)).imag.sum() > 0.0
+        inside = sum(_within(loop[0], other) for other in loops if other is not loop)
+        found.append(chain if outside == (inside % 2 == 0) else chain.reversed())
+    return found
 
 
-def _area(chain: list[_Segment]) -> float:
-    total = 0.0
-    for start, end, bulge in chain:
-        turn, chord = 4.0 * math.atan(bulge), abs(end - start)
-        total += 0.5 * (start.conjugate() * end).imag
-        if bulge:
-            radius = 0.5 * chord / math.sin(0.5 * turn)
-            total += 0.5 * radius**2 * (turn - math.sin(turn))
-    return total
+def _within(point: complex, loop: ComplexArray) -> bool:
+    """Whether a point lies inside a loop of points, by how often the loop winds about it."""
+    return bool(abs(np.angle((np.roll(loop, -1) - point) / (loop - point)).sum()) > math.pi)
 
 
-def _within(point: complex, chain: list[_Segment]) -> bool:
-    """Whether a point lies inside a closed chain, by how often the chain winds about it."""
-    shares, total = np.linspace(0.0, 1.0, 33), 0.0
-    for start, end, bulge in chain:
-        z = start + shares * (end - start)
-        if bulge:
-            turn = 4.0 * math.atan(bulge)
-            centre = start + 0.5 * (end - start) * (1.0 + 1j / math.tan(0.5 * turn))
-            z = centre + (start - centre) * np.exp(1j * turn * shares)
-        total += float(np.angle((z[1:] - point) / (z[:-1] - point)).sum())
-    return abs(total) > math.pi
-
-
-def _sector(chains: list[tuple[Any, Any]]) -> tuple[Chains, int]:
+def _sector(chains: list[Chain]) -> tuple[Chains, int]:
     """The rows of a body's chains, of one sector if it has equal ones, and how many it has."""
     if len(chains) == 1:
         points, bulges = chains[0]

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from matplotlib.figure import Figure
 
+from escapement.base.text import words
 from escapement.plots import style
 from escapement.plots.style import finished
 
@@ -17,15 +18,19 @@ _SLOPES = {
     "period_by_driver_inertia": "driver inertia", "period_by_follower_inertia": "follower inertia",
     "period_by_centre_distance": "centre distance",
 }  # fmt: skip
-_SHARES = {"friction_share": "friction", "blow_share": "blows"}
-_PEAKS = {
+_SHARES = {
+    "friction_share": "work lost\nin friction", "blow_share": "work lost\nin blows",
+    "period_with_rebound": "change of period\nwith restitution",
+}  # fmt: skip
+_OVER = {
+    "period": "period", "rise_time": "rise", "turn_deg": "turn in\na period",
     "acceleration_max": "driver\nacceleration", "follower_acceleration_max":
     "follower\nacceleration", "contact_force_max": "contact\nforce",
 }  # fmt: skip
 
 
 def plot_comparison(found: "Sequence[Compared]", names: Sequence[str] | None = None) -> Figure:
-    """Sensitivities of the period, losses, and greatest accelerations and forces.
+    """Sensitivities of the period, shares of work and yields, and what scales with a design.
 
     Parameters
     ----------
@@ -37,37 +42,31 @@ def plot_comparison(found: "Sequence[Compared]", names: Sequence[str] | None = N
     Returns
     -------
     Figure
-        Groups of bars, one bar for each design. Accelerations and forces are over those of the
-        first design that has them; those in blows are thin lines above their bars.
+        Groups of bars, one bar for each design. The last panel has values over those of the first
+        design that has them; those in blows are thin lines above their bars.
     """
     shown = [*names] if names else [one.name for one in found]
-    drawn = style.new_figure(style.TWO_COLUMN, 5.6)
-    grid = drawn.add_gridspec(2, 2)
-    above, left, right = (drawn.add_subplot(grid[at]) for at in ((0, slice(None)), (1, 0), (1, 1)))
-    for ax, keys in ((above, _SLOPES), (left, _SHARES), (right, _PEAKS)):
+    yields = {key: words(key) for one in found for key in one.values if key.startswith("yield_")}
+    shares = _SHARES | yields
+    panels = (_SLOPES, "% of period per %"), (shares, "share"), (_OVER, "over the first design")
+    drawn = style.new_figure(style.TWO_COLUMN, 7.6)
+    for ax, (keys, label) in zip(drawn.subplots(3, 1), panels, strict=True):
         style.dress(ax)
-        bases = {
-            key: next((x.values[key] for x in found if x.values[key] > 0.0), 1.0) for key in keys
-        }
+        relative = keys is _OVER
+        above = ((x for one in found if (x := one.values.get(key, 0.0)) > 0.0) for key in keys)
+        bases = [next(values, 1.0) if relative else 1.0 for values in above]
         wide = 0.8 / len(found)
         for k, one in enumerate(found):
             at = np.arange(len(keys)) + (k + 0.5) * wide - 0.4
-            scale = [bases[key] if ax is right else 1.0 for key in keys]
-            heights = [one.values[key] / base for key, base in zip(keys, scale, strict=True)]
-            ax.bar(
-                at,
-                heights,
-                0.9 * wide,
-                color=style.LOOKS[k % len(style.LOOKS)].color,
-                label=shown[k],
-            )
-            if ax is right:
-                blows = [one.values[f"{key}_in_blows"] / bases[key] for key in keys]
-                ax.plot(at, blows, "_", color=style.BLACK, ms=10)
+            heights = [one.values.get(key, np.nan) / x for key, x in zip(keys, bases, strict=True)]
+            look = {"color": style.LOOKS[k % len(style.LOOKS)].color, "label": shown[k]}
+            ax.bar(at, heights, 0.9 * wide, **look)
+            if relative:
+                blows = [one.values.get(f"{key}_in_blows", np.nan) for key in keys]
+                ax.plot(at, np.divide(blows, bases), "_", color=style.BLACK, ms=10)
         ax.set_xticks(range(len(keys)), [*keys.values()], fontsize=style.SMALL_SIZE)
-    above.axhline(0.0, **style.ZERO)
-    right.set_yscale("log")
-    finished(above, ("", ""), ("% of period per %", ""), 1)
-    finished(left, ("", ""), ("share of the work", ""), 1, legend=False)
-    finished(right, ("", ""), ("over the first design", ""), 1, legend=False)
+        if relative:
+            ax.set_yscale("log")
+        ax.axhline(float(relative), **style.ZERO)
+        finished(ax, ("", ""), (label, ""), len(found), legend=keys is _SLOPES)
     return drawn
