@@ -76,6 +76,7 @@ def test_given_noise_and_missing_beats():
     assert (np.abs(fit.slot_angle_errors - SLOTS) <= 2.0 * fit.slot_half_widths).all()
 
 
+@pytest.mark.slow
 def test_steps_that_no_pin_strikes_are_confined():
     """Whether one set of errors explains the beats, or several, depends on the noise."""
     ahead = 1e-3 * np.array([-0.6, 0.9, 0.2, -1.1, 0.6])  # behind the one before: slots 0, 2, 3

@@ -107,6 +107,7 @@ LOSSY = {
 }  # fmt: skip
 
 
+@pytest.mark.slow
 def test_rollers_vanes_bearings_and_sheets_are_searched(monkeypatch):
     """Each number lies in its range or list; period, scatter and discs are found another way."""
     monkeypatch.setattr(timer_search, "_SLOW", 5)

@@ -58,6 +58,7 @@ def test_a_first_answer_needs_no_compiling(tmp_path):
     assert not list(tmp_path.rglob("*.nb?"))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "call",
     [
