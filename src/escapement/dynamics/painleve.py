@@ -351,9 +351,9 @@ def friction_limits(escapement: Escapement) -> tuple[float, float]:
     and its pin. Bodies that touch with their outlines have infinite ones.
     """
     kept = escapement.kept
-    if escapement.mechanism.pitch is not None:
-        return np.inf, np.inf  # the engine finds out on its way
     if _LIMITS not in kept:
+        if escapement.mechanism.pitch is not None:
+            return np.inf, np.inf  # the engine finds out on its way
         scenes = _flows_of(escapement)
         if all(_is_closed(scene) for scene in scenes):
             ends = [(scene.path, scene.rho, scene.edges[0], scene.edges[-1]) for scene in scenes]
@@ -448,10 +448,9 @@ def _remedy(escapement: Escapement) -> str:
 def uniqueness_note(escapement: Escapement) -> str | None:
     """The message for a motion that is not unique; None for all others."""
     kept = escapement.kept
-    if escapement.mechanism.pitch is not None:
-        return None
     if _NOTE not in kept:
-        kept[_NOTE] = _uniqueness_note(escapement)
+        outlined = escapement.mechanism.pitch is not None
+        kept[_NOTE] = None if outlined else _uniqueness_note(escapement)
     note: str | None = kept[_NOTE]
     return note
 

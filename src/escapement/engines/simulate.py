@@ -17,6 +17,7 @@ from escapement.dynamics.motion import Motion, no_motion
 from escapement.dynamics.painleve import friction_limits, painleve_message, uniqueness_note
 from escapement.engines.solver import (
     DEFAULT_ENGINE,
+    DEFAULT_SOLVER,
     Solver,
     choose_solver,
     solver_for,
@@ -35,7 +36,7 @@ _FOLDERS = {
     ("two_bodies", "outlines"): "two_bodies",
     ("two_bodies", "compliant outlines"): "two_bodies.compliant",
 }
-_LOSSLESS, _FRICTION = "simulate.lossless", "simulate.limits"
+_LOSSLESS, _FRICTION, _SETTINGS = "simulate.lossless", "simulate.limits", "simulate.settings"
 _OK = Status.OK
 _FULL = "the figures are those of the full spring, whose torque falls as it runs down"
 _AT_START = "the figures are those of the torque at the start of the motion"
@@ -106,7 +107,7 @@ def simulate(
         When an argument breaks its rule.
     """
     solver = choose_solver(solver, engine, rtol, atol, method, max_step)
-    engine, settings = _settings(escapement, solver, initial_speed)
+    engine, settings, why = _settings(escapement, solver, initial_speed)
     if engagements is not None and duration is not None:
         raise InvalidValue(
             "engagements and duration must not both be given, got "
@@ -120,7 +121,7 @@ def simulate(
             engagements = validate.integer("engagements", wanted, 1, count.remedy, most)
     else:
         duration = check_number(Run, "duration", duration)
-    if why := _impossible(escapement, settings["initial_speed"]):
+    if why:
         return no_motion(escapement, engine, settings["rtol"], why)
     run = _engine(engine, escapement.contact, "simulate")
     motion: Motion = run(escapement, engagements=engagements, duration=duration, **settings)
@@ -157,15 +158,23 @@ def _engine(name: str, contact: str, task: str) -> Any:
 
 def _settings(
     escapement: Escapement, solver: Solver, initial_speed: float
-) -> tuple[str, dict[str, Any]]:
-    """The engine, and keyword arguments that both of its functions take."""
+) -> tuple[str, dict[str, Any], str]:
+    """The engine, keyword arguments that both of its functions take, and why nothing can be
+    computed, or "".
+    """
     if not isinstance(escapement, Escapement):
         raise validate.fail("escapement", "an Escapement", escapement, "see escapement.Escapement")
-    solver = solver_for(escapement.contact, solver)
-    speed = initial_speed
-    if type(speed) is not float or speed != 0.0:  # the usual start, from rest, needs no check
-        speed = check_number(Run, "initial_speed", speed)
-    return solver.engine or DEFAULT_ENGINE, {**solver.arguments, "initial_speed": speed}
+    # the usual start, from rest, needs no check; its settings are kept for the next call
+    rests = type(initial_speed) is float and initial_speed == 0.0
+    kept = escapement.kept if rests and solver is DEFAULT_SOLVER else {}
+    if _SETTINGS not in kept:
+        solver = solver_for(escapement.contact, solver)
+        speed = 0.0 if rests else check_number(Run, "initial_speed", initial_speed)
+        settings = {**solver.arguments, "initial_speed": speed}
+        engine = solver.engine or DEFAULT_ENGINE
+        kept[_SETTINGS] = engine, settings, _impossible(escapement, speed)
+    found: tuple[str, dict[str, Any], str] = kept[_SETTINGS]
+    return found
 
 
 def _impossible(escapement: Escapement, speed: float) -> str:
@@ -207,7 +216,7 @@ def terminal(
         first torque, as the message says.
     """
     solver = choose_solver(solver, engine, rtol, atol, method, max_step)
-    engine, settings = _settings(escapement, solver, initial_speed)
+    engine, settings, _why = _settings(escapement, solver, initial_speed)
     found = _terminal(escapement, engine, settings)
     if escapement.notes or found.outcome is not _OK:
         found.add_notes(_stalled(escapement, found.outcome), escapement.notes)

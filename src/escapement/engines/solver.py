@@ -155,14 +155,14 @@ def choose_solver(solver: Solver | None, *separate: Any) -> Solver:
         When both are given, or a setting breaks its rule.
     """
     if solver is None and separate == _NOTHING:
-        return _DEFAULT
+        return DEFAULT_SOLVER
     try:
         return _kept(solver, *separate)
     except TypeError:  # a list, say, is no key of a cache: the check tells which rule it breaks
         return _kept.__wrapped__(solver, *separate)
 
 
-_DEFAULT, _NOTHING = Solver(), (None,) * len(fields(Solver))
+DEFAULT_SOLVER, _NOTHING = Solver(), (None,) * len(fields(Solver))
 
 
 # checked settings are kept: their check takes longer than solving an engagement

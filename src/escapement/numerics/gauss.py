@@ -58,7 +58,7 @@ def _product_with(m):
     assume that writing to `out` may change it, and could not compute several i at once.
     """
 
-    @inner_jit
+    @inner_jit(merged=True)
     def product(values, out):
         # all values are read first: after a write to `out`, which the compiler must assume to
         # overlap them, they would be read again in every turn

@@ -21,7 +21,7 @@ from escapement.engines.solver import Solver
 from escapement.mechanisms import KINDS, kind_of
 from escapement.mechanisms.protocol import Mechanism
 from escapement.mechanisms.wheel_checks import IMPERFECT, LENGTHS
-from escapement.model.checks import idle_settings
+from escapement.model.checks import idle_settings, is_given
 from escapement.model.escapement import Escapement, escapement_of
 from escapement.model.materials import NEEDED
 from escapement.model.torque_curve import TorqueCurve
@@ -302,17 +302,16 @@ class StudyPlan(Shown):
             mechanism: Mechanism = self.build
             return mechanism
         every = {n: _joined(n, values) for n in declared(self.build) if n not in left_out}
-        return _built(
-            self.build, tuple((n, value) for n, value in every.items() if value is not None)
-        )
+        given = {n: value for n, value in every.items() if value is not None}
+        return built_once(self.build, tuple(given.items()))
 
     @cached_property
     def perfect(self) -> bool:
         """Whether no case has errors of its parts."""
         if not isinstance(self.build, type):
             return bool(self.build.perfect)
-        errors = [name for name in self.fixed_si if name.startswith(IMPERFECT)]
-        return not any(np.any(self.every(name)) for name in errors)
+        errors = (self.every(name) for name in self.fixed_si if name.startswith(IMPERFECT))
+        return not any(np.any(given) for given in errors if is_given(given))
 
     @cached_property
     def contact(self) -> str:
@@ -322,7 +321,7 @@ class StudyPlan(Shown):
         if not isinstance(self.build, type) and self.build.clearance:
             return "any"
         names = {"clearance", "stiffness"} & {*self.fixed_si}
-        return "any" if any(np.any(self.every(name)) for name in names) else ""
+        return "any" if any(is_given(self.every(name)) for name in names) else ""
 
     @property
     def unused(self) -> str:
@@ -370,7 +369,7 @@ class StudyPlan(Shown):
 
 
 @lru_cache(64)
-def _built(build: Any, given: tuple[tuple[str, Any], ...]) -> Mechanism:
+def built_once(build: Any, given: tuple[tuple[str, Any], ...]) -> Mechanism:
     """A mechanism, kept because its path takes longer to compute than many cases to solve."""
     mechanism: Mechanism = build(**dict(given))
     return mechanism

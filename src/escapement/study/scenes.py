@@ -22,7 +22,7 @@ from escapement.dynamics.figures_of_merit import Figures
 from escapement.engines import simulate as simulation
 from escapement.mechanisms.protocol import FloatArray
 from escapement.mechanisms.wheel_checks import IMPERFECT, LENGTHS
-from escapement.model.checks import MOST_UNEQUAL, ratio_in_range
+from escapement.model.checks import MOST_UNEQUAL, is_given, ratio_in_range
 from escapement.model.escapement import Escapement, Inertia
 from escapement.model.natural import natural, resistances, resisting
 from escapement.model.numbers import full_torque
@@ -97,7 +97,7 @@ class SharedScenes(NamedTuple):
 def scene_shape(plan: StudyPlan) -> tuple[int, ...]:
     """Sizes of the dimensions of a plan, 1 where a dimension does not change the scene."""
     deciding = {*plan.parameters}
-    if not any(np.any(plan.every(name)) for name in (SPEED, NO_LOAD, *TORQUES) if name in deciding):
+    if not any(is_given(plan.every(x)) for x in (SPEED, NO_LOAD, *TORQUES) if x in deciding):
         deciding -= {TORQUE, SPEED, NO_LOAD, *TORQUES}
     sizes = zip(plan.shape, plan.varied.values(), strict=True)
     return tuple(1 if deciding.isdisjoint(names) else size for size, names in sizes)
@@ -160,7 +160,7 @@ def _distinct(plan: StudyPlan, cases: NDArray[np.int64]) -> tuple[Scenes, NDArra
     others = [columns[name] for name in machine if name not in errors]
     rows = [*scene, *(columns[name] for name in errors), *others]
     # numbers that are the same in all cases need not be compared
-    key = np.array([row for row in rows if np.ndim(row)] or [np.zeros(cases.size)])
+    key = np.array([row for row in rows if _varies(row)] or [np.zeros(cases.size)])
     order = np.lexsort(key)
     ordered = key[:, order]
     new = np.append(True, (ordered[:, 1:] != ordered[:, :-1]).any(axis=0))
@@ -173,9 +173,16 @@ def _distinct(plan: StudyPlan, cases: NDArray[np.int64]) -> tuple[Scenes, NDArra
 def _at(first: NDArray[np.int64], rows: Sequence[Any]) -> FloatArray:
     """The numbers or arrays of rows at some cases, shape (k, n)."""
     table = np.empty((len(rows), first.size))
-    for line, values in zip(table, rows, strict=True):
-        line[:] = values[first] if np.ndim(values) else values
+    table.T[:] = [0.0 if _varies(row) else row for row in rows]
+    for i, row in enumerate(rows):
+        if _varies(row):
+            table[i] = row[first]
     return table
+
+
+def _varies(row: Any) -> bool:
+    """Whether this is an array with a number for each case, and not one number for all."""
+    return isinstance(row, np.ndarray) and row.ndim > 0
 
 
 def _in_natural_units(plan: StudyPlan, cases: NDArray[np.int64]) -> tuple[Any, ...]:

@@ -199,7 +199,7 @@ def lay_out_again(case):
         case.data[index].panels = NO_PANELS
 
 
-@inner_jit
+@inner_jit(merged=True)
 def engage(case, index, start, request, driver_angle):
     """March over the engagement of a pair and the handoff behind it.
 

@@ -144,7 +144,8 @@ def parse_plan(configuration: Mapping[str, Any], mechanism: Mechanism | None = N
         plain["solver"] = solver.given
     values = fixed | {name: column for along in varied.values() for name, column in along.items()}
     check_ratios(values)
-    _check_lengths(plan, {n: value for n, value in values.items() if n in {*parameters, *counts}})
+    known = {*parameters, *counts}
+    _check_lengths(plan, {n: value for n, value in values.items() if n in known})
     if plan.cases > MOST_CASES:
         raise InvalidValue(
             f"the grid must have at most {MOST_CASES:.0e} cases, got {plan.cases:.3g}; "

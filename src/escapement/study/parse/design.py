@@ -19,7 +19,7 @@ from escapement.mechanisms import KINDS, kind_of
 from escapement.mechanisms.protocol import Mechanism
 from escapement.model.escapement import Escapement
 from escapement.study.parse.configuration import parse_plan
-from escapement.study.plan import StudyPlan
+from escapement.study.plan import StudyPlan, built_once
 from escapement.study.subject import DRIVE
 
 
@@ -111,7 +111,8 @@ def _as_read(entry: Setting, value: Any) -> Any:
 
 def _chosen(mechanism: Any) -> dict[str, Any]:
     """The settings that were given, or that the mechanism would not have chosen by itself."""
-    kind, chosen = type(mechanism), dict(mechanism.settings)
+    kind: Any = type(mechanism)
+    chosen = dict(mechanism.settings)
     entries = declared(kind).items()
     needed = {name for name, entry in entries if entry.required or name in mechanism.given}
     others = [name for name, _ in entries if name not in needed]
@@ -119,7 +120,7 @@ def _chosen(mechanism: Any) -> dict[str, Any]:
     for left_out in [others, *([name] for name in others)]:
         without = {key: value for key, value in chosen.items() if key not in left_out}
         with suppress(InvalidValue, TypeError):  # there may be no such mechanism
-            settings = kind(**without).settings
+            settings = built_once(kind, tuple(without.items())).settings
             if all(settings[name] == chosen[name] for name in left_out):
                 chosen = without
         if not chosen.keys() - needed:
