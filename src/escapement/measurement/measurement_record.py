@@ -62,12 +62,9 @@ def record_of(result: Any, fit: Any, units: str) -> dict[str, Any]:
     if fit is not None:
         apart = fit.speeds - fit.computed_speeds
         record["motion"] = {
-            **{
-                "samples": fit.time.size,
-                "release_time": fit.release.value,
-                "fitted": fit.record(units),
-            },
-            **_attributes(fit, "confidence", "noise", "autocorrelation", "p_value"),
+            "samples": fit.time.size,
+            **_of_motion(fit, units),
+            **_attributes(fit, "confidence", "noise"),
             "speed_max": float(fit.speeds.max()),
             "speed_max_computed": float(fit.computed_speeds.max()),
             "speed_deviation": float(np.sqrt(np.mean(apart**2))),
@@ -171,5 +168,10 @@ def _of_fit(fit: Any, units: str) -> dict[str, Any]:
     if isinstance(fit, BeatFit):
         parts = {"pins": angles("pin"), "slots": angles("slot")}
         return found | {"measured_over_computed": fit.rate} | parts
-    figures = {name: getattr(fit, name) for name in ("noise", "p_value", "autocorrelation")}
-    return found | {"fitted": fit.record(units), "release_time": fit.release.value} | figures
+    return found | {"noise": fit.noise} | _of_motion(fit, units)
+
+
+def _of_motion(fit: Any, units: str) -> dict[str, Any]:
+    """What is reported of every fit of a motion from rest."""
+    found = {"release_time": fit.release.value, "fitted": fit.record(units)}
+    return found | _attributes(fit, "autocorrelation", "p_value")

@@ -29,7 +29,6 @@ from escapement.mechanisms.protocol import FloatArray, Mechanism
 
 linalg = Lazy("scipy.linalg")
 special = Lazy("scipy.special")
-_NEGLIGIBLE = 1e-9
 
 
 class IntervalSolution(NamedTuple):
@@ -106,7 +105,6 @@ class Intervals(NamedTuple):
         weights = before * np.exp(likelihoods - likelihoods.max())
         if gain and likelihoods.max() - likelihoods[-1] <= gain:
             weights = np.where(shares == 0.0, 1.0, 0.0)
-        weights = np.where(weights > _NEGLIGIBLE * weights.sum(), weights, 0.0)
         weights /= weights.sum()
         values = np.asarray(weights @ [one.values for one in each])
         scatter = float(weights @ [one.scatter for one in each])
