@@ -28,6 +28,11 @@ def as_spoken(value: float, quantity: str, figures: int = 6) -> Spoken:
     return Spoken(f"{value / factor(quantity, _system):.{figures}g} {unit}".rstrip())
 
 
+def spoken_length(value: float) -> Spoken:
+    """As `as_spoken`, of a length."""
+    return as_spoken(value, "length")
+
+
 def drawn_unit() -> tuple[float, str]:
     """The unit of lengths on drawings [m] and its name: millimetres, or inches."""
     return (factor("length", _system), "in") if _system == SYSTEMS[1] else (1e-3, "mm")

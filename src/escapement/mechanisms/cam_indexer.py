@@ -10,7 +10,7 @@ from typing import ClassVar, NamedTuple
 
 from escapement.base import validate
 from escapement.base.quantity import Choice, Setting, declared, quantity, setting
-from escapement.mechanisms.kind import CELL, ArrayLike, Kind, cells_of, np, slotted, table
+from escapement.mechanisms.kind import CELL, ArrayLike, Engaging, Kind, np, table
 from escapement.mechanisms.path import Path
 from escapement.mechanisms.protocol import FloatArray
 
@@ -97,7 +97,7 @@ LAWS = {
 
 
 @dataclass(frozen=True, repr=False)
-class CamIndexer(Kind):
+class CamIndexer(Engaging, Kind):
     """A cam that turns the follower by one station in each of its turns.
 
     The follower moves by the law within `index_angle` and rests for the remainder of the turn. Its
@@ -173,21 +173,18 @@ class CamIndexer(Kind):
         shares = (0.0, *corners, *(1.0 - share for share in reversed(corners)), 1.0)
         return tuple(self.index_angle * (share - 0.5) for share in shares)
 
-    def _share(self, theta: ArrayLike) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Cells, and share s of the index at driver angles; and the distance of s to an end."""
-        cells, local = cells_of(self, theta)
-        share = np.clip(local / self.index_angle + 0.5, 0.0, 1.0)
-        return cells, share, np.minimum(share, 1.0 - share)
+    def _share(self, theta: ArrayLike) -> tuple[FloatArray, FloatArray]:
+        """Share s of the index at driver angles of one, and its distance to an end."""
+        share = np.clip(np.asarray(theta) / self.index_angle + 0.5, 0.0, 1.0)
+        return share, np.minimum(share, 1.0 - share)
 
-    def follower_angle(self, theta: ArrayLike) -> FloatArray:
-        """Follower angle at driver angles of any size [rad], zero in the middle of an index."""
-        cells, share, near = self._share(theta)
+    def _angle_at(self, theta: FloatArray) -> FloatArray:
+        share, near = self._share(theta)
         position = LAWS[self.law].position(near)
-        moved = np.where(share <= 0.5, position, 1.0 - position)
-        return np.asarray(self.follower_step * (cells + moved - 0.5))
+        return self.follower_step * (np.where(share <= 0.5, position, 1.0 - position) - 0.5)
 
     def _ratio(self, theta: ArrayLike) -> FloatArray:
-        slope = LAWS[self.law].slope(self._share(theta)[2])
+        slope = LAWS[self.law].slope(self._share(theta)[1])
         return np.asarray(self.follower_step / self.index_angle * slope)
 
     @cached_property
@@ -197,15 +194,6 @@ class CamIndexer(Kind):
         # g is zero at both ends, with its slope; rounding must not make it negative near them
         rows[:, 0] += _ABOVE * self.transmission_max
         return table.table_path(edges, rows)
-
-    def transmission(self, theta: ArrayLike) -> slotted.Transmission:
-        """Transmission at driver angles of any size [rad]; u is 0, nothing slides."""
-        _cells, local = cells_of(self, theta)
-        entry, exit_ = self.breaks[0], self.breaks[-1]
-        found = slotted.transmission(self.path, np.clip(local, entry, exit_))
-        moves = (local >= entry) & (local <= exit_)
-        g, dg = (np.where(moves, values, 0.0) for values in (found.g, found.dg))
-        return slotted.Transmission(g, np.zeros_like(g), dg)
 
     @property
     def transmission_max(self) -> float:

@@ -10,9 +10,9 @@ from typing import Any
 from escapement.base import validate
 from escapement.base.errors import InvalidValue
 from escapement.base.text import Shown
-from escapement.mechanisms.kind import ArrayLike, cells_of, np, slotted, table
+from escapement.mechanisms.kind import ArrayLike, Engaging, np, table
 from escapement.mechanisms.path import Path
-from escapement.mechanisms.protocol import FloatArray, Mechanism, dwell_angle
+from escapement.mechanisms.protocol import FloatArray
 from escapement.numerics.chebyshev import Series
 
 TOLERANCE = 1e-10
@@ -22,7 +22,7 @@ _SAME = 1e-9  # share of a cell; a pin that turns round nearer to a break does s
 
 
 @dataclass(frozen=True, repr=False)
-class FunctionDrive(Shown, Mechanism):
+class FunctionDrive(Shown, Engaging):
     """What `from_functions` returns: a mechanism whose follower angle is a series.
 
     angle : follower angle over the driver angle.
@@ -62,27 +62,12 @@ class FunctionDrive(Shown, Mechanism):
         ratio = Series(slope.edges, np.pad(slope.rows, ((0, 0), (0, missing))))
         return table.table_path(*ratio) if self.meshed else table.slot_path(ratio, self.distance)
 
-    def _local(self, theta: ArrayLike) -> tuple[FloatArray, FloatArray, Any]:
-        """Number of the cell of each driver angle, the angle in it, and whether it moves there."""
-        cells, local = cells_of(self, theta)
-        end = self.breaks[-1]
-        return cells, np.minimum(local, end), (local <= end) | (dwell_angle(self) == 0.0)
-
-    def transmission(self, theta: ArrayLike) -> slotted.Transmission:
-        """Transmission at driver angles of any size [rad]; zero in a dwell."""
-        _cells, local, moves = self._local(theta)
-        found = slotted.transmission(self.path, local)
-        slide = np.zeros_like(found.u) if self.meshed else found.u
-        return slotted.Transmission(*(np.where(moves, x, 0.0) for x in (found.g, slide, found.dg)))
-
     def radius(self, theta: ArrayLike) -> FloatArray:
         """Distance of the pin from the follower's axis at driver angles, in `crank_radius` [-]."""
-        return np.asarray(self.distance(self._local(theta)[1]))
+        return np.asarray(self.distance(self._in_engagement(theta)[1]))
 
-    def follower_angle(self, theta: ArrayLike) -> FloatArray:
-        """Follower angle at driver angles of any size [rad], zero at dead centre."""
-        cells, local, _moves = self._local(theta)
-        return np.asarray(cells * self.follower_step + self.angle(local) - self.angle(0.0))
+    def _angle_at(self, theta: FloatArray) -> FloatArray:
+        return np.asarray(self.angle(theta) - self.angle(0.0))
 
 
 def from_functions(

@@ -10,7 +10,7 @@ from escapement.base import validate
 from escapement.base.errors import UnknownArgument
 from escapement.base.lazy import Lazy
 from escapement.base.quantity import Declared, Setting, declared, quantity
-from escapement.base.spoken import as_spoken
+from escapement.base.spoken import spoken_length
 from escapement.mechanisms.other_sizes import OtherSize, diameters, numbers_of_sizes
 from escapement.mechanisms.path import Path
 from escapement.mechanisms.protocol import CELL, FloatArray, Mechanism
@@ -31,9 +31,9 @@ __all__ = [
     "WHEEL",
     "Arms",
     "ArrayLike",
+    "Engaging",
     "Kind",
     "Wheel",
-    "cells_of",
     "np",
     "slotted",
     "table",
@@ -124,6 +124,40 @@ def cells_of(mechanism: Any, theta: ArrayLike) -> tuple[FloatArray, FloatArray]:
     return cells, angles - cells * mechanism.cell_angle
 
 
+class Engaging(Mechanism):
+    """Base of mechanisms whose follower moves in each cell from entry to exit, and then rests."""
+
+    def transmission(self, theta: ArrayLike) -> slotted.Transmission:
+        """Transmission at driver angles of any size from dead centre [rad]; zero in a dwell."""
+        _cells, local, moves = self._in_engagement(theta)
+        found = self._engaged(local)
+        slide = np.zeros_like(found.u) if self.meshed else found.u
+        return slotted.Transmission(*(np.where(moves, x, 0.0) for x in (found.g, slide, found.dg)))
+
+    def follower_angle(self, theta: ArrayLike) -> FloatArray:
+        """Follower angle at driver angles of any size [rad], zero at dead centre.
+
+        It grows by `follower_step` in each cell, and rests in a dwell.
+        """
+        cells, local, _moves = self._in_engagement(theta)
+        return np.asarray(cells * self.follower_step + self._angle_at(local))
+
+    def _in_engagement(self, theta: ArrayLike) -> tuple[FloatArray, FloatArray, Any]:
+        """Cells, driver angles in them, exits for a dwell, and which are in no dwell."""
+        cells, local = cells_of(self, theta)
+        exit_ = self.breaks[-1]
+        continuous = self.motion_ratio > 1.0 - 1e-12
+        return cells, np.minimum(local, exit_), (local <= exit_) | continuous
+
+    def _engaged(self, theta: ArrayLike) -> slotted.Transmission:
+        """Transmission at driver angles between entry and exit [rad]."""
+        return slotted.transmission(self.path, theta)
+
+    def _angle_at(self, theta: FloatArray) -> FloatArray:
+        """Follower angle at driver angles between entry and exit [rad]."""
+        raise NotImplementedError
+
+
 class Arms(NamedTuple):
     """Pin path C = first exp(i rate_1 theta) + second exp(i rate_2 theta).
 
@@ -137,7 +171,7 @@ class Arms(NamedTuple):
     rate_2: float
 
 
-class Wheel(Kind):
+class Wheel(Engaging, Kind):
     """Base of the wheels with slots that pins drive: the motion follows from the pin's path."""
 
     stations: Any
@@ -161,10 +195,8 @@ class Wheel(Kind):
         """Raise InvalidValue for a pin or a roller that is too thick for the wheel."""
         pin, roller = self.pin_radius, self.roller_radius
         if roller and not 0.0 < pin < roller:
-            rule = f"greater than pin_radius, {as_spoken(pin, 'length')}, and that greater than 0"
-            raise validate.fail(
-                "roller_radius", rule, as_spoken(roller, "length"), "give both radii"
-            )
+            rule = f"greater than pin_radius, {spoken_length(pin)}, and that greater than 0"
+            raise validate.fail("roller_radius", rule, spoken_length(roller), "give both radii")
         name = "roller_radius" if roller else "pin_radius"
         outer = roller or pin
         gap = self.clearance
@@ -172,23 +204,13 @@ class Wheel(Kind):
             return
         check_lengths({name: outer, "clearance": gap}, self.crank_radius, self.plain_crank)
         widest = self.crank_radius * self.widest_pin
+        most, given, remedy = widest - 0.5 * gap, outer, "choose a thinner pin or a larger wheel"
         if outer < widest <= outer + 0.5 * gap:
-            rule = (
-                f"less than {as_spoken(2.0 * (widest - outer), 'length')}, where neighbouring "
-                "slots meet"
-            )
-            raise validate.fail(
-                "clearance",
-                rule,
-                as_spoken(gap, "length"),
-                "choose a smaller clearance or a larger wheel",
-            )
-        most = widest - 0.5 * gap
-        if not outer < most:
-            rule = f"less than {as_spoken(most, 'length')}, where neighbouring slots meet"
-            raise validate.fail(
-                name, rule, as_spoken(outer, "length"), "choose a thinner pin or a larger wheel"
-            )
+            name, most, given = "clearance", 2.0 * (widest - outer), gap
+            remedy = "choose a smaller clearance or a larger wheel"
+        if not given < most:
+            rule = f"less than {spoken_length(most)}, where neighbouring slots meet"
+            raise validate.fail(name, rule, spoken_length(given), remedy)
 
     @cached_property
     def breaks(self) -> tuple[float, ...]:
@@ -234,28 +256,10 @@ class Wheel(Kind):
         arms: Arms = self.arms
         return slotted.two_vector_path(*arms, self._forward, self.engagement_angle / 2.0)
 
-    def transmission(self, theta: ArrayLike) -> slotted.Transmission:
-        """Transmission at driver angles of any size from dead centre [rad]; zero in a dwell."""
-        local, moves = self._in_engagement(theta)
-        found = self._engaged(local)
-        return slotted.Transmission(
-            *(np.where(moves, x, 0.0) for x in (found.g, found.u, found.dg))
-        )
-
     def jerk(self, theta: ArrayLike) -> FloatArray:
         """g'' at driver angles of any size from dead centre [rad]; zero in a dwell [-]."""
-        local, moves = self._in_engagement(theta)
+        _cells, local, moves = self._in_engagement(theta)
         return np.where(moves, slotted.jerk(self.path, self._engaged(local)), 0.0)
-
-    def _engaged(self, theta: ArrayLike) -> slotted.Transmission:
-        """Transmission at driver angles between the pin's entry and its exit [rad]."""
-        return slotted.transmission(self.path, theta)
-
-    def _in_engagement(self, theta: ArrayLike) -> tuple[FloatArray, Any]:
-        """Driver angles from their pins' dead centres, exits for a dwell, and which are in none."""
-        _cells, local = cells_of(self, theta)
-        exit_ = self.breaks[-1]
-        return np.minimum(local, exit_), (local <= exit_) | self.continuous
 
     def radius(self, theta: ArrayLike) -> FloatArray:
         """Distance of the pin from the follower's axis, in the unit of the arms [-].
@@ -283,11 +287,4 @@ class Wheel(Kind):
         aside = np.arctan2(second * np.sin(driver_angle), first + second * np.cos(driver_angle))
         return np.asarray(self._forward * (rate_1 * angles + aside))
 
-    def follower_angle(self, theta: ArrayLike) -> FloatArray:
-        """Follower angle at driver angles of any size [rad], zero at dead centre.
-
-        It grows by `follower_step` in each cell, and rests in a dwell.
-        """
-        cells, local = cells_of(self, theta)
-        engaged = self.direction(np.minimum(local, self.breaks[-1]))
-        return cells * self.follower_step + engaged
+    _angle_at = direction

@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 from escapement.base import validate
 from escapement.base.errors import InvalidValue
 from escapement.base.quantity import Quantity, Setting
-from escapement.base.spoken import as_spoken
+from escapement.base.spoken import spoken_length
 
 Numbers = Mapping[str, Any]
 
@@ -105,10 +105,8 @@ def crank_from_wheel_radius(radius: float, given: Numbers) -> float:
     outer = given.get("roller_radius") or given.get("pin_radius") or 0.0
     half = outer + 0.5 * (given.get("clearance") or 0.0)
     if not radius > half:
-        rule = f"greater than half the width of a slot, {as_spoken(half, 'length')}"
-        raise validate.fail(
-            "wheel_radius", rule, as_spoken(radius, "length"), "give a larger wheel"
-        )
+        rule = f"greater than half the width of a slot, {spoken_length(half)}"
+        raise validate.fail("wheel_radius", rule, spoken_length(radius), "give a larger wheel")
     return math.sqrt(radius**2 - half**2) * math.tan(math.pi / given["slots"])
 
 

@@ -7,7 +7,7 @@ import numpy as np
 
 from escapement.base import validate
 from escapement.base.errors import InvalidValue
-from escapement.base.spoken import as_spoken
+from escapement.base.spoken import spoken_length
 from escapement.outlines.curves import Curve, chain
 from escapement.outlines.fits import Fits
 
@@ -16,12 +16,8 @@ def hole(radius: float, at: complex, fit: float, what: str) -> Curve:
     """A hole for a pin or shaft of this radius, clockwise."""
     wide = radius + 0.5 * fit
     if not wide > 0.0:
-        raise validate.fail(
-            f"{what}_fit",
-            f"greater than {as_spoken(-2.0 * radius, 'length')}",
-            as_spoken(fit, "length"),
-            "add to it",
-        )
+        rule = f"greater than {spoken_length(-2.0 * radius)}"
+        raise validate.fail(f"{what}_fit", rule, spoken_length(fit), "add to it")
     return Curve.circle(wide, at).reversed()
 
 
@@ -38,8 +34,8 @@ def _flat(round_one: Curve, radius: float, fits: Fits) -> Curve:
     """A D: a circle of which a flat is cut off."""
     depth = fits.bore_flat or radius / 3.0
     if not depth < radius:
-        rule = f"less than {as_spoken(radius, 'length')}, the radius of a shaft"
-        raise validate.fail("bore_flat", rule, as_spoken(depth, "length"), "choose less")
+        rule = f"less than {spoken_length(radius)}, the radius of a shaft"
+        raise validate.fail("bore_flat", rule, spoken_length(depth), "choose less")
     wide = abs(complex(round_one.corners[0]))
     aside = math.acos((wide - depth) / wide)
     ends = wide * np.exp([1j * aside, -1j * aside])
@@ -66,7 +62,7 @@ def _relieved(curve: Curve, radius: float) -> Curve:
     if not 2.0 * radius < chord.min():
         raise InvalidValue(
             f"kerf must be less than half a side of the {'D' if half.any() else 'square'} bore, "
-            f"{as_spoken(0.5 * chord.min(), 'length')}, got {as_spoken(radius, 'length')}; choose "
+            f"{spoken_length(0.5 * chord.min())}, got {spoken_length(radius)}; choose "
             "a round bore or a thicker shaft"
         )
     # the share of a line or arc after which it leaves the recess at its start

@@ -6,7 +6,7 @@ from typing import Any
 
 from escapement.base import validate
 from escapement.base.quantity import Choice, Declared, quantity, setting
-from escapement.base.spoken import as_spoken
+from escapement.base.spoken import spoken_length
 
 
 def _length(text: str, least: float = -math.inf, note: str = "") -> dict[str, Any]:
@@ -91,4 +91,4 @@ class Fits(Declared):
         self.check_fields()
         if self.bore_flat and self.bore != "D":
             rule = f"0 for a {self.bore} bore"
-            raise validate.fail("bore_flat", rule, as_spoken(self.bore_flat, "length"), "choose D")
+            raise validate.fail("bore_flat", rule, spoken_length(self.bore_flat), "choose D")

@@ -5,7 +5,7 @@ import math
 import numpy as np
 
 from escapement.base import validate
-from escapement.base.spoken import as_spoken
+from escapement.base.spoken import spoken_length
 from escapement.outlines.bores import hole
 from escapement.outlines.curves import ComplexArray, Curve, chain
 from escapement.outlines.fits import Fits
@@ -30,11 +30,10 @@ def dowel_centres(discs: list[Part], pins: int, side: float, fits: Fits) -> Comp
         room = np.minimum(room, -outside(segments_of([disc.edge, *disc.holes]), points)[0])
     good = room >= 3.0 * fits.dowel_radius
     if not good.any():
-        rule = f"at most {as_spoken(room.max() / 3.0, 'length')}, so that walls of its diameter"
+        rule = f"at most {spoken_length(room.max() / 3.0)}, so that walls of its diameter"
         raise validate.fail(
-            "dowel_radius", f"{rule} remain", as_spoken(fits.dowel_radius, "length"),
-            "choose a thinner dowel, or a larger wheel",
-        )  # fmt: skip
+            "dowel_radius", f"{rule} remain", spoken_length(fits.dowel_radius),
+            "choose a thinner dowel, or a larger wheel")  # fmt: skip
     best = points[np.argmax(np.where(good, np.abs(points.imag), -1.0))]
     return np.array([best, best.conjugate()])
 
@@ -66,9 +65,9 @@ def pin_and_washer(pin: float, room: float, fits: Fits) -> list[Part]:
     inner, radius = hole(pin, 0.0, fits.pin_fit, "pin"), fits.washer_radius
     least = abs(complex(inner.corners[0]))
     if not least < radius < room:
-        low, high = (as_spoken(size, "length") for size in (least, room))
+        low, high = (spoken_length(size) for size in (least, room))
         rule = f"between {low} and {high} here, to hold the wheel and to pass its shaft"
-        raise validate.fail("washer_radius", rule, as_spoken(radius, "length"), "choose another")
+        raise validate.fail("washer_radius", rule, spoken_length(radius), "choose another")
     return [Part("pin", Curve.circle(pin)), Part("washer", Curve.circle(radius), (inner,))]
 
 
@@ -79,8 +78,8 @@ def coupon(pin: float, half_slot: float, contact: float, fits: Fits) -> Part:
     """
     most = min(pin + 0.5 * fits.pin_fit, half_slot)
     if not fits.coupon_step < most:
-        rule = f"less than {as_spoken(most, 'length')}, half a pin hole or slot"
-        size = as_spoken(fits.coupon_step, "length")
+        rule = f"less than {spoken_length(most)}, half a pin hole or slot"
+        size = spoken_length(fits.coupon_step)
         raise validate.fail("coupon_step", rule, size, "choose less")
     pitch = max(_PITCH, 4.0 * (contact + half_slot))
     # a pin hole with a slot above it, and what either has more than the chosen size

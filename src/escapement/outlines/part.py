@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 
 from escapement.base.errors import InvalidValue
-from escapement.base.spoken import as_spoken
+from escapement.base.spoken import spoken_length
 from escapement.outlines.bores import hole
 from escapement.outlines.curves import ComplexArray, Curve, Moments, stadium
 from escapement.outlines.fits import Fits
@@ -91,7 +91,7 @@ class Part(NamedTuple):
             room, point = -float(deep.max()), complex(nearest[np.argmax(deep)])
             if not radius < room:
                 x, y, most, got = (
-                    as_spoken(size, "length") for size in (point.real, point.imag, room, radius)
+                    spoken_length(size) for size in (point.real, point.imag, room, radius)
                 )
                 rule = f"have a radius of less than {most}, got {got}" if radius else "leave a wall"
                 raise InvalidValue(

@@ -11,7 +11,7 @@ import numpy as np
 from escapement.base import validate
 from escapement.base.errors import InvalidValue
 from escapement.base.files import CUTS, AnyPath, file_format, write_file
-from escapement.base.spoken import Spoken, as_spoken, on_drawing
+from escapement.base.spoken import Spoken, on_drawing, spoken_length
 from escapement.mechanisms.two_bodies import TwoBodies
 from escapement.outlines.curves import Curve, svg_point
 from escapement.outlines.fits import Fits
@@ -169,7 +169,7 @@ def _stock(sheet: Sequence[float]) -> complex:
     """Width and height of a sheet as one number; raises InvalidValue if it is none."""
     sizes = validate.numbers("sheet", sheet, "give width and height in m")
     if sizes.shape != (2,) or not np.all(sizes > 0.0):
-        got = Spoken(", ".join(as_spoken(size, "length") for size in sizes.ravel().tolist()))
+        got = Spoken(", ".join(spoken_length(size) for size in sizes.ravel().tolist()))
         raise validate.fail("sheet", "a width and a height", got, "give two lengths")
     return complex(*sizes.tolist())
 

@@ -5,7 +5,7 @@ from typing import Any
 
 from escapement.base.records import Record
 from escapement.base.results import Result
-from escapement.base.spoken import as_spoken
+from escapement.base.spoken import spoken_length
 from escapement.mechanisms.geneva import Geneva
 from escapement.outlines.fits import Fits
 from escapement.outlines.geneva import sizes
@@ -72,8 +72,8 @@ def record_of_sizes(wheel: Geneva, shaft: float | None) -> tuple[Record, str]:
         lengths["slot_to_shaft"] = closest - shaft
         if shaft >= closest:
             warning = (
-                f"a slot reaches the shaft of radius {as_spoken(shaft, 'length')}: it ends "
-                f"{as_spoken(closest, 'length')} from the axis; choose a thinner shaft or a larger "
+                f"a slot reaches the shaft of radius {spoken_length(shaft)}: it ends "
+                f"{spoken_length(closest)} from the axis; choose a thinner shaft or a larger "
                 "wheel"
             )
     return Record(lengths, dict.fromkeys(lengths, Result("length"))), warning

@@ -12,14 +12,12 @@ import numpy as np
 
 from escapement.base import validate
 from escapement.base.errors import InvalidValue
-from escapement.base.spoken import as_spoken
+from escapement.base.spoken import spoken_length
 from escapement.mechanisms import (
-    Deadbeat,
     EllipticalPlanetary,
     GearDriven,
     Geneva,
     Outlines,
-    Recoil,
     Runaway,
 )
 from escapement.mechanisms.escape_wheel import EscapeWheel
@@ -43,32 +41,14 @@ from escapement.outlines.part import Part, link
 from escapement.outlines.touching import PLATE, edges_of, pallet_centres, plate
 
 _FIXTURES = "dowel_radius", "washer_radius", "screw_radius", "coupon_step"
-_UNUSED: dict[type, tuple[tuple[str, str], ...]] = {
-    Geneva: (
-        ("clearance", "a Geneva wheel, which has a clearance of its own"),
-        ("teeth", "a Geneva wheel, which has none"),
-    ),
-    GearDriven: (
-        ("locking_radius", "a gear-driven wheel, which has no locking arcs"),
-        ("teeth", "a gear-driven wheel, whose gears are drawn as pitch circles"),
-        *((name, "a gear-driven wheel") for name in _FIXTURES),
-    ),
-    EllipticalPlanetary: tuple(
-        (name, "elliptical gears, which have no slots")
-        for name in ("pin_fit", "locking_radius", *_FIXTURES)
-    ),
-    **{
-        kind: tuple(
-            (name, "bodies whose outlines touch anywhere")
-            for name in (
-                *("locking_radius", "clearance", "teeth", *_FIXTURES),
-                *["pin_fit"] * (kind is not Runaway),
-            )
-        )
-        for kind in (Runaway, Deadbeat, Recoil, Outlines)
-    },
+_SPECIAL = "pin_fit", "locking_radius", "clearance", "teeth", *_FIXTURES
+_USED: dict[type, tuple[str, ...]] = {
+    Geneva: ("pin_fit", "locking_radius", *_FIXTURES),
+    GearDriven: ("pin_fit", "clearance"),
+    EllipticalPlanetary: ("clearance", "teeth"),
+    Runaway: ("pin_fit",),
 }
-"""Fits that a kind of mechanism has no use for, and why."""
+"""Which of the special fits a kind of mechanism has a use for; other kinds have none."""
 _WALL = 0.07  # around pins and shafts, in the mechanism's unit of length
 _SHAFT = 0.12
 
@@ -107,9 +87,13 @@ def parts_of(mechanism: Any, fits: Fits | None = None) -> tuple[Part, ...]:
         effect on this kind of mechanism.
     """
     fits = fits or Fits()
-    for name, rule in _UNUSED.get(type(mechanism), ()):
-        if value := getattr(fits, name):
-            raise validate.fail(name, f"0 for {rule}", value, "leave it out")
+    for name in _SPECIAL:
+        unused = name not in _USED.get(type(mechanism), ())
+        if unused and type(mechanism) in _parts.registry and (value := getattr(fits, name)):
+            own = "give that of the wheel" if mechanism.takes_clearance else "leave it out"
+            remedy = own if name == "clearance" else "leave it out"
+            rule = f"0 for {mechanism.kind} parts, which do not need it"
+            raise validate.fail(name, rule, value, remedy)
     found = _parts(checked(mechanism), fits)
     for part in found:
         part.check()
@@ -140,10 +124,8 @@ def _with_locking(outline: GenevaOutline, radius: float, size: float) -> GenevaO
     """The bodies with another radius of the locking arcs [m]; InvalidValue if it is impossible."""
     low = size * abs(outline.mechanism.centre_distance - outline.rim_radius)
     high = size * (1.0 - outline.half_slot)
-    rule, remedy = (
-        f"between {as_spoken(low, 'length')} and {as_spoken(high, 'length')} here",
-        "choose another, or leave it out",
-    )
+    rule = f"between {spoken_length(low)} and {spoken_length(high)} here"
+    remedy = "choose another, or leave it out"
     if outline.mechanism.continuous:
         rule, remedy = "0 for a wheel without a dwell", "leave it out, or choose fewer pins"
     elif low < radius < high:
@@ -151,7 +133,7 @@ def _with_locking(outline: GenevaOutline, radius: float, size: float) -> GenevaO
         if chosen.locking_edge:
             return chosen
         rule = "such that the hollows for the wheel leave some of the locking disc"
-    raise validate.fail("locking_radius", rule, as_spoken(radius, "length"), remedy)
+    raise validate.fail("locking_radius", rule, spoken_length(radius), remedy)
 
 
 @_parts.register
@@ -183,7 +165,7 @@ def _(mechanism: Geneva, fits: Fits) -> list[Part]:
 def _with_dowels(discs: list[Part], outline: GenevaOutline, fits: Fits) -> list[Part]:
     """Driver and locking disc with the holes of the dowels that hold them together."""
     if len(discs) < 2:
-        rule, size = "0 for a wheel without a locking disc", as_spoken(fits.dowel_radius, "length")
+        rule, size = "0 for a wheel without a locking disc", spoken_length(fits.dowel_radius)
         raise validate.fail("dowel_radius", rule, size, "leave it out")
     pins = int(outline.mechanism.pins or 1)
     centres = dowel_centres(discs, pins, outline.side, fits).tolist()
@@ -222,9 +204,9 @@ def _(mechanism: GearDriven, fits: Fits) -> list[Part]:
     outline = GearDrivenOutline(mechanism, fits.clearance)
     if not outline.half_slot < mechanism.widest_pin:
         most = 2.0 * size * (mechanism.widest_pin - mechanism.contact_radius)
-        rule = f"less than {as_spoken(most, 'length')}, where neighbouring slots meet"
+        rule = f"less than {spoken_length(most)}, where neighbouring slots meet"
         raise validate.fail(
-            "clearance", rule, as_spoken(fits.clearance, "length"), "choose less, or thinner pins"
+            "clearance", rule, spoken_length(fits.clearance), "choose less, or thinner pins"
         )
     arm, inner = mechanism.arm_over_fixed, outline.slot_end - outline.half_slot
     axis = fits.driver_shaft_radius or size * min(_SHAFT, 0.5 * outline.planet_radius, 0.5 * arm)
@@ -287,7 +269,7 @@ def _(mechanism: EscapeWheel, fits: Fits) -> list[Part]:
         holes = [hole(float(pins), centre, fits.pin_fit, "pin") for centre in centres]
         return [*found, Part("verge", edge, (axis, *holes), axes=(0.0, *centres))]
     if fits.pin_fit:
-        rule, got = "0 for flat pallets", as_spoken(fits.pin_fit, "length")
+        rule, got = "0 for flat pallets", spoken_length(fits.pin_fit)
         raise validate.fail("pin_fit", rule, got, "leave it out")
     names = ("entry-pallet", "exit-pallet")
     cut = [
@@ -300,24 +282,16 @@ def _(mechanism: EscapeWheel, fits: Fits) -> list[Part]:
 @_parts.register
 def _(mechanism: Outlines, fits: Fits) -> list[Part]:
     size, found = mechanism.crank_radius, list[Part]()
-    bodies = (
-        ("driver", mechanism.driver_chains, mechanism.driver_fold, fits.driver_shaft_radius),
-        (
-            "follower",
-            mechanism.follower_chains,
-            mechanism.follower_fold,
-            fits.follower_shaft_radius,
-        ),
-    )
-    for name, chains, fold, radius in bodies:
+    for name in ("driver", "follower"):
+        chains, fold = (getattr(mechanism, f"{name}_{what}") for what in ("chains", "fold"))
+        radius = getattr(fits, f"{name}_shaft_radius")
         edges = [edge.moved(size) for edge in edges_of(chains, fold)]
         holes = tuple(edge for edge in edges if edge.moments.area < 0.0)
         whole = [edge for edge in edges if edge.moments.area > 0.0]
         shaft = (bore(radius, fits),) if radius else ()
-        if shaft and not (
-            len(whole) == 1 and outside(segments_of(whole), np.zeros(1, dtype=complex))[0] < 0.0
-        ):
-            rule, got = "0 for a body without material at its axis", as_spoken(radius, "length")
+        solid = len(whole) == 1 and outside(segments_of(whole), np.zeros(1, complex))[0] < 0.0
+        if shaft and not solid:
+            rule, got = "0 for a body without material at its axis", spoken_length(radius)
             raise validate.fail(f"{name}_shaft_radius", rule, got, "leave it out")
         for number, edge in enumerate(whole):
             cut = (*holes, *shaft) if len(whole) == 1 else ()

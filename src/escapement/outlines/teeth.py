@@ -21,7 +21,7 @@ import math
 import numpy as np
 
 from escapement.base.errors import InvalidValue
-from escapement.base.spoken import as_spoken
+from escapement.base.spoken import spoken_length
 from escapement.mechanisms.elliptical_teeth import ADDENDUM, PRESSURE_ANGLE, PitchEllipse
 from escapement.mechanisms.protocol import FloatArray
 from escapement.outlines.curves import ComplexArray, Curve, biarcs
@@ -76,7 +76,7 @@ def rack_cut(pitch: PitchEllipse, teeth: int, centred: bool, backlash: float = 0
     if backlash < 0.0 or not np.all(ends[:, 0] < ends[:, 1]):
         raise InvalidValue(
             "clearance of toothed gears must be at least 0 and leave tips, got "
-            f"{as_spoken(backlash, 'length')} at a module of {as_spoken(module, 'length')}; "
+            f"{spoken_length(backlash)} at a module of {spoken_length(module)}; "
             "give less"
         )
     anomalies = np.column_stack([ends[:, 0], ends.mean(axis=1), ends[:, 1]])
