@@ -282,10 +282,13 @@ def _(mechanism: EscapeWheel, fits: Fits) -> list[Part]:
 @_parts.register
 def _(mechanism: Outlines, fits: Fits) -> list[Part]:
     size, found = mechanism.crank_radius, list[Part]()
-    for name in ("driver", "follower"):
-        chains, fold = (getattr(mechanism, f"{name}_{what}") for what in ("chains", "fold"))
+    bodies = {
+        "driver": edges_of(mechanism.driver_chains, mechanism.driver_fold),
+        "follower": edges_of(mechanism.follower_chains, mechanism.follower_fold),
+    }
+    for name, outline in bodies.items():
         radius = getattr(fits, f"{name}_shaft_radius")
-        edges = [edge.moved(size) for edge in edges_of(chains, fold)]
+        edges = [edge.moved(size) for edge in outline]
         holes = tuple(edge for edge in edges if edge.moments.area < 0.0)
         whole = [edge for edge in edges if edge.moments.area > 0.0]
         shaft = (bore(radius, fits),) if radius else ()
