@@ -9,6 +9,9 @@ import pytest
 import escapement as esc
 from escapement.base.errors import InvalidValue
 from escapement.base.status import Status
+from escapement.engines.two_bodies.compliant.simulate import March
+from escapement.engines.two_bodies.march import PHI, SPEED, THETA, TURNING
+from test_clock_page import CLOCK
 from test_touching_overlap import random_runaways
 from test_two_bodies import flat, pins, runaway
 
@@ -213,3 +216,18 @@ SHARP = {"tip_radius": 0.0, "corner_radius": 0.0}
 def test_what_it_cannot_compute_is_refused(timer, named):
     with pytest.raises(InvalidValue, match=named):
         esc.terminal(timer())
+
+
+@pytest.mark.slow
+def test_a_clock_swings_once_from_its_rigid_cycle():
+    cycle = esc.terminal(CLOCK)
+    begin, unit = cycle.motion.trajectory.begins[0], CLOCK.time_unit
+    own = replace(CLOCK, stiffness=1e7, damping=4.0 * math.sqrt(1e7 * 1e-4), slip_speed=1e-5)
+    march = March(own, 0.0, 1e-10)
+    march.state[:4] = begin[[THETA, PHI, SPEED, TURNING]]
+    motion = march.motion(*march.go(1), 1e-10)
+    assert motion.status is Status.OK
+    # another program took explicit steps, and agrees with rigid bodies to 5e-7
+    assert motion.handoff_times[0] == pytest.approx(6.29167653, rel=5e-7)
+    assert march.state[1] == pytest.approx(-0.02302350, abs=5e-7)
+    assert march.state[3] / unit == pytest.approx(-0.09796936, abs=1e-8)

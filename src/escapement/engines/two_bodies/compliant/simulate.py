@@ -23,7 +23,9 @@ from escapement.mechanisms.protocol import FloatArray
 from escapement.model.escapement import Escapement
 
 FINEST = 1e-10
-"""A smaller relative error is lost in the rounding of penetrations."""
+_ROUNDING = 2e-15
+"""A smaller relative error, or one below this share of the frequency of the stiffest contact, is
+lost in the rounding of penetrations."""
 _DEEPEST = 0.01
 """Depth of a contact at which a motion ends, if no rounding sets a smaller one [crank radii]."""
 
@@ -34,8 +36,10 @@ class March(CompliantMarch):
     engine, clock_type, row_type = "two_bodies", marching.CLOCK, marching.STEP_END
 
     def __init__(self, escapement: Escapement, speed: float, rtol: float) -> None:
-        super().__init__(escapement, max(rtol, FINEST))
+        super().__init__(escapement, rtol)
         scene = prepared(escapement)
+        fastest = math.sqrt(self.joint.stiffness * (1.0 + 1.0 / scene.law.rho))
+        self.rtol = max(rtol, FINEST, _ROUNDING * fastest)
         self._bodies = scene.law, scene.pairs, scene.joints, self.joint
         self._held, self._pitches = np.zeros(MOST, CONTACT), scene.pitches
         self.state[:3] = *scene.start, speed * escapement.time_unit
