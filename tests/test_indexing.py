@@ -74,6 +74,17 @@ def test_worked_examples():
     assert other.settling_time_load == math.inf  # without damping it rings on
 
 
+@pytest.mark.parametrize("slots", range(3, 17))
+def test_two_reversals_that_nearly_meet_are_found(slots):
+    # a little less load than the follower needs: its moment dips below zero between two samples
+    numbers = {"speed": 6.28, "follower_inertia": 0.4}
+    wheel = esc.Geneva(slots, pins=1)
+    least = esc.index(wheel, **numbers).least_load_torque
+    for share in (1e-3, 1e-5, 1e-7, 1e-9):
+        assert len(esc.index(wheel, load_torque=(1.0 - share) * least, **numbers).reversals) == 2
+    assert len(esc.index(wheel, load_torque=(1.0 + 1e-9) * least, **numbers).reversals) == 0
+
+
 def random_drives(count):
     rng = np.random.default_rng(44)
     for _ in range(count):

@@ -15,7 +15,6 @@ from escapement.numerics.roots import newton_in_bracket
 
 _PANELS = 4  # between two edges, in which F is sampled at Gauss points
 _MOST = 4096
-_DIP = 0.9  # share of both neighbours below which a sample may have two zeros beside it
 _HALVINGS = 60  # of a bracket, or steps of Newton's method, at most
 _DEAD_CENTRE = 1e-15  # an angle this close to zero is zero [rad]
 _STEP = 1e-6  # of difference quotients by the angle [rad]
@@ -49,6 +48,12 @@ def _carried_at(theta, scene):
     return _carried(theta, g, dg, scene)
 
 
+@inner_jit
+def _dips(before, value, after):
+    """Whether a square could have its zero nearest to the middle one of three samples."""
+    return value <= min(before, after) and 2.0 * value < max(before, after)
+
+
 @inner_jit(allocates=True)
 def reversals_between(edges, scene):
     """Driver angles inside (edges[0], edges[-1]) at which F changes its sign, ascending.
@@ -75,8 +80,8 @@ def reversals_between(edges, scene):
             if here * value < 0.0:
                 found[used] = _sign_change(before, theta, value > 0.0, scene)
                 used += 1
-            # three samples of one sign, of which the middle one is the least: F may cross 0
-            elif here * oldest > 0.0 and abs(value) < _DIP * min(abs(here), abs(oldest)):
+            # three samples of one sign, the middle one the least as beside a double zero
+            elif here * oldest > 0.0 and _dips(abs(oldest), abs(value), abs(here)):
                 middle = _least(older, theta, np.copysign(1.0, here), scene)
                 if _carried_at(middle, scene) * here < 0.0:
                     found[used] = _sign_change(older, middle, here > 0.0, scene)
