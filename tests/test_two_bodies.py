@@ -250,6 +250,12 @@ def test_spring_runs_down():
     assert abs(motion.ledger.residual) < 1e-10
 
 
+def test_spring_that_is_spent_says_so():
+    motion = esc.simulate(runaway(spring_rate=0.5), 20)
+    assert motion.status is Status.SPENT
+    assert motion.message.endswith("the spring is spent")
+
+
 def test_states_between_handoffs_obey_the_law():
     motion = esc.simulate(runaway(), 3)
     t = np.linspace(0.05, motion.end_time - 0.05, 60)

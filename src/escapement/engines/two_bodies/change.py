@@ -36,7 +36,7 @@ def _sense(speed, torque, held):
 @inner_jit
 def flight(law, y):
     """The mode of a flight; it is the end if nothing moves in it."""
-    driver, follower = torques(law, y, np.sign(y[2]), np.sign(y[3]))
+    driver, follower = torques(law, y)
     senses = _sense(y[2], driver, law.bearing), _sense(y[3], follower, law.load)
     mode = Mode(-1, 0, 0, 0.0, senses[0], senses[1])
     push = free(law, mode, y)

@@ -13,7 +13,7 @@ from collections import namedtuple
 import numpy as np
 
 from escapement.dynamics.torque import torque_after
-from escapement.engines.two_bodies.touch import contact_at, place
+from escapement.engines.two_bodies.touch import contact_at, place, touch_at
 from escapement.numerics.jit import inner_jit
 
 MOTION, STATE = 4, 10
@@ -49,9 +49,14 @@ Push = namedtuple("Push", "driver follower force moment slip yielding")
 
 
 @inner_jit(merged=True)
-def torques(law, y, driver_sense, follower_sense):
-    """Torques on both bodies without contact and without constant friction, for speeds in these
-    senses."""
+def torques(law, y):
+    """Torques on both bodies without contact and without constant friction."""
+    return _torques(law, y, np.sign(y[2]), np.sign(y[3]))
+
+
+@inner_jit(merged=True)
+def _torques(law, y, driver_sense, follower_sense):
+    """The same for speeds that are taken to have these senses."""
     driver = law.gain * law.torque[2]
     if len(law.torque) != 3:
         driver = torque_after(y[0] - law.begin, law)[0]
@@ -65,7 +70,7 @@ def torques(law, y, driver_sense, follower_sense):
 @inner_jit(merged=True)
 def free(law, mode, y):
     """Both bodies without contact; friction of its bearing holds a body whose sense is 0."""
-    driver, follower = torques(law, y, mode.driver_sense, mode.follower_sense)
+    driver, follower = _torques(law, y, mode.driver_sense, mode.follower_sense)
     driver = (driver - mode.driver_sense * law.bearing) / law.rho
     follower -= mode.follower_sense * law.load
     driver = 0.0 if law.bearing > 0.0 and mode.driver_sense == 0.0 else driver
@@ -76,7 +81,7 @@ def free(law, mode, y):
 @inner_jit(merged=True)
 def pushed(law, mode, touch, y):
     """Both bodies with the contact at a touch."""
-    driver, follower = torques(law, y, mode.driver_sense, mode.follower_sense)
+    driver, follower = _torques(law, y, mode.driver_sense, mode.follower_sense)
     driver -= mode.driver_sense * law.bearing
     follower -= mode.follower_sense * law.load
     rubbing = law.mu_plus * mode.sigma
@@ -88,11 +93,11 @@ def pushed(law, mode, touch, y):
     return Push((driver + force * b0) / law.rho, follower + moment, force, moment, slip, yielding)
 
 
-@inner_jit(merged=True)
+@inner_jit
 def touching(law, pairs, mode, y):
     """The touch of the pair in contact."""
     pair = pairs[mode.pair]
-    return contact_at(pair, place(pair, law.centre, y, mode.nose, mode.track))
+    return touch_at(pair, place(pair, law.centre, y, mode.nose, mode.track))
 
 
 @inner_jit(merged=True)
@@ -100,7 +105,9 @@ def push_at(law, pairs, mode, y):
     """Accelerations and force in a state."""
     if mode.pair < 0:
         return free(law, mode, y)
-    return pushed(law, mode, touching(law, pairs, mode, y), y)
+    pair = pairs[mode.pair]
+    at = place(pair, law.centre, y, mode.nose, mode.track)
+    return pushed(law, mode, contact_at(pair, at), y)
 
 
 @inner_jit

@@ -9,7 +9,7 @@ from escapement.dynamics.event_rows import EVENT
 from escapement.engines.two_bodies import step
 from escapement.engines.two_bodies.change import behind_event, close, contact_of, flight, rate_of
 from escapement.engines.two_bodies.law import MOTION, STATE, Mode, energy, push_at, touching
-from escapement.engines.two_bodies.watch import OVERLAPS, WATCH, deeper, first_closed, longest_step
+from escapement.engines.two_bodies.watch import OVERLAPS, WATCH, first_closed, longest_step
 from escapement.numerics.altered import altered
 from escapement.numerics.jit import inner_jit, jit
 from escapement.numerics.records import record_dtype
@@ -94,13 +94,10 @@ def _engage(law, pairs, joints, watch, notes, y, path, mode, goal, end_time):
         if found == OVERLAPS:
             return mode, time + part, Ending.OVERLAPS
         if part > 0.0:
-            part, entered = deeper(law, pairs, watch, y, length, part, path)
-            closed = entered if entered >= 0 else closed
-            if begun or mode.pair >= 0 or not law.plain:
+            if len(notes.rows) > 0:
                 kind = Event.FLIGHT if mode.pair < 0 else Event.CONTACT
                 _note(law, pairs, notes, kind if begun else STEP, time, mode, y)
-                if len(notes.rows) > 0:
-                    notes.rows[min(notes.used[0], len(notes.rows)) - 1].length = length
+                notes.rows[min(notes.used[0], len(notes.rows)) - 1].length = length
             step.state_at(path, y, length, part, path.here)
             for i in range(len(y)):
                 y[i] = path.here[i]

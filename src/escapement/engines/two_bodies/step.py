@@ -11,7 +11,6 @@ import numpy as np
 from numpy.polynomial import legendre
 
 from escapement.engines.two_bodies.law import MOTION, free, losses, push_at, pushed, touching
-from escapement.engines.two_bodies.touch import place, touch_at
 from escapement.numerics.jit import inner_jit
 
 ERROR = 2e-14
@@ -157,8 +156,7 @@ def margins(law, pairs, mode, y, goal, trend, out):
     if mode.follower_sense != 0.0 and law.load + law.follower_journal + law.follower_drag > 0.0:
         out[FOLLOWER_STOPS] = mode.follower_sense * y[3]
     if mode.pair >= 0:
-        pair = pairs[mode.pair]
-        touch = touch_at(pair, place(pair, law.centre, y, mode.nose, mode.track))
+        touch = touching(law, pairs, mode, y)
         push = pushed(law, mode, touch, y)
         out[LIFTS], out[SLIPS], out[JAMS] = push.force, mode.sigma * push.slip, push.yielding
         out[TRACK_ENDS], out[NOSE_ENDS] = touch.on_track, touch.on_nose

@@ -4,8 +4,8 @@ A nose is at the distance D from the points of a track. D changes no faster than
 that a pair is looked at only where they have turned by so much. Then neither D nor its rate can
 change faster than speeds and accelerations in the step allow, so that no contact can begin before a
 time that follows from them; there the pair is looked at again. These times become exact as D goes
-to zero. A nose right beside a track is watched at the end of each step as well. If one is found
-within the other body all the same, the motion ends there.
+to zero. Of a nose right beside a track the depth is compared as well. If one is found within the
+other body all the same, the motion ends there.
 """
 
 import cmath
@@ -142,7 +142,7 @@ def first_closed(law, pairs, joints, watch, mode, y, length, end, path):
         pair, seen, s = pairs[i], watch[i], 0.0
         if _stays_away(pair, seen, y, limits):
             continue
-        while s < end or s == 0.0:
+        while True:
             here, turned = y, turns
             if s > 0.0:
                 here = path.here
@@ -154,7 +154,15 @@ def first_closed(law, pairs, joints, watch, mode, y, length, end, path):
                 break
             if most > WIDE:
                 free = min(free, length * WIDE / most)
-            s += max(free, 1e-15 * length)
+            ahead = min(s + max(free, 1e-15 * length), end)
+            if seen.beside != 0:
+                enters = _enters(law, pairs, watch, i, y, length, s, ahead, path)
+                if enters < np.inf:
+                    end, closed, found = enters, i, CLOSES
+                    break
+            s = ahead
+            if s >= end:
+                break
     return end, closed, found
 
 
@@ -188,7 +196,9 @@ def _look(law, pairs, joints, watch, i, mode, y, turns, limits, end):
     seen.beside = 1 if near.distance <= ALLOWED else 0
     if near.distance > CLOSED:
         return _free_time(pair, at, near, limits, y, end), 0
-    touch, push = touch_at(pair, at), push_at(law, pairs, mode, y)
+    # as those that take the contact see it, so that they judge alike
+    touch = touch_at(pair, place(pair, law.centre, y, nose, track))
+    push = push_at(law, pairs, mode, y)
     left = min(touch.on_track, touch.on_nose)
     rate = touch.g0 * y[2] + touch.g1 * y[3]
     bend = touch.kappa + touch.g0 * push.driver + touch.g1 * push.follower
@@ -204,38 +214,27 @@ def _look(law, pairs, joints, watch, i, mode, y, turns, limits, end):
 
 
 @inner_jit
-def deeper(law, pairs, watch, y, length, end, path):
-    """The time in a step at which a nose right beside a track begins to enter it, and its pair; or
-    the end and -1."""
-    found = -1
-    for i in range(len(watch)):
-        if watch[i].beside == 0:
-            continue
-        level = _depth(law, pairs, watch, i, y)
-        last = _depth_at(law, pairs, watch, i, y, length, end, path)
-        if level < -ALLOWED or last >= level - CLOSED:
-            continue
-        low, high = 0.0, end
-        for _ in range(60):
-            s = 0.5 * (low + high)
-            if _depth_at(law, pairs, watch, i, y, length, s, path) < level - CLOSED:
-                high = s
-            else:
-                low = s
-        if _depth_at(law, pairs, watch, i, y, length, high, path) >= level - ALLOWED:
-            end, found = high, i  # else it comes from behind
-    return end, found
+def _enters(law, pairs, watch, i, y, length, low, high, path):
+    """The time between two others at which a nose right beside a track begins to enter it, or
+    infinity."""
+    level = _depth_at(law, pairs, watch, i, y, length, low, path)
+    last = _depth_at(law, pairs, watch, i, y, length, high, path)
+    if level < -ALLOWED or last >= level - CLOSED:
+        return np.inf
+    for _ in range(60):
+        s = 0.5 * (low + high)
+        if _depth_at(law, pairs, watch, i, y, length, s, path) < level - CLOSED:
+            high = s
+        else:
+            low = s
+    comes_in = _depth_at(law, pairs, watch, i, y, length, high, path) >= level - ALLOWED
+    return high if comes_in else np.inf  # else it comes from behind
 
 
 @inner_jit
 def _depth_at(law, pairs, watch, i, y, length, s, path):
+    """A gap that is negative at a time in a step, else 0."""
     state_at(path, y, length, s, path.here)
-    return _depth(law, pairs, watch, i, path.here)
-
-
-@inner_jit
-def _depth(law, pairs, watch, i, y):
-    """A gap that is negative, else 0."""
-    pair = pairs[i]
-    touch = touch_at(pair, place(pair, law.centre, y, watch[i].nose, watch[i].track))
+    pair, seen = pairs[i], watch[i]
+    touch = touch_at(pair, place(pair, law.centre, path.here, seen.nose, seen.track))
     return min(touch.gap, 0.0) if min(touch.on_track, touch.on_nose) >= 0.0 else 0.0
