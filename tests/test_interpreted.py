@@ -160,6 +160,15 @@ def test_what_is_inlined_is_inlined_after_the_change_over(tmp_path):
     assert "two_more" in only.name
 
 
+def test_compiling_can_be_asked_for_before_there_are_kernels(tmp_path):
+    """As the second process of `escapement compile` does."""
+    code = (
+        "from escapement.numerics.interpreted import compile_from_now_on, interprets\n"
+        "compile_from_now_on()\nimport escapement.numerics.jit\nprint(interprets())"
+    )
+    assert ask(["-c", code], tmp_path)[0] == "False\n"
+
+
 OTHERS = """
 from dataclasses import replace
 plain, pins = scenes[0], {"pallets": "pins", "span": 2.5, "pallet_radius": 1.02, "pin_radius": 0.05}

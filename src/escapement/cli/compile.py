@@ -162,6 +162,6 @@ def _solve_drives() -> None:
     program_1973(4, 0.35, 0.1, 3e-6, 5e-5, duration=0.001)
 
 
-_FIRST = _solve_free, _solve_others, _solve_drives
-_APART = _compile_for_losses, _solve_contact, _solve_two_bodies
+_FIRST = _solve_free, _solve_others
+_APART = _compile_for_losses, _solve_contact, _solve_two_bodies, _solve_drives
 """What two processes solve, which takes both about as long."""

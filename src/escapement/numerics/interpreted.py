@@ -40,7 +40,7 @@ class _Process:
     """Whether this process still interprets, and how much it has."""
 
     def __init__(self) -> None:
-        self.interprets = False
+        self.interprets = self.compiles = False
         self.calls = 0
         self.fills: list[Callable[[], None]] = []
 
@@ -55,8 +55,8 @@ _process, _thread = _Process(), _Thread()
 
 
 def begin_interpreted() -> None:
-    """Kernels run as Python source until compiling pays."""
-    _process.interprets = True
+    """Kernels run as Python source until compiling pays, unless it was asked for already."""
+    _process.interprets = not _process.compiles
 
 
 def interprets() -> bool:
@@ -68,7 +68,7 @@ def compile_from_now_on() -> None:
     """Compile each kernel at its next call, since many calls will follow."""
     while _process.fills:
         _process.fills.pop()()
-    _process.interprets = False
+    _process.interprets, _process.compiles = False, True
 
 
 def when_compiled(fill: Callable[[], None]) -> None:
