@@ -11,6 +11,7 @@ import pytest
 import escapement as esc
 from escapement.base.errors import InputFileError, InvalidValue
 from escapement.base.status import Status
+from escapement.dynamics.figure_table import OF_MOTOR
 from escapement.dynamics.needs import FIXED, Kind, kind_of
 
 TORQUE, INERTIA = 0.0113, esc.Inertia(3.39e-7, 5.65e-6)
@@ -95,8 +96,24 @@ def test_a_motor_as_a_table_is_the_motor_as_a_line(other):
             value = getattr(one.ledger, name)
             assert getattr(two.ledger, name) == pytest.approx(value, rel=1e-10, abs=1e-17), name
     one, two = esc.terminal(line), esc.terminal(curve)
-    for name in ("period", "velocity_max", "velocity_min", "handoff_velocity", "rise_time"):
+    names = ("period", "velocity_max", "velocity_min", "handoff_velocity", "rise_time", *OF_MOTOR)
+    for name in names:
         assert getattr(two, name) == pytest.approx(getattr(one, name), rel=1e-12), name
+
+
+def test_the_greatest_torque_of_a_motor_may_lie_above_that_at_rest():
+    """As of an induction motor; over angle and speed there is no motor, and the message says so."""
+    speed = np.linspace(0.0, 200.0, 21)
+    torque = TORQUE * (1.0 + 2.0 * speed / 200.0 - 3.0 * (speed / 200.0) ** 2)
+    curve = esc.TorqueCurve(speed=speed, torque=torque)
+    found = esc.terminal(replace(TIMER, torque=curve))
+    low, high = found.velocity_min, found.velocity_max
+    greatest = max(float(curve(0.0, x)) for x in (low, high, np.clip(200.0 / 3.0, low, high)))
+    assert found.motor_torque_max == pytest.approx(greatest, rel=1e-12)
+    assert found.motor_stall_share == pytest.approx(greatest / TORQUE, rel=1e-12)
+    found = esc.terminal(replace(TIMER, torque=every_turn(1.0, 0.9, 1.0, 1.0)))
+    assert math.isnan(found.motor_torque_max)
+    assert "speed alone" in found.message
 
 
 def test_the_motion_obeys_the_torque_that_the_curve_tells():

@@ -149,11 +149,8 @@ export function marchAll(scene, chain, w, count, out) {
     }
     time += march.time;
     out.events.push(...march.events.map((e) => ({ ...e, engagement: j, time: started + e.time })));
-    for (const run of march.runs) {
-      run.engagement = j;
-      run.start = started + run.since;
-      out.runs.push(run);
-    }
+    out.runs.push(...march.runs.map((run) =>
+      Object.assign(run, { engagement: j, start: started + run.since })));
     if (status !== "ok") break;
     w = march.w;
     out.handoffs.push({ time, w });
