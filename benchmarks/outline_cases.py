@@ -125,8 +125,9 @@ def deepest(motion):
 def momentum(motion):
     """How much the impulse of a blow differs from the momentum that both bodies gain.
 
-    It is a share of the greatest impulse; 0 with bearings whose friction takes momentum in blows,
-    and of Geneva wheels, where two pins touch at once.
+    It is a share of the greatest impulse. Blows are left out where two contacts take impulses at
+    once, as of Geneva wheels at handoffs and where a kept contact is struck from the other side,
+    and with bearings whose friction takes momentum.
     """
     own, impacts, start = motion.escapement, motion.impacts, motion.trajectory.start
     wheel, worst = own.mechanism, 0.0
@@ -136,7 +137,8 @@ def momentum(motion):
     for time, impulse in zip(impacts.time, impacts.impulse, strict=True):
         alone = np.sum(np.abs(impacts.time - time) < 1e-9) == 1
         after = int(np.searchsorted(start, time, side="right")) - 1
-        if not alone or start[after] != time or after == 0:
+        kept = motion.trajectory.sign[after - 1] != 0.0
+        if not alone or start[after] != time or after == 0 or kept:
             continue
         old, new = (motion.within(k, time) for k in (after - 1, after))
         gains = own.inertia.driver * (new.theta_dot - old.theta_dot)
