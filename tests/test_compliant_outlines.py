@@ -32,6 +32,7 @@ def last_period(timer, count=9, speed=0.0):
     return float(motion.handoff_times[-1] - motion.handoff_times[-2])
 
 
+@pytest.mark.slow
 def test_stiff_bodies_tend_to_rigid_ones_with_order_one():
     errors = [last_period(overdamped(delay)) - RIGID for delay in (1e-2, 1e-3, 1e-4)]
     slopes = np.diff(np.log10(np.abs(errors)))
@@ -50,6 +51,7 @@ def test_error_of_the_slip_speed_is_of_first_order():
     assert errors[0] / errors[1] == pytest.approx(10.0, abs=2.0)
 
 
+@pytest.mark.slow
 def test_no_contact_is_missed():
     # a missed contact would change the times of handoffs by far more, or jam another design
     for k, wheel in enumerate(random_runaways(3, 8)):

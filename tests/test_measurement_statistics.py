@@ -70,6 +70,7 @@ def normal_errors():
     return draws - (draws @ basis) @ basis.T
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "test",
     [*(partial(measurement.chi_squared, bins=n) for n in (7, 9, 14)), measurement.anderson_darling],

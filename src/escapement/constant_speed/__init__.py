@@ -69,7 +69,9 @@ class Case(Declared):
 
     def __post_init__(self) -> None:
         self.check_fields()
-        check_losses(self, checked(self.mechanism).meshed)
+        if checked(self.mechanism).pitch is not None:
+            _ = self.mechanism.path  # it says that there is no transmission function
+        check_losses(self, self.mechanism.meshed)
 
     @property
     def inertial(self) -> float:
