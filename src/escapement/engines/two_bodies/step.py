@@ -122,7 +122,8 @@ def _series(integral, values, scale, out):
 def state_at(path, y, length, s, out):
     """Write the state at a time s within a step of a length that begins with y."""
     if s == 0.0:
-        out[:] = y
+        for i in range(len(y)):
+            out[i] = y[i]
         return
     x = 2.0 * s / length - 1.0
     here, ahead = 1.0, x  # Legendre polynomials
