@@ -65,7 +65,7 @@ def test_what_needs_a_transmission_is_refused():
     with pytest.raises(InvalidValue, match="must have a transmission function"):
         esc.index(verge, 1.0, 1.0, follower_inertia=1.0)
     with pytest.raises(InvalidValue, match="whose beats are blows"):
-        esc.fit_motion(esc.Readings.of_beats(range(20)), timer)
+        esc.fit_motion(esc.Readings.of_beats(range(20)), timer, ["torque"])
 
 
 WISH = {
