@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 
 import escapement as esc
-from command_scenes import CHANGED, motions, write_inputs
+from command_scenes import CHANGED, TOUCHING, motions, write_inputs
 from escapement.base.errors import EscapementError
 from escapement.dynamics.figure_table import FIGURES, RUN_TIME
 from escapement.inverse_design import timer_search
@@ -136,7 +136,8 @@ def content_of(kind, scene, varied):
 
 def scenes_of(kind):
     """Study files in which every number acts, and the names to try where not all are."""
-    for k, scene in enumerate(motions(kind, {})):
+    # flat pallets, the last scene of a runaway, stall with these inertias
+    for k, scene in enumerate(motions(kind, {})[: 2 if kind in TOUCHING else None]):
         varied = {"load_torque": [2e-4]} if k == 0 else {"initial_speed": [1.0]}
         content = content_of(kind, scene, varied)
         tried = scene.get("tried")
@@ -144,7 +145,8 @@ def scenes_of(kind):
         yield content, tried and {entries[n].key if n in entries else n for n in tried}
 
 
-@pytest.mark.parametrize("kind", KINDS)
+# a study gives the chains of outlines as rows of numbers, and the command line a drawing
+@pytest.mark.parametrize("kind", [kind for kind in KINDS if kind != "outlines"])
 def test_every_number_of_a_study_acts_or_is_refused(kind, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     write_inputs("sweep", kind)

@@ -105,6 +105,6 @@ def test_every_number_acts_or_is_refused(outcome, request, name, kind):
                 acting.add(option)
             elif told != "refused":
                 wrong.append(f"scene {k}, {option}: {told}")
-    given = {option for scene in scenes for option in scene.get("tried", scene)}
+    given = {x for scene in scenes for x in scene.get("tried", scene) if x in scene}
     wrong += [f"{option} never acts" for option in given & options.keys() - acting]
     assert "\n".join(wrong) == ""

@@ -135,7 +135,7 @@ def _solve_contact() -> None:
 
 
 def _solve_two_bodies() -> None:
-    """Pallets on an escape wheel."""
+    """Pallets on an escape wheel, rigid ones and ones that yield."""
     from math import radians
 
     import escapement as esc
@@ -144,7 +144,10 @@ def _solve_two_bodies() -> None:
         teeth=12, wheel_radius=1.0, tooth_depth=0.22, lead=radians(45), back=radians(15),
         tip_radius=0.01, pallets="pins", span=2.5, pallet_radius=1.02, pin_radius=0.05,
     )  # fmt: skip
-    _solve(esc.Escapement(wheel, esc.Inertia(1.0, 0.3), 1.0, friction=0.15), "two_bodies")
+    inertia = esc.Inertia(1.0, 0.3)
+    for stiffness in (0.0, 1e5):
+        timer = esc.Escapement(wheel, inertia, 1.0, friction=0.15, stiffness=stiffness)
+        _solve(timer, "two_bodies")
 
 
 def _solve_drives() -> None:

@@ -87,9 +87,10 @@ def parts_of(mechanism: Any, fits: Fits | None = None) -> tuple[Part, ...]:
         effect on this kind of mechanism.
     """
     fits = fits or Fits()
+    known = _parts.dispatch(type(mechanism)) is not _parts.dispatch(object)
     for name in _SPECIAL:
         unused = name not in _USED.get(type(mechanism), ())
-        if unused and type(mechanism) in _parts.registry and (value := getattr(fits, name)):
+        if known and unused and (value := getattr(fits, name)):
             own = "give that of the wheel" if mechanism.takes_clearance else "leave it out"
             remedy = own if name == "clearance" else "leave it out"
             rule = f"0 for {mechanism.kind} parts, which do not need it"

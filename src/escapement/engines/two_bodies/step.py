@@ -18,6 +18,8 @@ ERROR = 2e-14
 NODES = 12
 _MOST_SWEEPS, _SETTLED = 20, 1e-14
 """Iterations of a step, and the change of speeds at which they end."""
+_DIVERGES = 1e9
+"""A change of speeds from which on iterations diverge."""
 MARGINS = 9
 """Numbers that are positive in a mode: distance to the handoff, speeds in their senses, force,
 slip in its sense, what is left of track and nose, A, and the driver's acceleration in its sense."""
@@ -68,6 +70,8 @@ def advance(law, pairs, mode, y, push, length, path):
                     here[i] = points[i, j]
                 push = push_at(law, pairs, mode, here)
                 driver, follower = push.driver - rates[0, j], push.follower - rates[1, j]
+                if not length * (abs(driver) + abs(follower)) < _DIVERGES:
+                    return np.inf
                 rates[0, j], rates[1, j] = push.driver, push.follower
                 change += abs(driver) + abs(follower)
                 _correct(points, j, length, driver, follower)
