@@ -69,9 +69,7 @@ class Case(Declared):
 
     def __post_init__(self) -> None:
         self.check_fields()
-        if checked(self.mechanism).pitch is not None:
-            _ = self.mechanism.path  # it says that there is no transmission function
-        check_losses(self, self.mechanism.meshed)
+        check_losses(self, checked(self.mechanism).path.meshed)
 
     @property
     def inertial(self) -> float:

@@ -42,8 +42,8 @@ def joint_of(escapement: Escapement) -> Joint:
         least = SOFTEST * escapement.stiffness / joint.stiffness
         raise InvalidValue(
             f"stiffness must be at least {as_spoken(least, 'stiffness')} here, got "
-            f"{as_spoken(escapement.stiffness, 'stiffness')}; a pin "
-            "would sink into a softer wall by more than a thousandth of the crank radius"
+            f"{as_spoken(escapement.stiffness, 'stiffness')}; give more, for a softer wall yields "
+            "by more than a thousandth of the crank or wheel radius"
         )
     if escapement.restitution > 0.0 and not joint.hertz:
         raise InvalidValue(

@@ -235,7 +235,7 @@ class CompliantTrajectory(Trajectory):
 
     @cached_property
     def peaks(self) -> FloatArray:
-        """Greatest magnitudes in the order of `metrics.find_peaks`, shape (4, 1)."""
+        """Greatest magnitudes in the order of `figures_of_merit.find_peaks`, shape (4, 1)."""
         torque = self.rows.escapement.torque_unit
         units: FloatArray = np.array([self._clock**-2.0, self._clock**-2.0, torque, torque])
         return (np.array([self.rows.greatest(k)[0] for k in _PEAKS]) * units)[:, None]

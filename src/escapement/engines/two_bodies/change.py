@@ -120,14 +120,17 @@ def rate_of(law, pairs, contact, y):
 
 @inner_jit
 def close(law, pairs, mode, y, new):
-    """The mode behind the blow of a pair that closes, perhaps while another one is closed."""
+    """The mode behind the blow of a pair that closes, perhaps while another one is closed.
+
+    The impulse that is returned is that of this pair alone.
+    """
     tiny = STILL * (1.0 + abs(rate_of(law, pairs, new, y)))
-    impulse = strike(law, touching(law, pairs, new, y), y, law.restitution)
+    impulse = other = strike(law, touching(law, pairs, new, y), y, law.restitution)
     rate = rate_of(law, pairs, mode, y) if mode.pair >= 0 else np.inf
     if rate < -tiny:
         # the other contact takes a blow as well
-        impulse += 0.0 * strike(law, touching(law, pairs, mode, y), y, 0.0)
-    if impulse != impulse:
+        other = strike(law, touching(law, pairs, mode, y), y, 0.0)
+    if np.isnan(impulse) or np.isnan(other):
         return new, Ending.JAM, impulse
     moves = abs(y[2]) + abs(y[3]) > AT_REST
     if rate > tiny:

@@ -125,7 +125,7 @@ def _series(integral, values, scale, out):
 @inner_jit
 def state_at(path, y, length, s, out):
     """Write the state at a time s within a step of a length that begins with y."""
-    if s == 0.0:
+    if s == 0.0:  # the series would add rounding to the start
         for i in range(len(y)):
             out[i] = y[i]
         return
