@@ -29,7 +29,7 @@ from escapement.dynamics.law import (
     slide_at,
 )
 from escapement.dynamics.load import load_at
-from escapement.mechanisms.slotted import pose_at
+from escapement.mechanisms.slotted import pose_at, transmission_on
 from escapement.numerics.gauss import POINTS, N, integral, tail_of
 from escapement.numerics.jit import inner_jit, jit
 from escapement.numerics.roots import newton_in_bracket
@@ -40,12 +40,16 @@ TORQUE, MOMENT, FORCE, RATIO, BEND, RUBBING = range(6)
 _SEARCHED = (TORQUE, TORQUE, MOMENT, FORCE, RATIO, BEND, BEND, RUBBING)
 _SIGNS = (1.0, -1.0, 0.0, 1.0, 0.0, 1.0, -1.0, 1.0)
 _PENDING = 64  # parts that wait to be integrated
-# A part is halved until the tail of the squared torque is below this share of its greatest value.
-_RESOLVED = 1e-13
+# Extremes that wait to be found, and the numbers of each.
+_WAITING, _ROW = 256, 8
+# A part is halved until the tail of the squared torque is below this share of its greatest value,
+# or is rounding of the torque. Its rounding is this share of its summands, which cancel at a zero.
+_RESOLVED, _ROUNDING = 1e-13, 32.0 * float(np.finfo(float).eps)
 _NARROWEST = 1e-7  # rad
 _CANCELS = 1e-14
-# Step of the difference quotients by which an extremum is found, and how exactly it is [rad].
-_STEP, _FOUND = 1e-5, 1e-11
+# Step of the difference quotients by which an extremum is found, and a step of Newton's method
+# after which the next one would be rounding [rad].
+_STEP, _FOUND = 1e-5, 1e-7
 
 
 class CycleFigures(NamedTuple):
@@ -109,7 +113,13 @@ def contact_at(theta, side, slide_sign, scene, efficiency):
 
     With the given side and sign of sliding they continue smoothly beyond a kink.
     """
-    g, u, dg, radius = pose_at(scene.path, theta)
+    return _contact(pose_at(scene.path, theta), theta, side, slide_sign, scene, efficiency)
+
+
+@inner_jit
+def _contact(pose, theta, side, slide_sign, scene, efficiency):
+    """As `contact_at`, with g, u, g' and R at the angle."""
+    g, u, dg, radius = pose
     load = load_at(theta, 1.0, scene)
     moment = resistance(g, dragged_slope(g, dg, scene), 1.0, 1.0, scene, load)
     slide, lever = grip(g, u, radius, side, scene, slide_sign)
@@ -167,8 +177,9 @@ def figures_of(scene, edges, half, efficiency):
     """As `cycle_figures`, of a scene."""
     reversals = reversals_between(edges, scene)
     cuts = np.sort(np.concatenate((edges, reversals, np.array([half]))))
-    samples, square = np.empty((N + 2, RUBBING + 1)), np.empty(N)
+    samples, square, pose = np.empty((N + 2, RUBBING + 1)), np.empty(N), np.empty((4, N))
     tops, angles = np.full(len(_SIGNS), -np.inf), np.full(len(_SIGNS), np.nan)
+    waiting, used = np.empty((_WAITING, _ROW)), 0
     whole = squares = first = sizes = last_side = 0.0
     pending = np.empty((_PENDING, 2))
     for j in range(cuts.size - 1):
@@ -182,12 +193,16 @@ def figures_of(scene, edges, half, efficiency):
             count -= 1
             left, right = pending[count, 0], pending[count, 1]
             width = 0.5 * (right - left)
-            _fill(samples, left, right, side, slide, scene, efficiency)
-            torque, size = samples[1:-1, TORQUE], 1e-300
+            _fill(samples, pose, left, right, side, slide, scene, efficiency)
+            torque, size, summands = samples[1:-1, TORQUE], 1e-300, 0.0
             for i in range(N):
-                square[i] = torque[i] * torque[i]
+                square[i], here = torque[i] * torque[i], samples[i + 1]
                 size = max(size, square[i])
-            rough = tail_of(square, N) > _RESOLVED * size
+                # the moment is that of the load and of the acceleration g'
+                most = abs(here[MOMENT]) + 2.0 * abs(here[BEND])
+                summands = max(summands, abs(here[RATIO]) * most)
+            least = _RESOLVED * size + _ROUNDING * summands * np.sqrt(size)
+            rough = tail_of(square, N) > least
             if rough and width > _NARROWEST and count < _PENDING - 2:
                 inside = left + width
                 pending[count, 0], pending[count, 1] = inside, right
@@ -199,7 +214,11 @@ def figures_of(scene, edges, half, efficiency):
             sizes += abs(part)
             squares += width * integral(square, N)
             first += part if right <= half else 0.0
-            _raise_tops(tops, angles, samples, left, right, side, slide, scene, efficiency)
+            if used + len(_SIGNS) > _WAITING:
+                _search(tops, angles, waiting, used, scene, efficiency)
+                used = 0
+            used = _raise_tops(tops, angles, samples, left, right, side, slide, waiting, used)
+    _search(tops, angles, waiting, used, scene, efficiency)
     # where driving and driven work cancel, what is left is rounding
     whole = 0.0 if abs(whole) <= _CANCELS * sizes else whole
     _g, _u, bend_exit, _radius = pose_at(scene.path, edges[-1])
@@ -244,26 +263,34 @@ def _point(i):
 
 
 @inner_jit
-def _fill(samples, left, right, side, slide_sign, scene, efficiency):
+def _fill(samples, pose, left, right, side, slide_sign, scene, efficiency):
     """Fill rows with what `contact_at` returns at the ends and the Gauss points of a part."""
-    half = 0.5 * (right - left)
-    for i in range(N + 2):
-        theta = left + half * (1.0 + _point(i))
-        _fill_row(samples[i], theta, side, slide_sign, scene, efficiency)
+    half, (g, u, dg, radius) = 0.5 * (right - left), pose
+    transmission_on(scene.path, left, half, POINTS, g.size, g, u, dg, radius)
+    for i in range(N):
+        theta, here = left + half * (1.0 + POINTS[i]), (g[i], u[i], dg[i], radius[i])
+        found = _contact(here, theta, side, slide_sign, scene, efficiency)
+        _fill_row(samples[i + 1], found)
+    _fill_row(samples[0], contact_at(left, side, slide_sign, scene, efficiency))
+    _fill_row(samples[N + 1], contact_at(right, side, slide_sign, scene, efficiency))
 
 
 @inner_jit
-def _fill_row(row, theta, side, slide_sign, scene, efficiency):
+def _fill_row(row, found):
     """Fill a row with what `contact_at` returns, the last of it if there is room."""
-    torque, moment, force, g, dg, rubbing = contact_at(theta, side, slide_sign, scene, efficiency)
+    torque, moment, force, g, dg, rubbing = found
     row[TORQUE], row[MOMENT], row[FORCE], row[RATIO], row[BEND] = torque, moment, force, g, dg
     if len(row) > RUBBING:
         row[RUBBING] = rubbing
 
 
 @inner_jit
-def _raise_tops(tops, angles, samples, left, right, side, slide_sign, scene, efficiency):
-    """Raise the greatest values to those on one part, whose sides do not change."""
+def _raise_tops(tops, angles, samples, left, right, side, slide_sign, waiting, used):
+    """Raise the greatest values to the samples of one part, whose sides do not change.
+
+    Where one may be exceeded beside a sample, a row of `waiting` says what `_search` needs; returns
+    how many are used.
+    """
     half = 0.5 * (right - left)
     for k in range(tops.size):
         which, sign = _SEARCHED[k], _SIGNS[k]
@@ -276,15 +303,30 @@ def _raise_tops(tops, angles, samples, left, right, side, slide_sign, scene, eff
         top, theta = sign * samples[best, which], left + half * (1.0 + _point(best))
         low, high = max(best - 1, 0), min(best + 1, N + 1)
         beside = min(sign * samples[low, which], sign * samples[high, which])
-        # between neighbours a smooth function exceeds the greatest of them by less than it falls
-        if top + (top - beside) > tops[k]:
-            start, end = left + half * (1.0 + _point(low)), left + half * (1.0 + _point(high))
-            at = _extreme(theta, start, end, which, sign, side, slide_sign, scene, efficiency)
-            inside = sign * contact_at(at, side, slide_sign, scene, efficiency)[which]
-            if inside > top:
-                top, theta = inside, at
         if top > tops[k]:
             tops[k], angles[k] = top, theta
+        # between neighbours a smooth function exceeds the greatest of them by less than it falls
+        if top + (top - beside) > tops[k]:
+            row = waiting[used]
+            row[0], row[1], row[2], row[3] = k, top + (top - beside), sign, theta
+            row[4], row[5] = left + half * (1.0 + _point(low)), left + half * (1.0 + _point(high))
+            row[6], row[7] = side, slide_sign
+            used += 1
+    return used
+
+
+@inner_jit
+def _search(tops, angles, waiting, used, scene, efficiency):
+    """Raise the greatest values to those between the samples, where these are not greater yet."""
+    for i in range(used):
+        index, bound, sign, theta, low, high, side, slide_sign = waiting[i]
+        k = int(index)
+        if bound > tops[k]:
+            which = _SEARCHED[k]
+            at = _extreme(theta, low, high, which, sign, side, slide_sign, scene, efficiency)
+            top = sign * contact_at(at, side, slide_sign, scene, efficiency)[which]
+            if top > tops[k]:
+                tops[k], angles[k] = top, at
 
 
 @jit
@@ -298,4 +340,4 @@ def contact_states(packed, theta, efficiency, table):
     for i in range(theta.size):
         side = 1.0 if follower_moment(theta[i], scene) >= 0.0 else -1.0
         slide = sliding_sign(theta[i], side, scene)
-        _fill_row(table[i], theta[i], side, slide, scene, efficiency)
+        _fill_row(table[i], contact_at(theta[i], side, slide, scene, efficiency))
