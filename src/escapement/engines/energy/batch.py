@@ -197,7 +197,7 @@ def peaks(
     dict of ndarray, shape (n,)
         Each of them in natural units.
     """
-    rows = np.ascontiguousarray(numbers.T, dtype=float)
+    rows, speeds = np.ascontiguousarray(numbers.T, dtype=float), np.ascontiguousarray(speeds)
     scene, own_pins = _shared(mechanism, rows)
     table = np.tile([0.0 if name in wanted else np.inf for name in PEAKS], (len(rows), 1))
     kind = kind_of(scene.path, CONSTANT, numbers[:_COUNT])
