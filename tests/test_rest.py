@@ -158,7 +158,7 @@ def test_a_ledger_that_does_not_close_says_so():
 
 
 def test_a_motion_says_where_it_stands_when_its_steps_are_used_up(monkeypatch):
-    from escapement.engines.contact.compliant import simulate as compliant
+    from escapement.dynamics import compliant_march as compliant
     from escapement.engines.contact.rigid import simulate as rigid
 
     monkeypatch.setattr(compliant, "MOST_TRIES", 2000)
