@@ -1,21 +1,34 @@
 """Driver and follower with clearance, integrated in time as two bodies by solve_ivp.
 
 Nothing of the package's law is used: the equations are those of Newton and Euler, with the
-force of the contact as a third unknown and the distance from the wall as its constraint.
+force of the contact as a third unknown and the distance from the wall as its constraint, or
+between elastic walls as a function of how deep the pin is in them.
 """
 
+import math
 from itertools import product
 
 import numpy as np
 from scipy.integrate import solve_ivp
 
 import escapement as esc
+from escapement.engines.contact.rigid.impact import CHATTER
+
+
+def same_as_two_bodies(timer, engagements, start, rtol=1e-8):
+    """The motion of the package, whose handoffs are those of two bodies in time."""
+    motion = esc.simulate(timer, engagements, initial_speed=start)
+    times, speeds = TwoBodies(timer).run(engagements, start)
+    np.testing.assert_allclose(motion.handoff_times, times, rtol=rtol)
+    np.testing.assert_allclose(motion.handoff_velocities, speeds, rtol=rtol)
+    assert abs(motion.ledger.residual) < 1e-12
+    return motion
 
 
 class TwoBodies:
     """An external or internal wheel in natural units; lengths in crank radii."""
 
-    def __init__(self, timer, chatter):
+    def __init__(self, timer):
         wheel, clock = timer.mechanism, timer.time_unit
         self.sense = 1.0 if wheel.internal else -1.0
         self.centre, self.exit = wheel.centre_distance, wheel.engagement_angle / 2.0
@@ -40,7 +53,7 @@ class TwoBodies:
         # a motor gives no torque at this speed of the driver
         self.no_load = (timer.no_load_speed or np.inf) * barrel.ratio * clock
         self.friction, self.bounce = timer.friction, timer.restitution
-        self.step, self.clock, self.chatter = wheel.follower_step, clock, chatter
+        self.step, self.clock = wheel.follower_step, clock
 
     def directions(self, side, q, v):
         """Generalised directions of the normal force and of friction, D, and the sliding speed."""
@@ -196,7 +209,7 @@ class TwoBodies:
             v, total = v + change * to_end, total + to_end
             if goal < np.inf:
                 return v, True
-            if self.bounce * (normal @ change) * total <= self.chatter:
+            if self.bounce * (normal @ change) * total <= CHATTER:
                 return v, False
             goal = (1.0 + self.bounce) * total
 
@@ -238,3 +251,33 @@ class TwoBodies:
             elif which == 1:
                 side = 0.0
         return np.array(found).T
+
+
+def between_elastic_walls(timer, end):
+    """theta, phi and their speeds at a time [s], from rest between elastic walls."""
+    scene, joint, clock, wheel = timer.scene, timer.joint, timer.time_unit, timer.mechanism
+    sense, load = 1.0 if wheel.internal else -1.0, timer.load_curve or (lambda phi: 0.0)
+
+    def slope(_t, y):
+        theta, phi, driver, follower = y
+        out, along = np.exp(1j * phi), np.exp(1j * sense * theta)
+        arm, moves = sense * along, 1j * along * driver
+        pin = wheel.centre_distance + arm
+        across = (pin * out.conjugate()).imag
+        side = 1.0 if across > 0.0 else -1.0
+        normal = 1j * out * side
+        depth, width = side * across - joint.half_clearance, scene.pin * normal
+        relative = moves + 1j * sense * driver * width - 1j * follower * (pin + width)
+        rate, slide = (relative * normal.conjugate()).real, (relative * out.conjugate()).real
+        force = max(joint.stiffness * depth + joint.damping * rate, 0.0) if depth > 0.0 else 0.0
+        drag = scene.mu_plus * force * slide / math.hypot(slide, joint.slip)
+        on = force * normal + drag * out
+        turn = ((pin + width).conjugate() * on).imag - float(load(phi)) / timer.torque
+        back = -sense * ((arm + width).conjugate() * on).imag
+        return [driver, follower, (1.0 + back) / scene.rho, turn]
+
+    theta = float(scene.edges[0])
+    start = [theta, float(wheel.follower_angle(np.array([theta]))[0]), 0.0, 0.0]
+    settings = {"rtol": 1e-12, "atol": 1e-14, "max_step": 2e-3, "method": "DOP853"}
+    found = solve_ivp(slope, (0.0, end / clock), start, **settings)
+    return found.y[:, -1] * [1.0, 1.0, 1.0 / clock, 1.0 / clock]

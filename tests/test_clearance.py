@@ -10,7 +10,7 @@ from numpy.testing import assert_allclose
 from scipy.integrate import solve_ivp
 
 import escapement as esc
-from clearance_bodies import TwoBodies
+from clearance_bodies import TwoBodies, same_as_two_bodies
 from escapement.base.errors import InvalidValue
 from escapement.base.status import Status
 from escapement.base.units import INCH_POUND
@@ -135,11 +135,7 @@ def test_clearance_to_zero_gives_the_engine_without(given, least, atol):
     ],
 )
 def test_two_bodies_in_time_agree(given, rtol):
-    drive = timer(**given)
-    motion = esc.simulate(drive, 2, initial_speed=20.0)
-    times, speeds = TwoBodies(drive, CHATTER).run(2, 20.0)
-    assert_allclose(motion.handoff_times, times, rtol=rtol)
-    assert_allclose(motion.handoff_velocities, speeds, rtol=rtol)
+    same_as_two_bodies(timer(**given), 2, 20.0, rtol)
 
 
 def test_energy_momentum_and_walls():
@@ -199,7 +195,7 @@ def test_impulse_and_momentum_with_friction():
     rng, blows_seen = np.random.default_rng(27), 0
     for _ in range(30):
         drive = random_timer(rng, effects=False)
-        motion, bodies = esc.simulate(drive, 4), TwoBodies(drive, CHATTER)
+        motion, bodies = esc.simulate(drive, 4), TwoBodies(drive)
         blows, (*_, q, v, found) = motion.impacts, at_blows(motion)
         unit = RADIUS / drive.torque_unit / drive.time_unit
         for k in np.flatnonzero(np.abs(blows.wall) == 1.0):
@@ -234,7 +230,7 @@ def test_impulse_of_a_plastic_impact_is_that_of_the_formula():
 
 def smooth_blow(drive, wall, q, v):
     """Speeds behind an impact whose friction, along the wall and in both journals, is smooth."""
-    bodies, e = TwoBodies(drive, CHATTER), drive.restitution
+    bodies, e = TwoBodies(drive), drive.restitution
     normal, tangent, *_ = bodies.directions(wall, q, v)
     rubs = [drive.driver_bearing_friction, drive.follower_bearing_friction]
     arms = np.array([drive.driver_bearing_radius, drive.follower_bearing_radius]) / RADIUS
@@ -289,7 +285,7 @@ def test_a_bounce_ends_below_the_speed_that_the_docs_say():
     slowest, e = [], 0.8
     for play in (1e-3, 2e-3, 5e-3):
         drive = timer(play, restitution=e)
-        motion, bodies = esc.simulate(drive, 6), TwoBodies(drive, CHATTER)
+        motion, bodies = esc.simulate(drive, 6), TwoBodies(drive)
         blows, (_, behind, q, _, v) = motion.impacts, at_blows(motion)
         for k in np.flatnonzero((behind.contact_moment == 0.0) & (blows.wall != 0.0)):
             slowest.append(bodies.directions(blows.wall[k], q[k], v[k])[0] @ v[k])

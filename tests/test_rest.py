@@ -10,7 +10,6 @@ from numpy.testing import assert_allclose
 import escapement as esc
 from clearance_bodies import TwoBodies
 from escapement.base.status import Status
-from escapement.engines.contact.rigid.impact import CHATTER
 
 RADIUS, TORQUE = 0.01, 0.0113
 INERTIA = esc.Inertia(3.39e-7, 5.65e-6)
@@ -86,7 +85,7 @@ def test_two_bodies_in_time_run_down_alike(more):
     own = timer(1e-4, friction=0.2, spring_rate=TORQUE / 8.0, **more)
     motion = esc.simulate(own, 8)
     until = motion.handoff_times[3] + 1e-9
-    times, speeds = TwoBodies(own, CHATTER).run(8, until=until)
+    times, speeds = TwoBodies(own).run(8, until=until)
     assert_allclose(times, motion.handoff_times[:4], rtol=1e-9)
     assert_allclose(speeds, motion.handoff_velocities[:4], rtol=1e-8)
 
@@ -158,7 +157,7 @@ def test_a_ledger_that_does_not_close_says_so():
 
 
 def test_a_motion_says_where_it_stands_when_its_steps_are_used_up(monkeypatch):
-    from escapement.engines.contact.compliant import simulate as compliant
+    from escapement.dynamics import compliant_march as compliant
     from escapement.engines.contact.rigid import simulate as rigid
 
     monkeypatch.setattr(compliant, "MOST_TRIES", 2000)

@@ -180,12 +180,7 @@ def test_what_cannot_be_drawn_is_refused(study, grid):
         ("must be a grid to be drawn as lines or a map", plots.plot_map, study, "period"),
         ("must be a sample at one point of its grid", plots.plot_sample, grid),
         ("must be a sample for this figure, got a grid", plots.plot_spread, plain),
-        (
-            r"result must be one of velocity_max, .*'periods'",
-            plots.plot_sample,
-            study,
-            ["periods"],
-        ),
+        (r"result must be one of velocity_max, .*'periods'", plots.plot_sample, study, ["periods"]),
         ("results must be a list of names, got 'period'", plots.plot_sample, study, "period"),
         ("number for period or velocity_max", plots.plot_study, replace(study, results=nothing)),
     ):

@@ -30,8 +30,7 @@ def rolled(mechanism, fits, angles):
 
 
 @pytest.mark.parametrize(
-    ("mechanism", "teeth"),
-    [(PAPER, 0), (PAPER, 24), (esc.EllipticalPlanetary(0.03, 0.01), 0)],
+    ("mechanism", "teeth"), [(PAPER, 0), (PAPER, 24), (esc.EllipticalPlanetary(0.03, 0.01), 0)]
 )
 def test_the_gears_roll_in_contact_and_without_overlap(mechanism, teeth):
     angles = np.random.default_rng(7).uniform(*mechanism.breaks, 12)

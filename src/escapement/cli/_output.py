@@ -15,13 +15,7 @@ from typing import Any
 
 import escapement as esc
 from escapement.base.errors import CannotCreate
-from escapement.base.files import (
-    FILMS,
-    check_target,
-    creating,
-    file_format,
-    write_file,
-)
+from escapement.base.files import FILMS, check_target, creating, file_format, write_file
 from escapement.base.records import Record
 from escapement.base.spoken import speak
 from escapement.base.status import MESSAGES, Status

@@ -1,15 +1,14 @@
 """compile all numerical code for this machine, so that later work begins at once"""
 
 from collections.abc import Callable, Iterable
-from typing import TYPE_CHECKING, Any
+from math import radians
+from typing import Any
 
+import escapement as esc
 from escapement.cli import _output
 from escapement.cli._arguments import Arguments, Parser
 
-if TYPE_CHECKING:
-    from escapement import Escapement, Inertia
-
-_TORQUE = 0.0113
+_TORQUE, _INERTIA = 0.0113, esc.Inertia(3.39e-7, 5.65e-6)
 
 
 def configure(parser: Parser) -> None:
@@ -67,16 +66,8 @@ def _compile(solvers: Iterable[Callable[[], None]], found: Any = None) -> int:
     return notice.done
 
 
-def _inertia() -> "Inertia":
-    import escapement as esc
-
-    return esc.Inertia(3.39e-7, 5.65e-6)
-
-
-def _solve(timer: "Escapement", *engines: str) -> None:
+def _solve(timer: esc.Escapement, *engines: str) -> None:
     """A motion, with all that can be asked of it, and the terminal cycle."""
-    import escapement as esc
-
     for engine in engines:
         motion = esc.simulate(timer, engagements=2, engine=engine)
         _ = motion.extrema, motion.reversals, motion.samples, motion.balance()
@@ -85,9 +76,7 @@ def _solve(timer: "Escapement", *engines: str) -> None:
 
 def _solve_free() -> None:
     """A timer without contact of every kind that has numerical code of its own."""
-    import escapement as esc
-
-    inertia, plain = _inertia(), esc.Geneva(slots=4)
+    inertia, plain = _INERTIA, esc.Geneva(slots=4)
     curve = esc.TorqueCurve([0.0, 1.0, 2.0], [_TORQUE, 0.9 * _TORQUE, _TORQUE], periodic=True)
     uneven = esc.Geneva(slots=4, crank_radius=0.01, slot_offsets=(1e-5, 0.0, 0.0, 0.0))
     for timer in (
@@ -102,9 +91,7 @@ def _solve_free() -> None:
 
 def _solve_others() -> None:
     """Run-downs, studies, and limits."""
-    import escapement as esc
-
-    inertia, wheel = _inertia(), esc.Geneva(slots=4, crank_radius=0.01)
+    inertia, wheel = _INERTIA, esc.Geneva(slots=4, crank_radius=0.01)
     timer = esc.Escapement(wheel, inertia, _TORQUE, friction=0.2, spring_rate=6e-4)
     esc.rundown(timer)
     _solve(timer, "ivp")
@@ -126,20 +113,14 @@ def _compile_for_losses() -> None:
 
 def _solve_contact() -> None:
     """A case of each kind of contact."""
-    import escapement as esc
-
     wheel = esc.Geneva(slots=4, crank_radius=0.01, pin_radius=0.001, clearance=1e-5)
-    rigid = esc.Escapement(wheel, _inertia(), _TORQUE, friction=0.2)
-    for timer in (rigid, esc.Escapement(wheel, _inertia(), _TORQUE, friction=0.2, stiffness=1e6)):
+    rigid = esc.Escapement(wheel, _INERTIA, _TORQUE, friction=0.2)
+    for timer in (rigid, esc.Escapement(wheel, _INERTIA, _TORQUE, friction=0.2, stiffness=1e6)):
         _solve(timer, "contact")
 
 
 def _solve_two_bodies() -> None:
     """Pallets on an escape wheel, rigid ones and ones that yield."""
-    from math import radians
-
-    import escapement as esc
-
     wheel = esc.Runaway(
         teeth=12, wheel_radius=1.0, tooth_depth=0.22, lead=radians(45), back=radians(15),
         tip_radius=0.01, pallets="pins", span=2.5, pallet_radius=1.02, pin_radius=0.05,
@@ -152,7 +133,6 @@ def _solve_two_bodies() -> None:
 
 def _solve_drives() -> None:
     """Drives at constant speed, a study of them, and the printed program of 1973."""
-    import escapement as esc
     from escapement.sources.meyer.program import program_1973
 
     for mechanism in (esc.Geneva(slots=4), esc.Geneva(slots=6, internal=True)):

@@ -13,7 +13,7 @@ from escapement.base.records import Record
 from escapement.base.results import Result
 from escapement.base.units import SYSTEMS
 from escapement.cli import _arguments, _output, measure_beats
-from escapement.cli._arguments import Arguments, Parser, UsageError, add_choice, add_number, option
+from escapement.cli._arguments import Arguments, Parser, UsageError, add_choice, add_number
 from escapement.mechanisms import DEFAULT_KIND, kind_of
 from escapement.mechanisms.wheel_checks import LENGTHS
 from escapement.model.escapement import model_settings
@@ -128,7 +128,11 @@ def execute(args: Arguments) -> int:
         "confidence": args.confidence or 0.99,
         "zeros": None if None in zeros else tuple(map(math.radians, zeros)),
     }
-    escapement = _read_model(args)
+    # the sizes of a wheel change no angles
+    sizes = (*LENGTHS, "fixed_radius")
+    others = kind_of(args.kind or DEFAULT_KIND).other_sizes().items()
+    idle = *sizes, *(name for name, size in others if size.of in sizes), "time_column", "time_unit"
+    escapement = measure_beats.read_model(args, idle, "friction,torque")
     mechanism = escapement.mechanism if escapement else _arguments.read_mechanism(args)
     readings = _read(args)
     from escapement.measurement import write_errors
@@ -158,24 +162,6 @@ def execute(args: Arguments) -> int:
     known = inputs_of(escapement) if escapement else inputs_of_mechanism(mechanism)
     _output.tell(args, record, known, lambda: _print(record))
     return 0
-
-
-def _read_model(args: Arguments) -> "esc.Escapement | None":
-    """The escapement whose motion is compared, None without --fit."""
-    if args.fit is not None:
-        escapement: esc.Escapement = _arguments.read_escapement(args)
-        return escapement
-    # the sizes of a wheel change no angles
-    sizes = (*LENGTHS, "fixed_radius")
-    others = kind_of(args.kind or DEFAULT_KIND).other_sizes()
-    also = (name for name, size in others.items() if size.of in sizes)
-    for name in (*model_settings(), *sizes, *also, "time_column", "time_unit"):
-        if getattr(args, name) is not None:
-            raise UsageError(
-                f"{option(name)} must come with --fit, got {option(name)} alone; "
-                "add --fit friction,torque"
-            )
-    return None
 
 
 def _read(args: Arguments) -> "esc.Readings":

@@ -1,5 +1,6 @@
 """The part of the command `measure` for beats, from a recording or from a text file."""
 
+from collections.abc import Iterable
 from functools import partial
 from typing import Any
 
@@ -58,7 +59,8 @@ def execute(args: Arguments) -> int:
     names = [] if args.fit in (None, "none") else [name.strip() for name in args.fit.split(",")]
     parts = names[:1] if {*names[:1]} <= {*_PARTS} else []
     run_up = args.fit is not None and not parts
-    escapement = _read_model(args)
+    remedy = "both, or leave it out and give --pattern"
+    escapement = read_model(args, _arguments.owners(), remedy)
     nominal, share = args.nominal_rate, {}
     if args.confidence is not None:
         share["confidence"] = args.confidence
@@ -88,15 +90,13 @@ def execute(args: Arguments) -> int:
     return 0
 
 
-def _read_model(args: Arguments) -> "esc.Escapement | None":
-    """The escapement that --fit compares; UsageError for one of its numbers without --fit."""
+def read_model(args: Arguments, idle: Iterable[str], remedy: str) -> "esc.Escapement | None":
+    """The escapement that --fit compares; UsageError for an option that is idle without --fit."""
     if args.fit is not None:
         escapement: esc.Escapement = _arguments.read_escapement(args)
         return escapement
-    for name in (*_arguments.owners(), *model_settings()):
-        if getattr(args, name, None) is not None:
-            raise UsageError(
-                f"{option(name)} must come with --fit, got {option(name)} alone; add --fit both, "
-                "or leave it out and give --pattern"
-            )
+    for name in (*idle, *model_settings()):
+        if getattr(args, name) is not None:
+            alone = f"{option(name)} must come with --fit, got {option(name)} alone"
+            raise UsageError(f"{alone}; add --fit {remedy}")
     return None

@@ -19,12 +19,7 @@ UNITS = "units of the figure (default: those of a study; SI for a motion), and o
 def configure(parser: Parser) -> None:
     """Add the command's arguments."""
     add = parser.add_argument
-    add(
-        "file",
-        type=Path,
-        metavar="FILE.h5",
-        help="of run -o or sweep, also .csv and .parquet",
-    )
+    add("file", type=Path, metavar="FILE.h5", help="of run -o or sweep, also .csv and .parquet")
     text = (
         ".png, .pdf or .svg; of a motion also a film, .gif, .mp4 or .webm, or .html, a page that "
         "plays it; replaced if it exists (default: FILE.png beside FILE.h5)"

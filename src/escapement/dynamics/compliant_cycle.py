@@ -17,7 +17,7 @@ import numpy as np
 from escapement.base.status import Status
 from escapement.dynamics.batch_spread import BATCHES, batch_spread
 from escapement.dynamics.compliance import STATE
-from escapement.dynamics.compliant_march import MOST_TRIES, CompliantMarch
+from escapement.dynamics.compliant_march import MOST_TRIES, CompliantMarch, simulated
 from escapement.dynamics.figures_of_merit import Figures, read_figures
 from escapement.dynamics.motion import Motion
 
@@ -30,13 +30,9 @@ _LONGEST_TRANSIENT = 200
 
 
 def cycle_of(
-    march: CompliantMarch,
-    base: Figures,
-    asked: float,
-    initial_speed: float,
-    follow: Callable[[int], Motion],
-    note: Callable[[Motion], str],
-) -> Figures:
+    march: CompliantMarch, base: Figures, asked: float, initial_speed: float,
+    note: Callable[[Motion], str] = lambda _: "",
+) -> Figures:  # fmt: skip
     """Figures of merit of a motion that a march has begun.
 
     Parameters
@@ -45,11 +41,15 @@ def cycle_of(
         Those that need no motion.
     asked, initial_speed : float
         Relative error asked for, and speed at the start [rad/s].
-    follow : callable
-        The motion from the start over a number of engagements.
     note : callable
         What to say of an engagement, or "".
     """
+
+    def follow(count: int) -> Motion:
+        """The motion from the start."""
+        begun = type(march)(march.escapement, initial_speed, asked)
+        return simulated(begun, count, None, asked)
+
     # rounds are engagements, or those in one turn of the follower with a load that repeats in it
     tolerance, size = max(10.0 * asked, _NOISE), len(march.escapement.pairs)
     speeds: list[float] = []

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from types import ModuleType
 from typing import Any, ClassVar
 
 import numpy as np
@@ -61,28 +61,25 @@ def joint_of(escapement: Escapement) -> Joint:
 class CompliantMarch:
     """Base of the marches of all engines with compliant contact, in natural units.
 
-    engine : name of the engine. clock_type, row_type : types of its clock and of its rows.
+    engine : name of the engine. marching : its module with `CLOCK`, `STEP_END` and the kernel
+        `march`, which takes `marched` of the bodies. tabulate : its kernel that `Steps` needs,
+        which takes `tabulated` of them.
     state, clock : as the engine's kernel changes them.
     before : engagements passed and time spent before the clock was set back.
     """
 
     engine: ClassVar[str]
-    clock_type: ClassVar[np.dtype]
-    row_type: ClassVar[np.dtype]
+    marching: ModuleType
+    tabulate: ClassVar[Any]
+    marched: tuple[Any, ...]
+    tabulated: tuple[Any, ...]
 
-    def __init__(self, escapement: Escapement, rtol: float) -> None:
+    def __init__(self, escapement: Escapement, speed: float, rtol: float) -> None:
         compile_from_now_on()  # even a short motion takes a million steps of a stiff equation
         self.escapement, self.rtol, self.joint = escapement, rtol, joint_of(escapement)
-        self.state, self.clock = np.zeros(STATE), np.zeros(1, self.clock_type)
+        self.state, self.clock = np.zeros(STATE), np.zeros(1, self.marching.CLOCK)
+        self.state[DRIVER_SPEED] = speed * escapement.time_unit
         self.clock["step"], self.before = 1.0, np.zeros(2)
-
-    def march(self, engagements: int, end: float, rows: np.ndarray) -> tuple[int, Ending]:
-        """Continue the motion until the rows are full; how many there are, and why it ends."""
-        raise NotImplementedError
-
-    def filler(self, rows: np.ndarray) -> Callable[[np.ndarray, FloatArray, FloatArray], None]:
-        """What `Steps.tabulate` is for these rows."""
-        raise NotImplementedError
 
     def outcome(self, why: Ending) -> tuple[Status, str]:
         """Status and message of a motion that ends so before its goal."""
@@ -90,9 +87,10 @@ class CompliantMarch:
 
     def go(self, engagements: int, end: float = math.inf) -> tuple[np.ndarray, Ending]:
         """Rows up to a number of engagements or a time, and why the march ended."""
-        blocks, why, buffer = [], Ending.RUNNING, np.empty(_BLOCK, self.row_type)
+        blocks, why, buffer = [], Ending.RUNNING, np.empty(_BLOCK, self.marching.STEP_END)
+        given = *self.marched, self.rtol, engagements, end, MOST_TRIES
         while why == Ending.RUNNING:
-            count, why = self.march(engagements, end, buffer)
+            count, why = self.marching.march(self.state, self.clock, *given, buffer)
             blocks.append(buffer[:count].copy())
         return np.concatenate(blocks), why
 
@@ -108,18 +106,17 @@ class CompliantMarch:
         cells = np.flatnonzero(np.diff(rows["engagement"])) + 1
         done = why == Ending.ARRIVED
         status, message = (Status.OK, MESSAGES[Status.OK]) if done else self.outcome(why)
-        trajectory: Any = CompliantTrajectory(Steps(rows, timer, self.filler(rows)))
+
+        def fill(which: np.ndarray, times: FloatArray, found: FloatArray) -> None:
+            self.tabulate(rows, which, times, *self.tabulated, found)
+
+        trajectory: Any = CompliantTrajectory(Steps(rows, timer, fill))
         return Motion(
-            timer,
-            engine=self.engine,
-            rtol=asked,
-            trajectory=trajectory,
-            end_time=float(rows["time"][-1] * clock),
-            handoff_times=rows["time"][cells] * clock,
-            handoff_velocities=rows["state"][cells, DRIVER_SPEED] / clock,
-            status=status,
+            timer, engine=self.engine, rtol=asked, trajectory=trajectory,
+            end_time=float(rows["time"][-1] * clock), handoff_times=rows["time"][cells] * clock,
+            handoff_velocities=rows["state"][cells, DRIVER_SPEED] / clock, status=status,
             message=message,
-        )
+        )  # fmt: skip
 
     def engage(self, count: int, asked: float) -> tuple[Motion, dict[str, float]]:
         """Pass engagements: their motion, and the numbers by which such rounds are compared."""

@@ -41,6 +41,7 @@ export function drawCharts(plots, motion, columns, choice, torque, kept = null) 
   const { low, high, from, to } = windowShown(motion, columns, choice);
   const ky = 1 / torque.factor;
   const some = { from, to };
+  const lifted = (angles) => (i) => i > 0 && angles[i] < angles[i - 1] - 0.01;
   const { velocity, moment: force, phase, map } = plots;
   velocity.axes([low, high], bounds(theta_dot, from, to), "time [s]", "velocity [rad/s]");
   force.axes([low, high], bounds(contact_moment, from, to).map((value) => ky * value), "time [s]", `moment [${torque.name}]`);
@@ -51,8 +52,7 @@ export function drawCharts(plots, motion, columns, choice, torque, kept = null) 
   if (kept) {
     // the part of a long motion that lies beyond the axes is cut off
     velocity.line(kept.t, kept.theta_dot, { colour: "muted", dash: [2, 3] });
-    phase.line(kept.angle, kept.theta_dot, { colour: "muted", dash: [2, 3], kx,
-      lifts: (i) => i > 0 && kept.angle[i] < kept.angle[i - 1] - 0.01 });
+    phase.line(kept.angle, kept.theta_dot, { colour: "muted", dash: [2, 3], kx, lifts: lifted(kept.angle) });
   }
   if (t.length) {
     velocity.line(t, theta_dot, { colour: "driver", width: 2, ...some });
@@ -60,7 +60,7 @@ export function drawCharts(plots, motion, columns, choice, torque, kept = null) 
     force.fill(t, contact_moment, { colour: "front", sign: 1, ky, ...some });
     force.fill(t, contact_moment, { colour: "rear", sign: -1, ky, ...some });
     force.line(t, contact_moment, { colour: "line", width: 1, ky, ...some });
-    phase.line(angle, theta_dot, { colour: "driver", kx, lifts: (i) => i > 0 && angle[i] < angle[i - 1] - 0.01 });
+    phase.line(angle, theta_dot, { colour: "driver", kx, lifts: lifted(angle) });
   }
   drawMap(map, motion);
 }

@@ -3,18 +3,14 @@
 import { data } from "./dom.js";
 import { NUMBERS, checkDesign, otherwise } from "./rules.js";
 
-/** A number in its shortest form with at most ten digits. */
-export function short(value) {
-  const rounded = Number(value.toPrecision(10));
-  const size = Math.abs(rounded);
-  return size !== 0 && (size < 1e-3 || size >= 1e6) ? rounded.toExponential() : String(rounded);
-}
-
 /** A number with all its digits, in its shortest form. */
 function exact(value) {
   const size = Math.abs(value);
   return size !== 0 && (size < 1e-3 || size >= 1e6) ? value.toExponential() : String(value);
 }
+
+/** A number in its shortest form with at most ten digits. */
+export const short = (value) => exact(Number(value.toPrecision(10)));
 
 const isDefault = (name, value) => value === null || value === otherwise(name);
 

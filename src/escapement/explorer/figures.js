@@ -30,10 +30,7 @@ function terminalCycle(scene, chain, start) {
     const sound = gap > (turned ? 0 : 1e-12);
     let better = sound ? found.source / scene.rho / gap : last;
     if (!sound && last > w) better = 4 * last;
-    if (sound && follow === 0 && Math.abs(better - w) <= 1e-13 * w) {
-      return { status: "ok", w: better, contraction: Math.exp(-found.exponent) };
-    }
-    if (sound && follow === 0 && i > 60 && Math.abs(better - w) <= 1e-11 * w) {
+    if (sound && follow === 0 && Math.abs(better - w) <= (i > 60 ? 1e-11 : 1e-13) * w) {
       return { status: "ok", w: better, contraction: Math.exp(-found.exponent) };
     }
     if (follow > 0 || !(better > 0)) [better, follow] = [last, Math.max(follow - 1, 0)];

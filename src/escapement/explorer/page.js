@@ -84,12 +84,13 @@ function refresh(active = null) {
   else writeText.later = setTimeout(writeText, 250);
   report(motion, kept?.figures);
   draw();
-  setTime(time);
 }
 
 function draw() {
-  if (!plots.velocity.width) return;
-  drawCharts(plots, motion, columns, byId("shown").value, unitOf("torque"), kept?.columns);
+  if (plots.velocity.width) {
+    drawCharts(plots, motion, columns, byId("shown").value, unitOf("torque"), kept?.columns);
+  }
+  setTime(time);
 }
 
 /** Show the motion at a time [s]; all that moves is driven by this function. */
@@ -164,22 +165,18 @@ function play(on) {
   requestAnimationFrame(frame);
 }
 
+const button = (textContent, onclick) => element("button", { type: "button", textContent, onclick });
+
 function showStop(index) {
   const { title, text, designs, claims, shown: range } = stops[index];
-  [...byId("stops").children].forEach((button, i) => {
-    button.setAttribute("aria-current", String(i === index));
-  });
-  const buttons = designs.map(({ label, design: numbers }) => {
-    const button = element("button", { type: "button", textContent: label });
-    button.addEventListener("click", () => {
-      byId("shown").value = range;
-      play(false);
-      time = 0;
-      fields.centres = {};
-      take(checkDesign(numbers));
-    });
-    return button;
-  });
+  [...byId("stops").children].forEach((one, i) => one.setAttribute("aria-current", String(i === index)));
+  const buttons = designs.map(({ label, design: numbers }) => button(label, () => {
+    byId("shown").value = range;
+    play(false);
+    time = 0;
+    fields.centres = {};
+    take(checkDesign(numbers));
+  }));
   const list = claims.map(({ text: claim, test }) =>
     element("li", {}, claim, element("code", { textContent: `proved by ${test}` })));
   byId("stop").replaceChildren(element("h3", { textContent: title }), element("p", { textContent: text }),
@@ -232,9 +229,7 @@ function connectDesign() {
     if (told && Object.keys(told).some((name) => told[name] !== design[name])) change(told);
   });
   stops.forEach(({ title }, i) => {
-    const button = element("button", { type: "button", textContent: `${i + 1}. ${title}` });
-    button.addEventListener("click", () => showStop(i));
-    byId("stops").append(button);
+    byId("stops").append(button(`${i + 1}. ${title}`, () => showStop(i)));
   });
   if (stops.length) showStop(0);
 }
@@ -247,10 +242,7 @@ function connect() {
     play(false);
     setTime(Number(event.target.value));
   });
-  byId("shown").addEventListener("change", () => {
-    draw();
-    setTime(time);
-  });
+  byId("shown").addEventListener("change", draw);
   byId("svg").addEventListener("click", () => save("mechanism.svg", picture.asText(), "image/svg+xml"));
   addEventListener("keydown", (event) => {
     if (event.target.matches("input[type=text], textarea, select") || event.ctrlKey || event.metaKey) return;
@@ -270,13 +262,11 @@ function connect() {
     picture.measure();
     Object.values(plots).forEach((plot) => plot.measure());
     draw();
-    setTime(time);
   };
   new ResizeObserver(measure).observe(document.body);
   const watch = new IntersectionObserver((entries) => {
     for (const { target, isIntersecting } of entries) plots[target.id].seen = isIntersecting;
     draw();
-    setTime(time);
   });
   for (const plot of Object.values(plots)) watch.observe(plot.figure);
   matchMedia("(prefers-color-scheme: dark)").addEventListener("change", measure);

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -118,7 +119,8 @@ def from_functions(
         raise validate.fail("breaks", rule, list(breaks), remedy)
     ends = np.array([edges[0], edges[-1]])
     turned = float(np.diff(_values("follower_angle", follower_angle, ends))[0])
-    angle = _fitted("follower_angle", follower_angle, edges, turned or 1.0, tolerance)
+    step, sense = abs(turned), math.copysign(1.0, turned)
+    angle = _fitted("follower_angle", follower_angle, edges, sense, step or 1.0, tolerance)
     samples = np.linspace(edges[0], edges[-1], _SAMPLES)
     slopes = angle.derivative()(samples)
     if slopes.min() < -tolerance * slopes.max():
@@ -126,7 +128,6 @@ def from_functions(
             "follower_angle", "a function with a derivative of one sign", float(slopes.min()),
             "a follower that turns back has no engagement",
         )  # fmt: skip
-    step = abs(turned)
     if pin_distance is None:
         return FunctionDrive(angle, tuple(edges), cell, step)
     distances = _values("pin_distance", pin_distance, samples)
@@ -134,7 +135,7 @@ def from_functions(
     if distances.min() <= 0.0:
         rule, remedy = "greater than 0 from entry to exit", "a pin in the axis turns nothing"
         raise validate.fail("pin_distance", rule, float(distances.min()), remedy)
-    distance = _fitted("pin_distance", pin_distance, edges, greatest, tolerance)
+    distance = _fitted("pin_distance", pin_distance, edges, 1.0 / greatest, 1.0, tolerance)
     slide = distance.derivative()
     slide.rows[np.abs(slide.rows).max(axis=1) < tolerance] = 0.0
     every = [*edges]
@@ -154,25 +155,20 @@ def _values(name: str, function: Callable[..., ArrayLike], theta: FloatArray) ->
 
 
 def _fitted(
-    name: str, function: Callable[..., ArrayLike], edges: list[float], unit: float, tolerance: float
-) -> Series:
-    """Series of a function, in units of the greatest size of what it stands for.
-
-    `unit` has the sign with which the function counts; of a follower angle it is the step.
-    """
-    sense = np.sign(unit) if name == "follower_angle" else 1.0 / unit
+    name: str, function: Callable[..., ArrayLike], edges: list[float], factor: float, size: float,
+    tolerance: float,
+) -> Series:  # fmt: skip
+    """Series of a function times a factor; its error counts as a share of `size`."""
     middles = 0.5 * (np.array(edges[1:]) + edges[:-1])
     series, again = (
-        table.resolved(lambda x: sense * _values(name, function, x), points)
+        table.resolved(lambda x: factor * _values(name, function, x), points)
         for points in (edges, sorted([*edges, *middles.tolist()]))
     )
     theta = np.linspace(edges[0], edges[-1], _SAMPLES)
     slopes = series.derivative()(theta)
-    missed = np.abs(series(theta) - sense * _values(name, function, theta)).max()
+    missed = np.abs(series(theta) - factor * _values(name, function, theta)).max()
     bent = np.abs(slopes - again.derivative()(theta)).max()
-    errors = {
-        "it": missed / abs(sense * unit), "its derivative": bent / (np.abs(slopes).max() or 1.0)
-    }  # fmt: skip
+    errors = {"it": missed / size, "its derivative": bent / (np.abs(slopes).max() or 1.0)}
     for what, error in errors.items():
         if not error <= tolerance:
             raise InvalidValue(

@@ -24,11 +24,7 @@ from numba.core.compiler import Compiler
 from numba.core.runtime import rtsys  # type: ignore[attr-defined]
 
 from escapement.base.notice import notice
-from escapement.numerics.interpreted import (
-    Kernel,
-    begin_interpreted,
-    interprets,
-)
+from escapement.numerics.interpreted import Kernel, begin_interpreted, interprets
 
 # other modules import it from here, since `jit` decides whether this process interprets
 from escapement.numerics.interpreted import in_both_forms as in_both_forms

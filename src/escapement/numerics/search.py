@@ -103,10 +103,7 @@ def zeros(function: Function, low: Array, high: Array) -> Array:
 
 
 def roots(
-    between: Callable[[float, float], Callable[[float], float]],
-    x: Array,
-    f: Array,
-    beyond: float,
+    between: Callable[[float, float], Callable[[float], float]], x: Array, f: Array, beyond: float
 ) -> list[float]:
     """All zeros of a function along ascending points, given its values there.
 

@@ -13,26 +13,14 @@ import numpy as np
 from escapement.base import validate
 from escapement.base.errors import InvalidValue
 from escapement.base.spoken import spoken_length
-from escapement.mechanisms import (
-    EllipticalPlanetary,
-    GearDriven,
-    Geneva,
-    Outlines,
-    Runaway,
-)
+from escapement.mechanisms import EllipticalPlanetary, GearDriven, Geneva, Outlines, Runaway
 from escapement.mechanisms.escape_wheel import EscapeWheel
 from escapement.mechanisms.protocol import checked
 from escapement.model.escapement import Inertia
 from escapement.outlines.bores import bore, hole
 from escapement.outlines.curves import Curve
 from escapement.outlines.fits import Fits
-from escapement.outlines.fixtures import (
-    base_plate,
-    coupon,
-    dowel_centres,
-    foot,
-    pin_and_washer,
-)
+from escapement.outlines.fixtures import base_plate, coupon, dowel_centres, foot, pin_and_washer
 from escapement.outlines.gaps import outside, segments_of
 from escapement.outlines.gears import EllipticalOutline, GearDrivenOutline, pitch_curve
 from escapement.outlines.geneva import GenevaOutline

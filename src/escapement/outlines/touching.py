@@ -136,11 +136,7 @@ def least_gaps(mechanism: TwoBodies) -> list[Nearest]:
 
 
 def _gap(
-    mechanism: TwoBodies,
-    wheel: Sequence[Curve],
-    pallet: Sequence[Curve],
-    theta: float,
-    phi: float,
+    mechanism: TwoBodies, wheel: Sequence[Curve], pallet: Sequence[Curve], theta: float, phi: float
 ) -> tuple[float, complex]:
     """Gap of two bodies, and its place from the follower's axis with the driver's on the right."""
     turn, axis = cmath.exp(1j * phi), mechanism.axes_distance

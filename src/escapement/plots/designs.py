@@ -30,10 +30,8 @@ def plot_designs(found: "Designs | DriveDesigns") -> Figure:
         The first objective along x, and the second, or else another figure, along y.
     """
     from escapement.inverse_design.requirement import BOUNDS
+    from escapement.study.plan import unit_kind
 
-    kinds_of_unit = {name: entry.unit for name, entry in BOUNDS.items()}
-    searched = getattr(found.requirement, "figures", {})
-    kinds_of_unit |= {name: result.kind for name, result in searched.items()}
     usual = ("mass", "size") if "mass" in found.designs[0].values else found.designs[0].values
     names = [*dict.fromkeys((*found.requirement.objectives, *usual))][:2]
     # a single figure stands over itself
@@ -43,14 +41,15 @@ def plot_designs(found: "Designs | DriveDesigns") -> Figure:
     columns, labels = [], []
     for name in names:
         values = np.array([one.values[name] for one in found.designs])
-        scale, unit = readable(kinds_of_unit[name], values)
+        kind = BOUNDS[name].unit if name in BOUNDS else unit_kind(name)
+        scale, unit = readable(kind, values)
         columns.append(scale * values)
         labels.append((words(name), unit))
     wheels: list[Any] = [one.mechanism for one in found.designs]
     kinds = [(w.slots or 0, bool(getattr(w, "internal", False)), w.kind) for w in wheels]
-    for marker, kind in zip(_MARKERS, sorted(set(kinds)), strict=False):
-        here = np.array([used == kind for used in kinds])
-        slots, internal, name = kind
+    for marker, one in zip(_MARKERS, sorted(set(kinds)), strict=False):
+        here = np.array([used == one for used in kinds])
+        slots, internal, name = one
         label = f"{slots} slots" + ", internal" * internal if slots else name
         axes.plot(columns[0][here], columns[1][here], marker, color=style.BLUE, mfc="none",
                   label=label)  # fmt: skip

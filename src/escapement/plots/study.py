@@ -13,14 +13,7 @@ from matplotlib.lines import Line2D
 from escapement.plots import style
 from escapement.plots.sample import QUANTILES, counted, missing, plot_sample, quantile, ran
 from escapement.plots.study_panels import NARROW, columns_drawn, draw_lines, draw_map
-from escapement.plots.study_table import (
-    Parameter,
-    StudyTable,
-    available,
-    chosen,
-    refusal,
-    tabulate,
-)
+from escapement.plots.study_table import Parameter, StudyTable, available, chosen, refusal, tabulate
 from escapement.study.plan import CASE
 from escapement.study.result import Study
 

@@ -24,13 +24,7 @@ from escapement.dynamics.train_losses import is_lossy
 from escapement.dynamics.trajectory import Events, Extrema, Trajectory
 from escapement.engines.ivp.free import is_free, stand_still, turn_free
 from escapement.engines.ivp.law import SceneLaw, least_share
-from escapement.engines.ivp.piece import (
-    NotConverged,
-    Solution,
-    Task,
-    Tolerances,
-    solve_piece,
-)
+from escapement.engines.ivp.piece import NotConverged, Solution, Task, Tolerances, solve_piece
 from escapement.mechanisms.protocol import FloatArray
 from escapement.mechanisms.slotted import transmission_at
 from escapement.model.escapement import Escapement

@@ -198,9 +198,7 @@ def _check_lengths(plan: StudyPlan, values: Mapping[str, Any]) -> None:
     check_lengths(greatest, plan.lengths["crank_radius"], plan.build.plain_crank)
 
 
-def _with_first_torque(
-    content: Content,
-) -> tuple[Content, TorqueCurve | None]:
+def _with_first_torque(content: Content) -> tuple[Content, TorqueCurve | None]:
     """The configuration with a number for the torque, and the torque curve, if there is one.
 
     The results of a study are those of the torque at the start of the motion.

@@ -30,13 +30,7 @@ from escapement.engines.contact.compliant.law import (
     room,
     stored,
 )
-from escapement.engines.contact.slot import (
-    acceleration_across,
-    pose,
-    to_angle,
-    to_slot,
-    touches,
-)
+from escapement.engines.contact.slot import acceleration_across, pose, to_angle, to_slot, touches
 from escapement.numerics.by_type import give_kernels
 from escapement.numerics.jit import inner_jit, jit
 from escapement.numerics.records import record_dtype

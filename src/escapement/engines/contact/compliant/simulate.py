@@ -3,48 +3,30 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
-
-import numpy as np
 
 from escapement.base.spoken import as_spoken
 from escapement.base.status import Status
 from escapement.dynamics.codes import Ending
-from escapement.dynamics.compliant_march import MOST_TRIES, CompliantMarch, simulated
+from escapement.dynamics.compliant_march import CompliantMarch, simulated
 from escapement.dynamics.motion import Motion, stall_message
 from escapement.dynamics.torque import is_spent
-from escapement.engines.contact.compliant import march as marching
-from escapement.engines.contact.compliant.rows import tabulate
-from escapement.mechanisms.protocol import FloatArray
+from escapement.engines.contact.compliant import march, rows
 from escapement.model.escapement import Escapement
 
 
 class March(CompliantMarch):
     """The march of a pin in its slot."""
 
-    engine, clock_type, row_type = "contact", marching.CLOCK, marching.STEP_END
+    engine, marching = "contact", march
+    tabulate = staticmethod(rows.tabulate)
 
     def __init__(self, escapement: Escapement, speed: float, rtol: float) -> None:
-        super().__init__(escapement, rtol)
+        super().__init__(escapement, speed, rtol)
         scene = escapement.scene
-        follower_angle = escapement.pairs[0].follower_angle(scene.edges[:1])[0]
         # the follower rests with the pin in the middle of its slot
-        self.state[:3] = scene.edges[0], follower_angle, speed * escapement.time_unit
-        self._bodies = scene, self.joint, escapement.mechanism.follower_step
-
-    def march(self, engagements: int, end: float, rows: np.ndarray) -> tuple[int, Ending]:
-        """See `CompliantMarch.march`."""
-        limits = self.rtol, engagements, end, MOST_TRIES
-        count, why = marching.march(self.state, self.clock, *self._bodies, *limits, rows)
-        return count, why
-
-    def filler(self, rows: np.ndarray) -> Callable[[np.ndarray, FloatArray, FloatArray], None]:
-        """See `CompliantMarch.filler`."""
-
-        def fill(which: np.ndarray, times: FloatArray, found: FloatArray) -> None:
-            tabulate(rows, which, times, *self._bodies, found)
-
-        return fill
+        follower_angle = escapement.pairs[0].follower_angle(scene.edges[:1])[0]
+        self.state[:2] = scene.edges[0], follower_angle
+        self.marched = self.tabulated = scene, self.joint, escapement.mechanism.follower_step
 
     def outcome(self, why: Ending) -> tuple[Status, str]:
         """See `CompliantMarch.outcome`."""
@@ -72,13 +54,8 @@ class March(CompliantMarch):
 
 
 def simulate(
-    escapement: Escapement,
-    *,
-    engagements: int | None,
-    duration: float | None,
-    initial_speed: float,
-    rtol: float,
-) -> Motion:
+    escapement: Escapement, *, engagements: int | None, duration: float | None,
+    initial_speed: float, rtol: float,
+) -> Motion:  # fmt: skip
     """Motion with compliant contact; arguments are validated by `escapement.simulate`."""
-    march = March(escapement, initial_speed, rtol)
-    return simulated(march, engagements, duration, rtol)
+    return simulated(March(escapement, initial_speed, rtol), engagements, duration, rtol)

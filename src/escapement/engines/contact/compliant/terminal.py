@@ -14,7 +14,7 @@ from escapement.dynamics.law import is_lossless
 from escapement.dynamics.motion import Motion
 from escapement.dynamics.painleve import friction_limits
 from escapement.dynamics.train_losses import is_lossy
-from escapement.engines.contact.compliant.simulate import March, simulate
+from escapement.engines.contact.compliant.simulate import March
 from escapement.model.escapement import Escapement
 from escapement.numerics.jit import as_python
 
@@ -30,12 +30,7 @@ def terminal(
     if lossless and joint.damping == 0.0 and not joint.hertz:
         status = Status.NO_TERMINAL
         return replace(base, status=status, message=MESSAGES[status])
-
-    def follow(count: int) -> Motion:
-        start = {"initial_speed": initial_speed, "rtol": rtol}
-        return simulate(escapement, engagements=count, duration=None, **start)
-
-    return cycle_of(march, base, rtol, initial_speed, follow, _jam_note)
+    return cycle_of(march, base, rtol, initial_speed, _jam_note)
 
 
 def _jam_note(motion: Motion) -> str:

@@ -6,12 +6,7 @@ import numpy as np
 
 from escapement.dynamics.codes import Event
 from escapement.dynamics.contact_state import FIRST_LOSS, ContactState, write_state
-from escapement.dynamics.free_bodies import (
-    driver_sense,
-    follower_sense,
-    free_driver,
-    free_follower,
-)
+from escapement.dynamics.free_bodies import driver_sense, follower_sense, free_driver, free_follower
 from escapement.dynamics.law import LOSSES, scene_of, wall_state
 from escapement.dynamics.load import has_load_curve, load_at, load_over
 from escapement.dynamics.power_flow import weight

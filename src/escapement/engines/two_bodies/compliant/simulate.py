@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 
 import numpy as np
 
@@ -11,15 +10,13 @@ from escapement.base.errors import InvalidValue
 from escapement.base.spoken import as_spoken
 from escapement.base.status import Status
 from escapement.dynamics.codes import Ending
-from escapement.dynamics.compliant_march import MOST_TRIES, CompliantMarch, simulated
+from escapement.dynamics.compliant_march import CompliantMarch, simulated
 from escapement.dynamics.motion import Motion
 from escapement.engines.two_bodies import simulate as rigid
-from escapement.engines.two_bodies.compliant import march as marching
+from escapement.engines.two_bodies.compliant import march, rows
 from escapement.engines.two_bodies.compliant.law import CONTACT, MOST
-from escapement.engines.two_bodies.compliant.rows import tabulate
 from escapement.engines.two_bodies.scene import prepared
 from escapement.mechanisms.features import CONVEX
-from escapement.mechanisms.protocol import FloatArray
 from escapement.model.escapement import Escapement
 
 FINEST = 1e-10
@@ -33,16 +30,16 @@ _DEEPEST = 0.01
 class March(CompliantMarch):
     """The march of two bodies with outlines."""
 
-    engine, clock_type, row_type = "two_bodies", marching.CLOCK, marching.STEP_END
+    engine, marching = "two_bodies", march
+    tabulate = staticmethod(rows.tabulate)
 
     def __init__(self, escapement: Escapement, speed: float, rtol: float) -> None:
-        super().__init__(escapement, rtol)
+        super().__init__(escapement, speed, rtol)
         scene = prepared(escapement)
         fastest = math.sqrt(self.joint.stiffness * (1.0 + 1.0 / scene.law.rho))
         self.rtol = max(rtol, FINEST, _ROUNDING * fastest)
-        self._bodies = scene.law, scene.pairs, scene.joints, self.joint
-        self._held, self._pitches = np.zeros(MOST, CONTACT), scene.pitches
-        self.state[:3] = *scene.start, speed * escapement.time_unit
+        self.tabulated = (scene.law, scene.pairs, scene.joints, self.joint), scene.pitches
+        self.state[:2] = scene.start
         # of two rounded places a third of their radii is left round
         rounds = scene.pairs[scene.pairs["kind"] == CONVEX]
         radii = rounds["rho"] + rounds["radius"]
@@ -52,21 +49,7 @@ class March(CompliantMarch):
                 "stiffness must be 0 where sharp corners of both bodies may meet, got "
                 f"{as_spoken(escapement.stiffness, 'stiffness')}; round the corners of one of them"
             )
-
-    def march(self, engagements: int, end: float, rows: np.ndarray) -> tuple[int, Ending]:
-        """See `CompliantMarch.march`."""
-        scene = self._bodies, self._pitches, self.deepest
-        limits = self.rtol, engagements, end, MOST_TRIES
-        count, why = marching.march(self.state, self.clock, self._held, *scene, *limits, rows)
-        return count, why
-
-    def filler(self, rows: np.ndarray) -> Callable[[np.ndarray, FloatArray, FloatArray], None]:
-        """See `CompliantMarch.filler`."""
-
-        def fill(which: np.ndarray, times: FloatArray, found: FloatArray) -> None:
-            tabulate(rows, which, times, self._bodies, self._pitches, found)
-
-        return fill
+        self.marched = np.zeros(MOST, CONTACT), *self.tabulated, self.deepest
 
     def outcome(self, why: Ending) -> tuple[Status, str]:
         """See `CompliantMarch.outcome`."""

@@ -6,8 +6,7 @@ from escapement.base.spoken import as_spoken
 from escapement.base.validate import fail
 from escapement.dynamics.compliant_cycle import cycle_of
 from escapement.dynamics.figures_of_merit import Figures
-from escapement.dynamics.motion import Motion
-from escapement.engines.two_bodies.compliant.simulate import March, simulate
+from escapement.engines.two_bodies.compliant.simulate import March
 from escapement.model.escapement import Escapement
 
 
@@ -19,10 +18,4 @@ def terminal(
         given = as_spoken(escapement.stiffness, "stiffness")
         rule = "0 for the cycle of a follower with a spring or a weight, which takes many swings"
         raise fail("stiffness", rule, given, "leave it out, or simulate some engagements")
-
-    def follow(count: int) -> Motion:
-        start = {"initial_speed": initial_speed, "rtol": rtol}
-        return simulate(escapement, engagements=count, duration=None, **start)
-
-    march = March(escapement, initial_speed, rtol)
-    return cycle_of(march, base, rtol, initial_speed, follow, lambda _motion: "")
+    return cycle_of(March(escapement, initial_speed, rtol), base, rtol, initial_speed)
