@@ -8,7 +8,7 @@ import escapement as esc
 from escapement.cli import _output
 from escapement.cli._arguments import Arguments, Parser
 
-_TORQUE, _INERTIA = 0.0113, esc.Inertia(3.39e-7, 5.65e-6)
+_TORQUE, _INERTIAS = 0.0113, (3.39e-7, 5.65e-6)
 
 
 def configure(parser: Parser) -> None:
@@ -66,7 +66,7 @@ def _compile(solvers: Iterable[Callable[[], None]], found: Any = None) -> int:
     return notice.done
 
 
-def _solve(timer: esc.Escapement, *engines: str) -> None:
+def _solve(timer: "esc.Escapement", *engines: str) -> None:
     """A motion, with all that can be asked of it, and the terminal cycle."""
     for engine in engines:
         motion = esc.simulate(timer, engagements=2, engine=engine)
@@ -76,7 +76,7 @@ def _solve(timer: esc.Escapement, *engines: str) -> None:
 
 def _solve_free() -> None:
     """A timer without contact of every kind that has numerical code of its own."""
-    inertia, plain = _INERTIA, esc.Geneva(slots=4)
+    inertia, plain = esc.Inertia(*_INERTIAS), esc.Geneva(slots=4)
     curve = esc.TorqueCurve([0.0, 1.0, 2.0], [_TORQUE, 0.9 * _TORQUE, _TORQUE], periodic=True)
     uneven = esc.Geneva(slots=4, crank_radius=0.01, slot_offsets=(1e-5, 0.0, 0.0, 0.0))
     for timer in (
@@ -91,7 +91,7 @@ def _solve_free() -> None:
 
 def _solve_others() -> None:
     """Run-downs, studies, and limits."""
-    inertia, wheel = _INERTIA, esc.Geneva(slots=4, crank_radius=0.01)
+    inertia, wheel = esc.Inertia(*_INERTIAS), esc.Geneva(slots=4, crank_radius=0.01)
     timer = esc.Escapement(wheel, inertia, _TORQUE, friction=0.2, spring_rate=6e-4)
     esc.rundown(timer)
     _solve(timer, "ivp")
@@ -113,9 +113,10 @@ def _compile_for_losses() -> None:
 
 def _solve_contact() -> None:
     """A case of each kind of contact."""
+    inertia = esc.Inertia(*_INERTIAS)
     wheel = esc.Geneva(slots=4, crank_radius=0.01, pin_radius=0.001, clearance=1e-5)
-    rigid = esc.Escapement(wheel, _INERTIA, _TORQUE, friction=0.2)
-    for timer in (rigid, esc.Escapement(wheel, _INERTIA, _TORQUE, friction=0.2, stiffness=1e6)):
+    rigid = esc.Escapement(wheel, inertia, _TORQUE, friction=0.2)
+    for timer in (rigid, esc.Escapement(wheel, inertia, _TORQUE, friction=0.2, stiffness=1e6)):
         _solve(timer, "contact")
 
 
