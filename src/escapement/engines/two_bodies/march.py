@@ -74,7 +74,7 @@ def _struck(law, pairs, notes, mode, y, time, contact):
 @inner_jit
 def _engage(law, pairs, joints, watch, notes, y, path, mode, goal, end_time):
     """Follow the motion to the driver angle `goal`; returns mode, time and an `Ending`."""
-    time, longest, begun = 0.0, np.inf, True
+    time, longest, begun, reach, path.span[1] = 0.0, np.inf, True, 0.0, 0.0
     touched = mode.pair >= 0 or y[0] > 1e-3 * goal
     for i in range(len(watch)):
         watch[i].distance, watch[i].behind = -1.0, 0  # each pair is looked at once a pitch
@@ -84,11 +84,13 @@ def _engage(law, pairs, joints, watch, notes, y, path, mode, goal, end_time):
         touched = touched or mode.pair >= 0
         push = push_at(law, pairs, mode, y)
         length = min(longest_step(y, push), longest)
-        error = step.advance(law, pairs, mode, y, push, length, path)
+        error = step.advance(law, pairs, mode, y, push, length, step.SHRINKS, path)
         if not error <= step.ERROR and length > SMALLEST:
-            longest = length * step.growth(error)
+            longest, reach = length * step.growth(error), reach if error < np.inf else 0.0
             continue
-        trend, longest = np.sign(push.driver), length * step.growth(error)
+        before, reach, trend = reach, length * step.growth(error), np.sign(push.driver)
+        # where steps become shorter, the next one will be shorter still
+        longest = reach * min(1.0, reach / max(before, SMALLEST))
         part, event = step.first_event(law, pairs, mode, y, length, goal, trend, path)
         part, closed, found = first_closed(law, pairs, joints, watch, mode, y, length, part, path)
         if found == OVERLAPS:
@@ -103,7 +105,7 @@ def _engage(law, pairs, joints, watch, notes, y, path, mode, goal, end_time):
                 y[i] = path.here[i]
             if mode.pair >= 0:
                 step.bring_back(law, pairs, mode, y)
-            time, begun = time + part, False
+            time, begun, path.span[0] = time + part, False, part
         if time >= end_time:
             return mode, time, Ending.OVER
         if closed >= 0:
@@ -122,7 +124,7 @@ def _engage(law, pairs, joints, watch, notes, y, path, mode, goal, end_time):
                 _note(law, pairs, notes, Event.SLIDE_CHANGE, time, mode, y)
         if ending != Ending.RUNNING:
             return mode, time, ending
-        begun, longest = True, np.inf
+        begun, longest, reach, path.span[1] = True, np.inf, 0.0, 0.0
     return mode, time, Ending.TOO_LONG
 
 
@@ -176,6 +178,8 @@ def march(law, pairs, joints, pitches, limit, first, begins, rows, used):
     y = np.zeros(STATE if len(rows) > 0 else MOTION)
     path, watch = step.path_for(len(y)), np.zeros(len(pairs), WATCH)
     time, mode = begins[0, TIME], _read(law, begins[0], y)
+    for i in range(len(watch)):
+        watch[i].nose_turn = watch[i].track_turn = 1.0  # of the images 0
     for k in range(len(begins) - 1):
         notes, begun = Notes(rows, used, first + k), used[0]
         here = altered(law, "begin", law.begin - (first + k) * pitches[0])
