@@ -323,6 +323,7 @@ def read_figures(
     initial_speed: float,
     follow: Callable[[int], Motion],
     longest: int,
+    enough: int | None = None,
 ) -> Figures:
     """The figures of merit, from the terminal cycle and a motion that leads to it.
 
@@ -335,11 +336,13 @@ def read_figures(
         Speed at the first pin entry [rad/s].
     follow, longest : callable, int
         The motion from there over a number of engagements, and how many to follow at most.
+    enough : int, optional
+        Engagements that are known to lead to the cycle; by default the contraction tells.
     """
     # status and message are judged when they are read, so that the result is made only once
     found = cycle_figures(cycle) | {"contraction": contraction, "motion": cycle}
     size, start = len(cycle.escapement.pairs), initial_speed / found["handoff_velocity"]
-    count = transient_length(abs(contraction) ** (1.0 / size), start)
+    count = enough or transient_length(abs(contraction) ** (1.0 / size), start)
     count = count if size == 1 else size * (2 + count // size)
     while count <= longest:
         motion = follow(count)

@@ -69,7 +69,8 @@ def _numbers(one: Features, i: int, two: Features, k: int) -> tuple[complex, ...
     track = complex(two.x[k], two.y[k]), cmath.rect(1.0, two.direction[k]), ends_of(two, k)[2]
     reach = float(np.ptp(np.abs(ends_of(two, k) - track[2])))
     sizes = one.radius[i], one.extent[i], two.extent[k], two.radius[k], reach
-    return two.kind[k], *sizes, cmath.phase(nose[0]), cmath.phase(track[2]), *nose, *track
+    angles = cmath.phase(nose[0]), cmath.phase(track[2])
+    return two.kind[k], *sizes, *angles, *nose, *track
 
 
 def ends_of(body: Features, i: int) -> np.ndarray:

@@ -54,9 +54,12 @@ before in the same mode, the time since it began and its length, which is 0 if t
 def path_for(size):
     """Memory for steps with states of a size."""
     rates, speeds = np.empty((size - 2, NODES)), np.empty((size - 2, NODES + 1))
-    angles, here = np.empty((2, NODES + 2)), np.empty(size)
-    marks, known, span = np.empty(MARGINS), np.empty((2, NODES)), np.zeros(2)
-    return Path(rates, np.empty((4, NODES)), speeds, angles, here, marks, known, span)
+    points, angles = np.empty((4, NODES)), np.empty((2, NODES + 2))
+    here, marks, known = np.empty(size), np.empty(MARGINS), np.empty((2, NODES))
+    return Path(
+        rates=rates, points=points, speeds=speeds, angles=angles, here=here, marks=marks,
+        known=known, span=np.zeros(2),
+    )  # fmt: skip
 
 
 @inner_jit
