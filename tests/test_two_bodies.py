@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 import escapement as esc
 from escapement.base.errors import InvalidValue
 from escapement.base.status import Status
-from escapement.dynamics.codes import Ending
+from escapement.dynamics.codes import Ending, Event
 from escapement.dynamics.figures_of_merit import read_transient
 from escapement.engines.two_bodies import march as marching
 from escapement.engines.two_bodies import simulate as following
@@ -20,6 +20,7 @@ from escapement.engines.two_bodies.blow import strike
 from escapement.engines.two_bodies.law import Law
 from escapement.engines.two_bodies.march import BEGIN, PHI, SPEED, TIME, TURNING
 from escapement.engines.two_bodies.pairs import pairs_of
+from escapement.engines.two_bodies.scene import prepared
 from escapement.engines.two_bodies.touch import Touch, place, touch_at
 from escapement.mechanisms.features import CONVEX, HOLLOW, LINE
 from escapement.outlines.gaps import gap, segments_of
@@ -341,11 +342,11 @@ DEADBEAT = {
 }  # fmt: skip
 
 
-def clock(restitution=0.0, recoil=0.0, **changes):
+def clock(restitution=0.0, recoil=0.0, friction=0.1, **changes):
     numbers = DEADBEAT | changes
     wheel = esc.Recoil(**numbers, recoil_angle=recoil) if recoil else esc.Deadbeat(**numbers)
     return runaway(
-        wheel, (1e-4, 1.0), 0.1, 0.004 if recoil else 0.006, restitution=restitution,
+        wheel, (1e-4, 1.0), friction, 0.004 if recoil else 0.006, restitution=restitution,
         follower_gravity=1.0, follower_viscous=0.02,
     )  # fmt: skip
 
@@ -397,6 +398,32 @@ def test_clocks_never_overlap(timer):
     assert motion.status is Status.OK
     assert np.diff(motion.handoff_times)[2:] == pytest.approx(2.0 * math.pi, rel=0.01)
     assert least_gap(motion) > -1e-9
+
+
+@pytest.mark.parametrize("restitution", [0.0, 0.3])
+def test_momentum_of_a_blow_closes_over_all_its_contacts(restitution):
+    # a pallet that dips far strikes a tooth of the locked wheel, and both contacts stop the bodies
+    timer = clock(restitution, friction=0.0)
+    motion, (law, pairs, *_) = esc.simulate(timer, 25), prepared(timer)
+    rows = motion.trajectory._happened[0]
+    blows, most, together = rows[rows["kind"] == Event.IMPACT], 0.0, 0
+    start, unit = motion.trajectory.start, timer.time_unit
+    assert blows["impulse"] == pytest.approx(motion.impacts.impulse / timer.torque_unit / unit)
+    for time in np.unique(blows["time"]):
+        piece = int(np.searchsorted(start, time * unit * (1.0 + 1e-15), side="right")) - 1
+        before, after = (motion.within(k, time * unit) for k in (piece - 1, piece))
+        gain = law.rho * (after.theta_dot - before.theta_dot), after.phi_dot - before.phi_dot
+        missing = np.array(gain) * unit
+        here = blows[blows["time"] == time]
+        for row in here:
+            y, pair = np.array([row["theta"], row["phi"], 0.0, 0.0]), pairs[row["pair"]]
+            touch = touch_at(pair, place(pair, law.centre, y, row["nose"], row["track"]))
+            missing -= row["impulse"] * np.array([touch.g0, touch.g1])
+        most = max(most, np.abs(missing).max())
+        together += here.size == 2 and here["impulse"].min() > 1e-3 * here["impulse"].max()
+    assert most <= 1e-11 * blows["impulse"].max()
+    assert together > 3
+    assert abs(motion.ledger.residual) < 1e-11
 
 
 FLAT = {"span": 3.5, "lead": math.radians(-5.0), "back": math.radians(30.0), "tip": 0.01}

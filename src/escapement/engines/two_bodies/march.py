@@ -7,8 +7,8 @@ import numpy as np
 from escapement.dynamics.codes import Ending, Event
 from escapement.dynamics.event_rows import EVENT
 from escapement.engines.two_bodies import step
-from escapement.engines.two_bodies.change import behind_event, close, contact_of, flight, rate_of
-from escapement.engines.two_bodies.law import MOTION, STATE, Mode, energy, push_at, touching
+from escapement.engines.two_bodies.change import behind_event, close, contact_of, flight
+from escapement.engines.two_bodies.law import MOTION, STATE, Mode, push_at, touching
 from escapement.engines.two_bodies.watch import OVERLAPS, WATCH, first_closed, longest_step
 from escapement.numerics.altered import altered
 from escapement.numerics.jit import inner_jit, jit
@@ -61,13 +61,14 @@ def _note(law, pairs, notes, kind, time, mode, y):
 @inner_jit
 def _struck(law, pairs, notes, mode, y, time, contact):
     """Take the blow of a contact that begins, and note it; returns the next mode, and `Ending`."""
-    before, kinetic, approach = y[2], energy(law, y)[0], -rate_of(law, pairs, contact, y)
-    mode, ending, impulse = close(law, pairs, mode, y, contact)
-    if len(notes.rows) > 0 and approach > 0.0:
-        _note(law, pairs, notes, Event.IMPACT, time, contact, y)
-        row = notes.rows[min(notes.used[0], len(notes.rows)) - 1]
-        row.before, row.approach, row.impulse = before, approach, impulse
-        row.energy = kinetic - energy(law, y)[0]
+    other = mode
+    mode, ending, first, second = close(law, pairs, mode, y, contact)
+    for blow, pair in ((first, contact), (second, other)):
+        if len(notes.rows) > 0 and blow.approach > 0.0:
+            _note(law, pairs, notes, Event.IMPACT, time, pair, y)
+            row = notes.rows[min(notes.used[0], len(notes.rows)) - 1]
+            row.before, row.approach, row.impulse = blow.before, blow.approach, blow.impulse
+            row.energy, (row.speed, row.turning) = blow.energy, blow.after
     return mode, ending
 
 

@@ -124,7 +124,7 @@ def _figures(
         message = f"the motion repeats itself after {size} pitches, with periods of {told} s"
         return replace(base, **cycle_figures(cycle), motion=cycle, message=message)
 
-    if same > _SAME:
+    if same > 10.0 * _SAME:
         base = replace(base, message=f"the pitches repeat to {same:.1g} of the speed")
 
     def follow(count: int) -> Motion:
