@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import escapement as esc
-from escapement.tolerance.worst_case import worst_case
+from escapement.tolerance.worst_case import EACH, worst_case
 
 TIMER = esc.Escapement(
     esc.Geneva(4, crank_radius=0.01, pin_radius=5e-4), esc.Inertia(3e-7, 5e-6), 0.0113, 0.25
@@ -43,7 +43,7 @@ def test_a_figure_that_jumps_takes_few_cases():
 
     box, middle = np.array([[0.0, 1.0]] * 6), np.full(6, 0.5)
     worst_case(figure, without_slopes, box, middle, np.array([middle, middle]))
-    assert len(asked) < 2**6 + 4 * 6 * 45  # four searches; one ends behind the line it is on
+    assert len(asked) < 2**6 + 4 * 6 * EACH
 
 
 def test_vertices_of_many_numbers_are_reached_one_number_at_a_time():
