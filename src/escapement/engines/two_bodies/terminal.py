@@ -14,8 +14,7 @@ import numpy as np
 from escapement.base.status import Status
 from escapement.dynamics.batch_spread import batch_spread
 from escapement.dynamics.codes import Ending
-from escapement.dynamics.figures_of_merit import Figures, cycle_figures, read_figures
-from escapement.dynamics.motion import Motion
+from escapement.dynamics.figures_of_merit import Figures, cycle_figures
 from escapement.engines.two_bodies import simulate as following
 from escapement.engines.two_bodies.march import PAIR, SPEED, STEPS, THETA, TIME
 from escapement.mechanisms.protocol import FloatArray
@@ -127,10 +126,6 @@ def _figures(
     if same > 10.0 * _SAME:
         base = replace(base, message=f"the pitches repeat to {same:.1g} of the speed")
 
-    def follow(count: int) -> Motion:
-        known = states if count < len(states) else None
-        return following.motion_from(escapement, states[0], rtol, count, known=known)
-
     ends = []
     for share in (1.0 - 1e-5, 1.0 + 1e-5):
         changed = state.copy()
@@ -138,8 +133,10 @@ def _figures(
         ending, after, _theta, _end = following.march_from(escapement, changed, 1)
         ends.append(after[-1, SPEED] ** 2 if ending == Ending.DONE else math.nan)
     contraction = float((ends[1] - ends[0]) / (4e-5 * state[SPEED] ** 2))
-    speed = float(states[0, SPEED] / escapement.time_unit)
-    return read_figures(base, cycle, contraction, speed, follow, following.LONGEST, len(states) - 1)
+    way = following.motion_from(escapement, states[0], rtol, len(states) - 1, known=states)
+    found = cycle_figures(cycle) | {"contraction": contraction, "motion": cycle}
+    start = float(states[0, SPEED] / escapement.time_unit)
+    return replace(base, **found, approach=(start, way))
 
 
 def _scattered(escapement: Escapement, base: Figures, states: FloatArray, rtol: float) -> Figures:
