@@ -1,6 +1,8 @@
 """Two bodies with outlines: the law, worked examples, balances and statuses."""
 
+import itertools
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -10,10 +12,16 @@ from hypothesis import strategies as st
 import escapement as esc
 from escapement.base.errors import InvalidValue
 from escapement.base.status import Status
+from escapement.dynamics.codes import Ending, Event
+from escapement.dynamics.figures_of_merit import read_transient
+from escapement.engines.two_bodies import march as marching
+from escapement.engines.two_bodies import simulate as following
+from escapement.engines.two_bodies import terminal, trajectory
 from escapement.engines.two_bodies.blow import strike
 from escapement.engines.two_bodies.law import Law
-from escapement.engines.two_bodies.march import PHI, SPEED, TIME, TURNING
+from escapement.engines.two_bodies.march import BEGIN, PHI, SPEED, TIME, TURNING
 from escapement.engines.two_bodies.pairs import pairs_of
+from escapement.engines.two_bodies.scene import prepared
 from escapement.engines.two_bodies.touch import Touch, place, touch_at
 from escapement.mechanisms.features import CONVEX, HOLLOW, LINE
 from escapement.outlines.gaps import gap, segments_of
@@ -335,11 +343,11 @@ DEADBEAT = {
 }  # fmt: skip
 
 
-def clock(restitution=0.0, recoil=0.0, **changes):
+def clock(restitution=0.0, recoil=0.0, friction=0.1, **changes):
     numbers = DEADBEAT | changes
     wheel = esc.Recoil(**numbers, recoil_angle=recoil) if recoil else esc.Deadbeat(**numbers)
     return runaway(
-        wheel, (1e-4, 1.0), 0.1, 0.004 if recoil else 0.006, restitution=restitution,
+        wheel, (1e-4, 1.0), friction, 0.004 if recoil else 0.006, restitution=restitution,
         follower_gravity=1.0, follower_viscous=0.02,
     )  # fmt: skip
 
@@ -393,6 +401,32 @@ def test_clocks_never_overlap(timer):
     assert least_gap(motion) > -1e-9
 
 
+@pytest.mark.parametrize("restitution", [0.0, 0.3])
+def test_momentum_of_a_blow_closes_over_all_its_contacts(restitution):
+    # a pallet that dips far strikes a tooth of the locked wheel, and both contacts stop the bodies
+    timer = clock(restitution, friction=0.0)
+    motion, (law, pairs, *_) = esc.simulate(timer, 25), prepared(timer)
+    rows = motion.trajectory._happened[0]
+    blows, most, together = rows[rows["kind"] == Event.IMPACT], 0.0, 0
+    start, unit = motion.trajectory.start, timer.time_unit
+    assert blows["impulse"] == pytest.approx(motion.impacts.impulse / timer.torque_unit / unit)
+    for time in np.unique(blows["time"]):
+        piece = int(np.searchsorted(start, time * unit * (1.0 + 1e-15), side="right")) - 1
+        before, after = (motion.within(k, time * unit) for k in (piece - 1, piece))
+        gain = law.rho * (after.theta_dot - before.theta_dot), after.phi_dot - before.phi_dot
+        missing = np.array(gain) * unit
+        here = blows[blows["time"] == time]
+        for row in here:
+            y, pair = np.array([row["theta"], row["phi"], 0.0, 0.0]), pairs[row["pair"]]
+            touch = touch_at(pair, place(pair, law.centre, y, row["nose"], row["track"]))
+            missing -= row["impulse"] * np.array([touch.g0, touch.g1])
+        most = max(most, np.abs(missing).max())
+        together += here.size == 2 and here["impulse"].min() > 1e-3 * here["impulse"].max()
+    assert most <= 1e-11 * blows["impulse"].max()
+    assert together > 3
+    assert abs(motion.ledger.residual) < 1e-11
+
+
 FLAT = {"span": 3.5, "lead": math.radians(-5.0), "back": math.radians(30.0), "tip": 0.01}
 PINS = {"span": 2.5, "lead": math.radians(45.0), "back": math.radians(15.0), "tip": 0.01}
 BESIDE = {
@@ -417,6 +451,105 @@ def test_cycle_is_that_of_small_steps_between_cores(name):
     stepped = marks(shape, teeth, np.array(inertias), friction, restitution, start, 8, 2e-5)
     timer = runaway(wheel(), inertias, friction, restitution=restitution)
     assert esc.terminal(timer).period == pytest.approx(np.diff(stepped)[-1], rel=accuracy)
+
+
+def any_runaway(seed):
+    """A runaway escapement near those of the examples."""
+    random = np.random.default_rng(seed)
+    wheel, light = (pins, 0.3) if seed % 2 else (flat, 0.1)
+    inertias = (0.06, 1.0) if seed % 5 == 1 else (1.0, light * random.uniform(0.7, 1.3))
+    shape = {"lead": wheel().lead * random.uniform(0.9, 1.0), "driver_start": None}
+    restitution = random.uniform(0.0, 0.4) if seed % 3 == 0 else 0.0
+    return runaway(wheel(**shape), inertias, random.uniform(0.0, 0.3), restitution=restitution)
+
+
+@pytest.mark.parametrize(
+    "timers",
+    [
+        [any_runaway(seed) for seed in range(24)],
+        # every second pitch is alike, and none is
+        [runaway(flat(), (1.0, 0.1), mu, restitution=e) for mu, e in ((0.1, 0.25), (0.25, 0.35))],
+    ],
+)
+def test_cycle_is_what_a_followed_motion_repeats(timers):
+    kinds = set()
+    for timer in timers:
+        cycle, motion = esc.terminal(timer), esc.simulate(timer, 150)
+        assert (cycle.status is Status.OK) == (motion.status is Status.OK)
+        if cycle.status is not Status.OK:
+            assert cycle.message == motion.message
+            continue
+        periods, size = np.diff(motion.handoff_times)[-100:], len(cycle.beats)
+        if cycle.spread is not None:
+            assert np.ptp(periods) > 0.01 * cycle.period
+            assert abs(np.mean(periods) / cycle.period - 1.0) < 0.02
+        else:
+            assert sorted(periods[-size:]) == pytest.approx(sorted(cycle.beats), rel=1e-11)
+            assert size == 1 or np.ptp(cycle.beats) > 1e-3 * cycle.period
+        kinds.add(0 if cycle.spread is not None else size)
+    assert kinds == ({1} if len(timers) > 2 else {0, 2})
+
+
+def test_a_clock_counts_as_settled_when_its_slow_swings_are():
+    timer = clock(recoil=math.radians(10.0))
+    cycle, motion = esc.terminal(timer), esc.simulate(timer, 100)
+    assert cycle.settling_time == pytest.approx(read_transient(motion, cycle)[1], rel=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("slopes", "noise", "bend", "size", "most"),
+    [
+        ((0.03, 0.0), 0.0, 0.0, 1, 12),
+        ((0.86, 0.3), 0.0, 0.0, 1, 120),
+        ((0.86, 0.3), 3e-11, 0.0, 1, 120),  # rounding that repeats itself every second time
+        ((-1.2, 0.1), 0.0, 2.0, 2, 300),  # the fixed point repels
+    ],
+)
+def test_a_map_is_followed_to_its_fixed_point(monkeypatch, slopes, noise, bend, size, most):
+    passed = []
+
+    def march_from(_escapement, start, count):
+        states = np.tile(start, (count + 1, 1))
+        for one, two in itertools.pairwise(states):
+            x = one[SPEED : TURNING + 1] - (1.0, 0.3, -0.5)
+            way = noise if len(passed) % 2 else -noise
+            moved = np.array([slopes[0] * x[0] + bend * x[0] ** 3, slopes[1] * x[1], 0.2 * x[0]])
+            two[SPEED : TURNING + 1] = moved + way + (1.0, 0.3, -0.5)
+            passed.append(two)
+        return Ending.DONE, states, 0.0, 0.0
+
+    def figures(_escapement, _base, _states, last, size, same, _rtol):
+        return last[SPEED], size, same
+
+    start = np.zeros(BEGIN)
+    start[SPEED] = 0.8
+    monkeypatch.setattr(following, "march_from", march_from)
+    monkeypatch.setattr(following, "first_state", lambda *_given: start)
+    monkeypatch.setattr(terminal, "_figures", figures)
+    speed, found, same = terminal.terminal(None, None, initial_speed=0.0, rtol=1e-12)
+    assert found == size
+    assert len(passed) <= most
+    if size == 1:
+        assert speed == pytest.approx(1.0, abs=max(1e-12, 10.0 * noise))
+        assert same == pytest.approx(2.0 * noise, rel=1.0, abs=1e-13)
+
+
+@pytest.mark.parametrize(("wheel", "verge", "most"), [(pins, 0.3, 18), (flat, 0.1, 16)])
+def test_cycle_takes_few_pitches(monkeypatch, wheel, verge, most):
+    followed, march = [], marching.march
+
+    def counted(*given):
+        found = march(*given)
+        followed.append(found[1])
+        return found
+
+    monkeypatch.setattr(marching, "march", counted)
+    monkeypatch.setattr(trajectory, "march", counted)
+    figures = esc.terminal(runaway(wheel(), (1.0, verge)))
+    assert sum(followed) <= most
+    assert figures.settling_time >= figures.rise_time > 0.0
+    assert sum(followed) <= most + 8  # they are followed once more when they are read
+    assert replace(figures, message="").rise_time == figures.rise_time
 
 
 def test_cycle_does_not_depend_on_the_start():

@@ -68,13 +68,35 @@ def _of_motor(name: str, meaning: str) -> cached_property[float]:
     return found
 
 
+class _OfApproach:
+    """A figure of the motion that leads to the cycle, computed with the others when it is read."""
+
+    def __set_name__(self, owner: type, name: str) -> None:
+        self.name = name
+
+    def __get__(self, figures: Any, owner: type | None = None) -> Any:
+        if figures is None:
+            return _NAN  # the default of the field
+        own = vars(figures)
+        if own["approach"] is not None:
+            (speed, motion), own["approach"] = own["approach"], None
+            rise, settled = read_transient(motion, figures)
+            falls = fall_times(motion, speed, figures.motion)
+            own.update(zip(TRANSIENT, (rise, *falls, settled), strict=True))
+        return own[self.name]
+
+    def __set__(self, figures: Any, value: float) -> None:
+        vars(figures)[self.name] = value
+
+
 # NaN is not equal to itself, so two would never compare equal
 @dataclass(frozen=True, eq=False, repr=False)
 class Figures(JudgedResult, Shown):
     """Figures of merit of an escapement; NaN where there is none.
 
     Those from acceleration_max to reversal_angles need samples of the terminal
-    engagement and are computed when they are first asked for.
+    engagement and are computed when they are first asked for, and so are rise and settling times
+    of bodies with outlines.
 
     velocity_max, velocity_min : extremes of the terminal driver speed [rad/s].
     velocity_mean : cell angle over period [rad/s].
@@ -114,6 +136,8 @@ class Figures(JudgedResult, Shown):
     beats, beat_error : durations of these engagements, and the longest minus the shortest [s].
     blow_max : greatest energy lost in an impact [J], friction during the impulse included.
     motion : the terminal cycle, one engagement or all of these, None where there is none.
+    approach : of bodies with outlines, the speed at the start [rad/s] and the motion from there,
+        until a rise or settling time is read.
     spread : scatter of engagements that never repeat, otherwise None. Velocities and period are
         then means.
     status, message : outcome, and its reason in a sentence. The energy balance of the cycle decides
@@ -127,16 +151,17 @@ class Figures(JudgedResult, Shown):
     velocity_mean: float = _NAN
     period: float = _NAN
     run_time: float = _NAN
-    rise_time: float = _NAN
-    settling_time: float = _NAN
-    rise_time_63: float = _NAN
-    rise_time_98: float = _NAN
+    rise_time: _OfApproach = _OfApproach()
+    settling_time: _OfApproach = _OfApproach()
+    rise_time_63: _OfApproach = _OfApproach()
+    rise_time_98: _OfApproach = _OfApproach()
     handoff_velocity: float = _NAN
     contraction: float = _NAN
     critical_friction: float = _NAN
     uniqueness_friction: float = _NAN
     jam_margin: float = _NAN
     motion: Motion | None = field(default=None, repr=False)
+    approach: tuple[float, Motion] | None = field(default=None, repr=False)
     spread: BatchSpread | None = None
     status: Judged = Judged(Status.OK)  # noqa: RUF009 - the descriptor of the field
     message: Judged = Judged(MESSAGES[Status.OK])  # noqa: RUF009

@@ -14,6 +14,8 @@ Evaluate = Callable[[FloatArray], float]
 """A figure at values of the numbers; NaN where it has none."""
 FEW = 6
 """Every vertex of a box of so many numbers is tried."""
+NARROW, EACH = 1e-4, 30
+"""A search ends within this share of each tolerance, or after so many cases for each number."""
 
 
 class Worst(NamedTuple):
@@ -125,6 +127,8 @@ def _climb(value: Evaluate, sign: float, bounds: FloatArray, start: FloatArray) 
         found = value(low + shares * wide)
         return -sign * found if np.isfinite(found) else worse
 
-    # a figure may have kinks, so a method without derivatives is used
+    # a figure may have kinks, so a method without derivatives is used; it may jump as well, and
+    # then hundreds of further cases would find the jump more exactly, and no other end
     begin, limits = np.clip((start - low) / wide, 0.0, 1.0), [(0.0, 1.0)] * len(start)
-    minimize(cost, begin, method="Powell", bounds=limits, options={"xtol": 1e-6})
+    most = {"xtol": NARROW, "maxfev": EACH * len(start)}
+    minimize(cost, begin, method="Powell", bounds=limits, options=most)

@@ -5,20 +5,36 @@ contact that begins, and `behind_event` goes on behind the event of a step. With
 an `Ending`, which is RUNNING unless the motion ends.
 """
 
+from collections import namedtuple
+
 import numpy as np
 
 from escapement.dynamics.codes import Ending
 from escapement.engines.two_bodies.blow import strike
-from escapement.engines.two_bodies.law import Mode, free, push_at, pushed, torques, touching
+from escapement.engines.two_bodies.law import (
+    Mode,
+    energy,
+    free,
+    push_at,
+    pushed,
+    torques,
+    touching,
+)
 from escapement.engines.two_bodies.step import DRIVER_STOPS, FOLLOWER_STOPS, JAMS, LIFTS, SLIPS
 from escapement.engines.two_bodies.touch import images, place, touch_at
 from escapement.engines.two_bodies.watch import STILL
+from escapement.numerics.altered import altered
 from escapement.numerics.jit import inner_jit
 
 AT_REST = 1e-9
 """Bodies slower than this are at rest where both turn back."""
 BESIDE, STAYS = 1e-8, 1e-7
 """A neighbour on a chain has a smaller gap than this, whose rate is slower than that."""
+
+
+Blow = namedtuple("Blow", "before approach impulse energy after")
+"""A blow of a pair: the driver's speed before it, the speed of approach, which is 0 if there is no
+blow, the impulse, the energy that is lost, and the speeds after it."""
 
 
 @inner_jit
@@ -119,19 +135,28 @@ def rate_of(law, pairs, contact, y):
 
 
 @inner_jit
+def _blow(law, pairs, contact, y, restitution):
+    """Take the blow of a pair."""
+    before, kinetic, rate = y[2], energy(law, y)[0], rate_of(law, pairs, contact, y)
+    impulse = strike(law, touching(law, pairs, contact, y), y, restitution)
+    return Blow(before, -rate, impulse, kinetic - energy(law, y)[0], (y[2], y[3]))
+
+
+@inner_jit
 def close(law, pairs, mode, y, new):
     """The mode behind the blow of a pair that closes, perhaps while another one is closed.
 
-    The impulse that is returned is that of this pair alone.
+    Returns the mode, an `Ending`, and the blows of this pair and of the other one.
     """
     tiny = STILL * (1.0 + abs(rate_of(law, pairs, new, y)))
-    impulse = other = strike(law, touching(law, pairs, new, y), y, law.restitution)
+    first = _blow(law, pairs, new, y, law.restitution)
+    second = altered(first, "approach", 0.0)
     rate = rate_of(law, pairs, mode, y) if mode.pair >= 0 else np.inf
     if rate < -tiny:
         # the other contact takes a blow as well
-        other = strike(law, touching(law, pairs, mode, y), y, 0.0)
-    if np.isnan(impulse) or np.isnan(other):
-        return new, Ending.JAM, impulse
+        second = _blow(law, pairs, mode, y, 0.0)
+    if np.isnan(first.impulse) or np.isnan(second.impulse):
+        return new, Ending.JAM, first, second
     moves = abs(y[2]) + abs(y[3]) > AT_REST
     if rate > tiny:
         mode, ending = settle(law, pairs, new, y, STILL)
@@ -139,9 +164,30 @@ def close(law, pairs, mode, y, new):
         mode, ending = settle(law, pairs, contact_of(mode.pair, mode.nose, mode.track), y, STILL)
     else:
         # alternating blows would go on for ever, until both bodies are at rest
+        if moves:
+            first, second = _alternating(law, pairs, mode, y, new, first, second)
         y[2], y[3] = 0.0, 0.0
         mode, ending = _restart(law, pairs, mode, new, y)
-    return mode, ending, impulse
+    return mode, ending, first, second
+
+
+@inner_jit
+def _alternating(law, pairs, mode, y, new, first, second):
+    """Two blows with all that follow, each pair of which leaves the same share of the speeds."""
+    speed = abs(y[2]) + abs(y[3])
+    one, two = _blow(law, pairs, new, y, law.restitution), _blow(law, pairs, mode, y, 0.0)
+    left = (abs(y[2]) + abs(y[3])) / speed
+    if left < 1.0:
+        all_, lost = 1.0 / (1.0 - left), 1.0 / (1.0 - left * left)
+        first = altered(
+            first, "impulse", first.impulse + all_ * one.impulse,
+            "energy", first.energy + lost * one.energy,
+        )  # fmt: skip
+        second = altered(
+            second, "impulse", second.impulse + all_ * two.impulse,
+            "energy", second.energy + lost * two.energy, "after", (0.0, 0.0),
+        )  # fmt: skip
+    return first, second
 
 
 @inner_jit

@@ -7,8 +7,8 @@ import numpy as np
 from escapement.dynamics.codes import Ending, Event
 from escapement.dynamics.event_rows import EVENT
 from escapement.engines.two_bodies import step
-from escapement.engines.two_bodies.change import behind_event, close, contact_of, flight, rate_of
-from escapement.engines.two_bodies.law import MOTION, STATE, Mode, energy, push_at, touching
+from escapement.engines.two_bodies.change import behind_event, close, contact_of, flight
+from escapement.engines.two_bodies.law import MOTION, STATE, Mode, push_at, touching
 from escapement.engines.two_bodies.watch import OVERLAPS, WATCH, first_closed, longest_step
 from escapement.numerics.altered import altered
 from escapement.numerics.jit import inner_jit, jit
@@ -61,20 +61,21 @@ def _note(law, pairs, notes, kind, time, mode, y):
 @inner_jit
 def _struck(law, pairs, notes, mode, y, time, contact):
     """Take the blow of a contact that begins, and note it; returns the next mode, and `Ending`."""
-    before, kinetic, approach = y[2], energy(law, y)[0], -rate_of(law, pairs, contact, y)
-    mode, ending, impulse = close(law, pairs, mode, y, contact)
-    if len(notes.rows) > 0 and approach > 0.0:
-        _note(law, pairs, notes, Event.IMPACT, time, contact, y)
-        row = notes.rows[min(notes.used[0], len(notes.rows)) - 1]
-        row.before, row.approach, row.impulse = before, approach, impulse
-        row.energy = kinetic - energy(law, y)[0]
+    other = mode
+    mode, ending, first, second = close(law, pairs, mode, y, contact)
+    for blow, pair in ((first, contact), (second, other)):
+        if len(notes.rows) > 0 and blow.approach > 0.0:
+            _note(law, pairs, notes, Event.IMPACT, time, pair, y)
+            row = notes.rows[min(notes.used[0], len(notes.rows)) - 1]
+            row.before, row.approach, row.impulse = blow.before, blow.approach, blow.impulse
+            row.energy, (row.speed, row.turning) = blow.energy, blow.after
     return mode, ending
 
 
 @inner_jit
 def _engage(law, pairs, joints, watch, notes, y, path, mode, goal, end_time):
     """Follow the motion to the driver angle `goal`; returns mode, time and an `Ending`."""
-    time, longest, begun = 0.0, np.inf, True
+    time, longest, begun, reach, path.span[1] = 0.0, np.inf, True, 0.0, 0.0
     touched = mode.pair >= 0 or y[0] > 1e-3 * goal
     for i in range(len(watch)):
         watch[i].distance, watch[i].behind = -1.0, 0  # each pair is looked at once a pitch
@@ -84,11 +85,13 @@ def _engage(law, pairs, joints, watch, notes, y, path, mode, goal, end_time):
         touched = touched or mode.pair >= 0
         push = push_at(law, pairs, mode, y)
         length = min(longest_step(y, push), longest)
-        error = step.advance(law, pairs, mode, y, push, length, path)
+        error = step.advance(law, pairs, mode, y, push, length, step.SHRINKS, path)
         if not error <= step.ERROR and length > SMALLEST:
-            longest = length * step.growth(error)
+            longest, reach = length * step.growth(error), reach if error < np.inf else 0.0
             continue
-        trend, longest = np.sign(push.driver), length * step.growth(error)
+        before, reach, trend = reach, length * step.growth(error), np.sign(push.driver)
+        # where steps become shorter, the next one will be shorter still
+        longest = reach * min(1.0, reach / max(before, SMALLEST))
         part, event = step.first_event(law, pairs, mode, y, length, goal, trend, path)
         part, closed, found = first_closed(law, pairs, joints, watch, mode, y, length, part, path)
         if found == OVERLAPS:
@@ -103,7 +106,7 @@ def _engage(law, pairs, joints, watch, notes, y, path, mode, goal, end_time):
                 y[i] = path.here[i]
             if mode.pair >= 0:
                 step.bring_back(law, pairs, mode, y)
-            time, begun = time + part, False
+            time, begun, path.span[0] = time + part, False, part
         if time >= end_time:
             return mode, time, Ending.OVER
         if closed >= 0:
@@ -122,7 +125,7 @@ def _engage(law, pairs, joints, watch, notes, y, path, mode, goal, end_time):
                 _note(law, pairs, notes, Event.SLIDE_CHANGE, time, mode, y)
         if ending != Ending.RUNNING:
             return mode, time, ending
-        begun, longest = True, np.inf
+        begun, longest, reach, path.span[1] = True, np.inf, 0.0, 0.0
     return mode, time, Ending.TOO_LONG
 
 
@@ -176,6 +179,8 @@ def march(law, pairs, joints, pitches, limit, first, begins, rows, used):
     y = np.zeros(STATE if len(rows) > 0 else MOTION)
     path, watch = step.path_for(len(y)), np.zeros(len(pairs), WATCH)
     time, mode = begins[0, TIME], _read(law, begins[0], y)
+    for i in range(len(watch)):
+        watch[i].nose_turn = watch[i].track_turn = 1.0  # of the images 0
     for k in range(len(begins) - 1):
         notes, begun = Notes(rows, used, first + k), used[0]
         here = altered(law, "begin", law.begin - (first + k) * pitches[0])

@@ -16,9 +16,10 @@ from escapement.numerics.records import record_dtype
 
 PAIR = record_dtype({
     # bodies and numbers of the features; the kind of the track, and radius and size of both; the
-    # length from the middle of the track to its ends
+    # length from the middle of the track to its ends; the directions of nose and middle
     **dict.fromkeys(("nose", "nose_feature", "track_feature", "kind"), np.int64),
     **dict.fromkeys(("rho", "nose_half", "extent", "radius", "reach"), float),
+    **dict.fromkeys(("nose_angle", "middle_angle"), float),
     **dict.fromkeys(("nose_at", "nose_along", "at", "along", "middle"), complex),
     # of so many images around the partner, from the first on, this is the one with the number
     **dict.fromkeys(("nose_fold", "nose_first", "nose_count", "nose_number"), np.int64),
@@ -68,7 +69,8 @@ def _numbers(one: Features, i: int, two: Features, k: int) -> tuple[complex, ...
     track = complex(two.x[k], two.y[k]), cmath.rect(1.0, two.direction[k]), ends_of(two, k)[2]
     reach = float(np.ptp(np.abs(ends_of(two, k) - track[2])))
     sizes = one.radius[i], one.extent[i], two.extent[k], two.radius[k], reach
-    return two.kind[k], *sizes, *nose, *track
+    angles = cmath.phase(nose[0]), cmath.phase(track[2])
+    return two.kind[k], *sizes, *angles, *nose, *track
 
 
 def ends_of(body: Features, i: int) -> np.ndarray:

@@ -1,5 +1,6 @@
 """An escapement of two bodies as the kernels take it."""
 
+from functools import lru_cache
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -34,7 +35,6 @@ def prepared(escapement: Escapement) -> Prepared:
 
 def _prepare(escapement: Escapement, machine: Any) -> Prepared:
     scene, unit = escapement.scene, escapement.torque_unit
-    driver, follower = machine.driver_features, machine.follower_features
     theta, phi = (float(angle) for angle in machine.start)
     theta %= machine.pitch  # the driver looks the same
     spring, weight = escapement.follower_spring / unit, escapement.follower_gravity / unit
@@ -44,6 +44,12 @@ def _prepare(escapement: Escapement, machine: Any) -> Prepared:
     place, swing = (float(machine.axes_distance), theta), (spring, weight)
     rest, restitution = escapement.follower_rest_angle, escapement.restitution
     law = Law._make((*shared, *place, *swing, rest, restitution, plain))
+    return Prepared(law, *_touching(machine), (theta, phi))
+
+
+@lru_cache
+def _touching(machine: Any) -> tuple[np.ndarray, Any, tuple[float, float]]:
+    """Pairs, joints and pitches, which the cases of a study have in common."""
+    driver, follower = machine.driver_features, machine.follower_features
     pitches = 2.0 * np.pi / driver.fold, 2.0 * np.pi / follower.fold
-    joints = joints_of(driver), joints_of(follower)
-    return Prepared(law, pairs_of(driver, follower), joints, pitches, (theta, phi))
+    return pairs_of(driver, follower), (joints_of(driver), joints_of(follower)), pitches

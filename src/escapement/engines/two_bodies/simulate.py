@@ -79,12 +79,18 @@ def march_from(
 
 def motion_from(
     escapement: Escapement, start: FloatArray, rtol: float, engagements: int | None,
-    duration: float | None = None, longest: int = LONGEST,
+    duration: float | None = None, longest: int = LONGEST, known: FloatArray | None = None,
 ) -> Motion:  # fmt: skip
-    """The motion from a state at a handoff."""
+    """The motion from a state at a handoff; the states at all its handoffs may be known."""
+
+    def follow(size: int, horizon: float) -> Followed:
+        if known is not None:
+            return Ending.DONE, known, 0.0, known[-1, marching.TIME]
+        return march_from(escapement, start, size, horizon)
+
     return followed_motion(
         escapement, "two_bodies", rtol, engagements, duration, longest,
-        follow=lambda size, horizon: march_from(escapement, start, size, horizon),
+        follow=follow,
         outcome=outcome,
         trajectory=lambda states, end: TwoBodyTrajectory(escapement, states, end),
     )  # fmt: skip

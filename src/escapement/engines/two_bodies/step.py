@@ -16,8 +16,9 @@ from escapement.numerics.jit import inner_jit
 ERROR = 2e-14
 """Greatest last coefficient of a step's speeds."""
 NODES = 12
-_MOST_SWEEPS, _SETTLED = 20, 1e-14
-"""Iterations of a step, and the change of speeds at which they end."""
+_MOST_SWEEPS, _SETTLED, SHRINKS = 20, 1e-14, 0.2
+"""Iterations of a step, the change of speeds at which they end, and the greatest share of the last
+change that the next one may be where a shorter step can be tried."""
 _DIVERGES = 1e9
 """A change of speeds from which on iterations diverge."""
 MARGINS = 9
@@ -27,34 +28,47 @@ slip in its sense, what is left of track and nose, A, and the driver's accelerat
 NOTHING = -1
 
 _POINTS, _WEIGHTS = legendre.leggauss(NODES)
-_SERIES = (np.arange(NODES) + 0.5)[:, None] * legendre.legvander(_POINTS, NODES - 1).T * _WEIGHTS
+_SERIES = np.ascontiguousarray(
+    (np.arange(NODES) + 0.5)[:, None] * legendre.legvander(_POINTS, NODES - 1).T * _WEIGHTS
+)
 _ONCE, _TWICE = (
     np.ascontiguousarray(legendre.legint(_SERIES, times, lbnd=-1, scl=0.5)) for times in (1, 2)
 )
-"""Legendre series of the integrals of a polynomial, from its values at the points."""
+"""Legendre series of a polynomial and of its integrals, from its values at the points."""
 _TO_SPEEDS = np.ascontiguousarray((legendre.legvander(_POINTS, NODES) @ _ONCE).T)
 _TO_ANGLES = np.ascontiguousarray((legendre.legvander(_POINTS, NODES + 1) @ _TWICE).T)
+_BACK = np.arange(1.0, NODES + 3.0) / np.arange(2.0, NODES + 4.0)
+_AHEAD = 1.0 + _BACK
+"""Factors in the recurrence of Legendre polynomials."""
 _SHARES = 0.5 * (1.0 + _POINTS)
 _LOOKS = 4  # times in a step at which events are looked for
 
 
-Path = namedtuple("Path", "rates points speeds angles here marks")
+Path = namedtuple("Path", "rates points speeds angles here marks known span")
 """The rates of speeds and lost work at the points, the series of their integrals and of the
-angles; a state within the step and the `MARGINS` there."""
+angles; a state within the step and the `MARGINS` there; the series of the accelerations of the step
+before in the same mode, the time since it began and its length, which is 0 if there is none."""
 
 
 @inner_jit(allocates=True)
 def path_for(size):
     """Memory for steps with states of a size."""
     rates, speeds = np.empty((size - 2, NODES)), np.empty((size - 2, NODES + 1))
-    angles, here = np.empty((2, NODES + 2)), np.empty(size)
-    return Path(rates, np.empty((4, NODES)), speeds, angles, here, np.empty(MARGINS))
+    points, angles = np.empty((4, NODES)), np.empty((2, NODES + 2))
+    here, marks, known = np.empty(size), np.empty(MARGINS), np.empty((2, NODES))
+    return Path(
+        rates=rates, points=points, speeds=speeds, angles=angles, here=here, marks=marks,
+        known=known, span=np.zeros(2),
+    )  # fmt: skip
 
 
 @inner_jit
-def advance(law, pairs, mode, y, push, length, path):
-    """Find the path of a step that begins with a state and its accelerations; returns its error."""
-    rates, points, here, change = path.rates, path.points, path.here, 0.0
+def advance(law, pairs, mode, y, push, length, shrinks, path):
+    """Find the path of a step that begins with a state and its accelerations; returns its error.
+
+    It is infinite if iterations do not settle while each changes less than this share of the last.
+    """
+    rates, points, here, settled = path.rates, path.points, path.here, True
     for j in range(NODES):
         s = length * _SHARES[j]
         for i in range(2):
@@ -63,8 +77,10 @@ def advance(law, pairs, mode, y, push, length, path):
             points[2 + i, j] = y[2 + i] + s * rate
             rates[i, j] = rate
     if mode.pair >= 0 or not law.plain:
+        _go_on(path, length)
+        change = np.inf
         for _ in range(_MOST_SWEEPS):
-            change = 0.0
+            before, change = change, 0.0
             for j in range(NODES):
                 for i in range(4):
                     here[i] = points[i, j]
@@ -76,10 +92,13 @@ def advance(law, pairs, mode, y, push, length, path):
                 change += abs(driver) + abs(follower)
                 _correct(points, j, length, driver, follower)
             change *= length
-            if not change > _SETTLED:
+            if not _SETTLED < change < shrinks * before:
                 break
-        if not change <= ERROR:
-            return np.inf
+        settled = change <= ERROR
+        if settled:
+            for i in range(2):
+                _series(_SERIES, rates[i], 1.0, path.known[i])
+            path.span[0], path.span[1] = 0.0, length
     if len(y) > MOTION:
         for j in range(NODES):
             for i in range(4):
@@ -92,7 +111,24 @@ def advance(law, pairs, mode, y, push, length, path):
             _series(_TWICE, rates[i], length * length, path.angles[i])
             last = abs(path.speeds[i, NODES]) + 0.1 * abs(path.speeds[i, NODES - 1])
             change = max(change, last)
-    return change
+    return change if settled else np.inf
+
+
+@inner_jit
+def _go_on(path, length):
+    """Let the accelerations at the points of a step go on as in the step before."""
+    rates, span = path.rates, path.span
+    if span[1] == 0.0:
+        return
+    for j in range(NODES):
+        x, driver, follower = 2.0 * (span[0] + length * _SHARES[j]) / span[1] - 1.0, 0.0, 0.0
+        here, ahead = 1.0, x  # Legendre polynomials
+        for k in range(NODES):
+            driver += path.known[0, k] * here
+            follower += path.known[1, k] * here
+            here, ahead = ahead, _AHEAD[k] * x * ahead - _BACK[k] * here
+        _correct(path.points, j, length, driver - rates[0, j], follower - rates[1, j])
+        rates[0, j], rates[1, j] = driver, follower
 
 
 @inner_jit(merged=True)
@@ -139,7 +175,7 @@ def state_at(path, y, length, s, out):
         if k <= NODES:
             for i in range(2, len(y)):
                 out[i] += path.speeds[i - 2, k] * here
-        here, ahead = ahead, ((2 * k + 3) * x * ahead - (k + 1) * here) / (k + 2)
+        here, ahead = ahead, _AHEAD[k] * x * ahead - _BACK[k] * here
 
 
 @inner_jit

@@ -62,12 +62,12 @@ def images(pair, centre, y):
     if pair.nose_fold > 1:
         # towards the middle of the track, or the other axis if both bodies repeat
         to = -side if pair.track_fold > 1 else pair.middle * cmath.rect(1.0, q_track) - side
-        angle = q_nose + cmath.phase(pair.nose_at)
+        angle = q_nose + pair.nose_angle
         count = pair.nose_count
         nose = _chosen(to, angle, pair.nose_fold, pair.nose_first, count, pair.nose_number)
     if pair.track_fold > 1:
         turn = q_nose + nose * 2.0 * np.pi / pair.nose_fold
-        to, angle = side + pair.nose_at * cmath.rect(1.0, turn), q_track + cmath.phase(pair.middle)
+        to, angle = side + pair.nose_at * cmath.rect(1.0, turn), q_track + pair.middle_angle
         count = pair.track_count
         track = _chosen(to, angle, pair.track_fold, pair.track_first, count, pair.track_number)
     return nose, track

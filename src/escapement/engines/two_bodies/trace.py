@@ -28,7 +28,8 @@ def trace(law, pairs, pitch, rows, which, since, table, lost):
         if which[k] != last:
             y[0], y[1], y[2], y[3] = row.theta, row.phi, row.speed, row.turning
             y[MOTION:] = row.lost
-            advance(here, pairs, mode, y, push_at(here, pairs, mode, y), row.length, path)
+            push, path.span[1] = push_at(here, pairs, mode, y), 0.0
+            advance(here, pairs, mode, y, push, row.length, 1.0, path)
             last = which[k]
         state_at(path, y, row.length, since[k], at)
         push = push_at(here, pairs, mode, at)

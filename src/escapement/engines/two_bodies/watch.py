@@ -173,9 +173,11 @@ def _look(law, pairs, joints, watch, i, mode, y, turns, limits, end):
     turned = max(abs(y[0] - seen.theta_first), abs(y[1] - seen.phi_first))
     most = max(limits.turns, limits.follower_turns)
     if turned + most > WIDE:
-        seen.nose, seen.track = images(pair, law.centre, y)
-        seen.nose_turn = image_turn(seen.nose, pair.nose_fold)
-        seen.track_turn = image_turn(seen.track, pair.track_fold)
+        nose, track = images(pair, law.centre, y)
+        if nose != seen.nose:
+            seen.nose, seen.nose_turn = nose, image_turn(nose, pair.nose_fold)
+        if track != seen.track:
+            seen.track, seen.track_turn = track, image_turn(track, pair.track_fold)
         seen.theta_first, seen.phi_first = y[0], y[1]
     nose, track = seen.nose, seen.track
     seen.beside, seen.distance = 0, -1.0
