@@ -1,20 +1,21 @@
 """Random bodies with outlines: whether they overlap, energy balance, and momentum in blows.
 
-``python benchmarks/outline_cases.py [--geometries 200] [--pitches 20] [--polygons 40]``
+``python benchmarks/outline_cases.py [--geometries 2000] [--pitches 50] [--polygons 52]``
 draws geometries around runaway escapements with pins and with flat pallets, deadbeat and recoil
 clocks, and Geneva wheels with clearance whose outlines are given, with friction up to 0.3; some of
-them rebound or lose energy elsewhere. The gap of lines and arcs by `outlines.gaps`, which shares
-nothing with the engine, is taken where pieces begin and end and three times within each; of Geneva
-wheels, whose pieces are longer, as well. Impulses are compared with the momentum that both bodies
-gain in a blow at the point where that gap is least. Some geometries are checked by Shapely too, at
-200 instants of each of five pitches: its polygons leave arcs by less than 1e-6 radii, and bodies of
-which one is made smaller by two times this must not touch. A row for each kind goes to
-``results/outline_cases.csv``, in units of the radius of wheel or crank, of the work, and of the
-impulse.
+them rebound or lose energy elsewhere. The gap of lines and arcs, which shares nothing with the
+engine, is taken where pieces begin and end and seven times within each. Impulses are compared with
+the momentum that both bodies gain in a blow at the point where that gap is least. Some geometries
+are checked by Shapely too, at 200 instants of each of five pitches: its polygons leave arcs by less
+than 1e-6 radii, and bodies of which one is made smaller by two times this must not touch. A line
+for each case goes to the output, and a row for each kind to ``results/outline_cases.csv``, in units
+of the radius of wheel or crank, of the work, and of the impulse.
 """
 
+import cmath
 import math
 
+import numba
 import numpy as np
 import shapely
 from common import asked, tell
@@ -22,10 +23,10 @@ from common import asked, tell
 import escapement as esc
 from escapement.base.errors import InvalidValue
 from escapement.base.status import Status
-from escapement.outlines.gaps import gap, nearest_on, segments_of
+from escapement.outlines.gaps import middle_of, reach_of, segments_of
 from escapement.outlines.touching import edges_of
 
-RAD, CHORD = math.pi / 180.0, 1e-6
+RAD, CHORD, PARTS = math.pi / 180.0, 1e-6, 8
 
 
 def geneva(near):
@@ -108,56 +109,127 @@ def edges(wheel):
     return [edges_of(*body) for body in bodies]
 
 
-def deepest(motion):
-    """The least gap in the poses of a motion."""
-    wheel, start = motion.escapement.mechanism, motion.trajectory.start
-    driver, follower = map(segments_of, edges(wheel))
-    ends = np.append(start, motion.end_time)
-    poses = motion.at((ends[:-1, None] + np.diff(ends)[:, None] * np.arange(4) / 4.0).ravel())
-    return min(
-        gap(follower.moved(np.exp(1j * phi), wheel.axes_distance), driver.moved(np.exp(1j * q), 0))[
-            0
-        ]
-        for q, phi in zip(poses.theta, poses.phi, strict=True)
-    )
+def outlines_of(wheel):
+    """Lines and arcs of both bodies, with the middle of each and how far it reaches."""
+    bodies = map(segments_of, edges(wheel))
+    return [(*body, middle_of(body), reach_of(body)) for body in bodies]
 
 
-def momentum(motion):
+@numba.njit(cache=False)
+def nearest(body, i, p):
+    """The point of a line or arc that is nearest to another one, and its direction there."""
+    start, end, turn, centre, radius = body[0][i], body[1][i], body[2][i], body[3][i], body[4][i]
+    if turn == 0.0:
+        chord = end - start
+        share = ((p - start) * chord.conjugate()).real / abs(chord) ** 2
+        # ends are exact, so that lines that meet there are equally far
+        at = start + share * chord if share < 1.0 else end
+        return at if share > 0.0 else start, chord / abs(chord)
+    away, sense = p - centre, math.copysign(1.0, turn)
+    passed = cmath.phase(away * (start - centre).conjugate()) * sense % (2.0 * math.pi)
+    if passed <= abs(turn) and away != 0.0:
+        at = centre + radius / abs(away) * away
+    else:
+        at = start if abs(p - start) <= abs(p - end) else end
+    return at, 1j * sense * (at - centre) / radius
+
+
+@numba.njit(cache=False)
+def outside(body, near, p):
+    """How far a point lies outside of a body, and the body's direction at its nearest point."""
+    least, side, way = math.inf, 0.0, 0j
+    for i in near:
+        at, along = nearest(body, i, p)
+        aside = -(along.conjugate() * (p - at)).imag
+        if abs(p - at) < least or (abs(p - at) == least and abs(aside) > abs(side)):
+            least, side, way = abs(p - at), aside, along
+    return math.copysign(least, side), way
+
+
+@numba.njit(cache=False)
+def least_gap(driver, follower, centre, theta, phi):
+    """The gap of two bodies in a pose, the point that has it, and the direction of the edge there.
+
+    Lines and arcs are nearest at an end of one, or where a line square to one passes through the
+    centre of the other.
+    """
+    turn = cmath.rect(1.0, phi - theta), centre * cmath.rect(1.0, -theta)
+    moved = (
+        turn[0] * follower[0] + turn[1], turn[0] * follower[1] + turn[1], follower[2],
+        turn[0] * follower[3] + turn[1], follower[4], turn[0] * follower[5] + turn[1], follower[6],
+    )  # fmt: skip
+    bodies, bound = (driver, moved), math.inf
+    for i in range(driver[0].size):
+        for k in range(moved[0].size):
+            bound = min(bound, abs(driver[5][i] - moved[5][k]) + driver[6][i] + moved[6][k])
+    chosen = np.zeros(driver[0].size, np.bool_), np.zeros(moved[0].size, np.bool_)
+    for i in range(driver[0].size):
+        for k in range(moved[0].size):
+            if abs(driver[5][i] - moved[5][k]) - driver[6][i] - moved[6][k] <= bound:
+                chosen[0][i] = chosen[1][k] = True
+    least, place, way = math.inf, 0j, 0j
+    for one in range(2):
+        body, other = bodies[one], bodies[1 - one]
+        near, far = np.flatnonzero(chosen[one]), np.flatnonzero(chosen[1 - one])
+        for i in near:
+            points = [body[0][i], body[1][i]]
+            for k in far:
+                square = other[3][k] - body[3][i]
+                square = 1j * (other[1][k] - other[0][k]) if other[2][k] == 0.0 else square
+                if body[2][i] != 0.0 and square != 0.0:
+                    for sense in (1.0, -1.0):
+                        p = body[3][i] + sense * body[4][i] / abs(square) * square
+                        points.append(nearest(body, i, p)[0])
+            for p in points:
+                gap, along = outside(other, far, p)
+                if gap < least:
+                    least, place, way = gap, p, along
+    back = cmath.rect(1.0, theta)
+    return least, place * back, way * back
+
+
+@numba.njit(cache=False)
+def deepest(driver, follower, centre, theta, phi):
+    """The least gap in some poses."""
+    least = math.inf
+    for i in range(theta.size):
+        least = min(least, least_gap(driver, follower, centre, theta[i], phi[i])[0])
+    return least
+
+
+def between(motion):
+    """Instants at which pieces begin and end, and some within them."""
+    ends = np.append(motion.trajectory.start, motion.end_time)
+    return (ends[:-1, None] + np.diff(ends)[:, None] * np.arange(PARTS) / PARTS).ravel()
+
+
+def momentum(motion, bodies):
     """How much the impulse of a blow differs from the momentum that both bodies gain.
 
-    It is a share of the greatest impulse. Blows are left out where two contacts take impulses at
-    once, as of Geneva wheels at handoffs and where a kept contact is struck from the other side,
-    and with bearings whose friction takes momentum.
+    It is a share of the greatest impulse, beyond what the driver gains in two roundings of the
+    time. Blows are left out where two contacts take impulses at once, as of Geneva wheels at
+    handoffs and where the bodies touch already, and with bearings whose friction takes momentum.
     """
     own, impacts, start = motion.escapement, motion.impacts, motion.trajectory.start
-    wheel, worst = own.mechanism, 0.0
-    bodies, axes = list(map(segments_of, edges(wheel))), (0.0, wheel.axes_distance)
-    if own.follower_bearing_friction or isinstance(wheel, esc.Outlines):
+    centre, worst = own.mechanism.axes_distance, 0.0
+    if own.follower_bearing_friction or isinstance(own.mechanism, esc.Outlines):
         return 0.0
     for time, impulse in zip(impacts.time, impacts.impulse, strict=True):
         alone = np.sum(np.abs(impacts.time - time) < 1e-9) == 1
         after = int(np.searchsorted(start, time, side="right")) - 1
-        kept = motion.trajectory.sign[after - 1] != 0.0
-        if not alone or start[after] != time or after == 0 or kept:
+        if not alone or start[after] != time or after == 0:
             continue
         old, new = (motion.within(k, time) for k in (after - 1, after))
+        before = motion.within(after - 1, 0.5 * (start[after - 1] + time))
+        if least_gap(*bodies, centre, float(before.theta), float(before.phi))[0] < 1e-12:
+            continue
         gains = own.inertia.driver * (new.theta_dot - old.theta_dot)
         gains = gains, own.inertia.follower * (new.phi_dot - old.phi_dot)
-        here = [
-            body.moved(np.exp(1j * float(angle)), axis)
-            for body, angle, axis in zip(bodies, (new.theta, new.phi), axes, strict=True)
-        ]
-        point = gap(*here)[1]
-        # a face tells the normal, a corner does not
-        along = []
-        for body in here:
-            nearest, ways = nearest_on(body, np.array([[point]]))
-            along.append(complex(ways[0, np.argmin(np.abs(nearest - point))]))
-        arms = [point - axis for axis in axes]
-        matrix = [[-arms[0].imag, arms[0].real], [arms[1].imag, -arms[1].real]]
+        _, point, along = least_gap(*bodies, centre, float(new.theta), float(new.phi))
+        matrix = [[-point.imag, point.real], [point.imag, centre - point.real]]
         force = complex(*np.linalg.solve(matrix, gains))
-        found = [abs((force * (1j * way / abs(way)).conjugate()).real) for way in along]
-        worst = max(worst, min(abs(x - impulse) for x in found))
+        wrong = abs(abs((force * (1j * along).conjugate()).real) - impulse)
+        worst = max(worst, wrong - 2.0 * own.torque * np.spacing(motion.end_time))
     return worst / impacts.impulse.max(initial=1e-300)
 
 
@@ -170,34 +242,37 @@ def crossings(motion):
         rings = [edge.drawn(math.sqrt(CHORD / size)) for edge in body]
         shapes.append(shapely.union_all([shapely.Polygon(np.c_[z.real, z.imag]) for z in rings]))
     driver, follower = shapes[0], shapes[1].buffer(-2.0 * CHORD)
+    shapely.prepare(driver)
     poses, found = motion.at(np.linspace(0.0, motion.end_time, 200 * len(motion.handoff_times))), 0
-    for q, phi in zip(poses.theta, poses.phi, strict=True):
-        turned = shapely.affinity.rotate(follower, phi, (0, 0), use_radians=True)
-        other = shapely.affinity.translate(turned, wheel.axes_distance)
-        found += shapely.affinity.rotate(driver, q, (0, 0), use_radians=True).intersects(other)
+    for q, phi in zip(poses.theta.tolist(), poses.phi.tolist(), strict=True):
+        turn, place = cmath.rect(1.0, phi - q), cmath.rect(wheel.axes_distance, -q)
+        matrix = turn.real, -turn.imag, turn.imag, turn.real, place.real, place.imag
+        found += driver.intersects(shapely.affinity.affine_transform(follower, matrix))
     return found
 
 
 def main():
     """Run the cases, write a row for each kind, print them."""
-    count, pitches, polygons, whole = asked(__doc__, geometries=200, pitches=20, polygons=40)
+    count, pitches, polygons, whole = asked(__doc__, geometries=2000, pitches=50, polygons=52)
     rows = []
     for kind in KINDS:
         statuses, deep, balance, gained, crossed = [], [], [], [], 0
         for seed in range(count // len(KINDS)):
             motion = esc.simulate(case(kind, seed), pitches)
             statuses.append(motion.status)
-            if motion.status is Status.NOT_CONVERGED:
-                print(kind, seed, motion.message, flush=True)
             if not motion.handoff_times.size:
                 continue
-            deep.append(deepest(motion))
+            wheel = motion.escapement.mechanism
+            bodies, poses = outlines_of(wheel), motion.at(between(motion))
+            deep.append(deepest(*bodies, wheel.axes_distance, poses.theta, poses.phi))
             balance.append(abs(motion.ledger.residual))
-            gained.append(momentum(motion))
-            if deep[-1] < -1e-9 or balance[-1] > 1e-11 or gained[-1] > 1e-11:
-                print(kind, seed, deep[-1], balance[-1], gained[-1], flush=True)
+            gained.append(momentum(motion, bodies))
             if seed < polygons // len(KINDS):
                 crossed += crossings(esc.simulate(motion.escapement, 5))
+            bad = motion.status is Status.NOT_CONVERGED or deep[-1] < -1e-12
+            bad = bad or balance[-1] > 1e-11 or gained[-1] > 1e-12
+            words = (motion.message,) if bad else ()
+            print(kind, seed, deep[-1], balance[-1], gained[-1], *words, flush=True)
         rows.append({
             "kind": kind, "geometries": len(statuses), "ran": statuses.count(Status.OK),
             "lost": statuses.count(Status.NOT_CONVERGED), "least gap": min(deep),

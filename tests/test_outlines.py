@@ -86,6 +86,14 @@ def test_gap_of_two_rounded_bars(by, at, angle, radius, length):
     assert disc[0] == pytest.approx(abs(at - np.clip(at.real, 0.0, 1.0)) - 0.2, abs=1e-12)
 
 
+def test_a_point_right_beside_a_sharp_corner_is_outside():
+    sharp = segments_of([chain([0.0, -2.0 + 0.3j, -2.0 - 0.3j], [0.0] * 3)])
+    for turn in np.exp(1j * np.arange(1.0, 7.0)):
+        for apart in (1e-7, 1e-8, 1e-9, 1e-10):
+            points = 0.7 + apart * turn * np.exp(1j * np.linspace(-1.6, 1.6, 101))
+            assert outside(sharp.moved(turn, 0.7), points)[0].min() > 0.0
+
+
 @pytest.mark.parametrize("eccentricity", [0.05, -0.28, 0.9])
 @pytest.mark.parametrize("a", [1.0, 12.5, 400.0])
 def test_arcs_leave_an_ellipse_by_less_than_a_micrometre(a, eccentricity):

@@ -276,6 +276,23 @@ def test_states_between_handoffs_obey_the_law():
     assert (now.contact_force >= 0.0).all()
 
 
+@pytest.mark.parametrize("half_clearance", [0.0015, 0.002])
+def test_driver_passes_the_peak_of_its_speed(half_clearance):
+    bodies = geneva(4, half_clearance, 0.03)
+    begins, ending, _ = followed(*bodies, (0.07, 0.7), 60, mu_plus=0.02)
+    assert (ending, len(begins)) == (0, 61)
+
+
+def test_contact_that_does_not_turn_the_pendulum_is_no_flight():
+    numbers = {"lift": 2.0, "lock": 0.5, "drop": 0.9, "lead": -8.0, "back": 35.0}
+    angles = {name: math.radians(value) for name, value in numbers.items()}
+    clock = esc.Deadbeat(30, 1.0, 0.2, tip_radius=0.002, span=7.5, **angles)
+    numbers = {"follower_gravity": 1.0, "follower_viscous": 0.02, "friction": 0.1}
+    motion = esc.simulate(runaway(clock, (1e-4, 1.0), torque=0.006, **numbers), 20)
+    start = motion.trajectory.start[motion.trajectory.sign == 0.0]
+    assert np.isclose(motion.at(start + 1e-6).theta_ddot, 60.0).all()  # torque over inertia
+
+
 def test_wheel_that_runs_free_says_so():
     # pins too far outside are never touched
     wheel, follower = pins().driver_features, features([(CONVEX, -0.2, 0.0, 0.0, math.pi, 0.01)])

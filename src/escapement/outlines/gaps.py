@@ -58,7 +58,8 @@ def nearest_on(segments: Segments, points: ComplexArray) -> tuple[ComplexArray, 
     """
     line, chord = segments.turn == 0.0, segments.end - segments.start
     share = np.real((points - segments.start) * chord.conj()) / np.abs(chord) ** 2
-    on_line = segments.start + np.clip(share, 0.0, 1.0) * chord
+    # ends are exact, so that lines that meet there are equally far
+    on_line = np.where(share < 1.0, segments.start + np.maximum(share, 0.0) * chord, segments.end)
     away = points - segments.centre
     off = np.abs(away)
     # an arc's point in this direction, or else the nearer one of its ends

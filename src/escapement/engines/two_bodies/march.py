@@ -22,7 +22,7 @@ ROW = record_dtype({
 })  # fmt: skip
 """A row of the record: an event, or `STEP` within a piece, of which it has the length. Work that is
 lost is counted from the start of the motion; the wall is the sense in which the contact turns the
-follower."""
+follower, and 0 without contact."""
 BEGIN = 12
 """Numbers of the state at the start of the motion or at a handoff."""
 (TIME, SPEED, PHI, TURNING, THETA, STEPS, PAIR, _NOSE, _TRACK, _SIGMA, _FIRST, _SECOND) = range(12)
@@ -55,7 +55,7 @@ def _note(law, pairs, notes, kind, time, mode, y):
     row.driver_sense, row.follower_sense = mode.driver_sense, mode.follower_sense
     row.before = row.approach = row.impulse = row.energy = row.wall = 0.0
     if mode.pair >= 0:
-        row.wall = np.sign(touching(law, pairs, mode, y).g1)
+        row.wall = -1.0 if touching(law, pairs, mode, y).g1 < 0.0 else 1.0
 
 
 @inner_jit
@@ -75,7 +75,8 @@ def _struck(law, pairs, notes, mode, y, time, contact):
 @inner_jit
 def _engage(law, pairs, joints, watch, notes, y, path, mode, goal, end_time):
     """Follow the motion to the driver angle `goal`; returns mode, time and an `Ending`."""
-    time, longest, begun, reach, path.span[1] = 0.0, np.inf, True, 0.0, 0.0
+    time, longest, begun, event, trend = 0.0, np.inf, True, step.NOTHING, 0.0
+    reach = path.span[1] = 0.0
     touched = mode.pair >= 0 or y[0] > 1e-3 * goal
     for i in range(len(watch)):
         watch[i].distance, watch[i].behind = -1.0, 0  # each pair is looked at once a pitch
@@ -89,11 +90,14 @@ def _engage(law, pairs, joints, watch, notes, y, path, mode, goal, end_time):
         if not error <= step.ERROR and length > SMALLEST:
             longest, reach = length * step.growth(error), reach if error < np.inf else 0.0
             continue
-        before, reach, trend = reach, length * step.growth(error), np.sign(push.driver)
+        before, reach = reach, length * step.growth(error)
         # where steps become shorter, the next one will be shorter still
         longest = reach * min(1.0, reach / max(before, SMALLEST))
+        # where the driver's acceleration passes zero, rounding would give it the sense of before
+        trend = -trend if event == step.TURNS else np.sign(push.driver)
         part, event = step.first_event(law, pairs, mode, y, length, goal, trend, path)
         part, closed, found = first_closed(law, pairs, joints, watch, mode, y, length, part, path)
+        event = event if closed < 0 else step.NOTHING
         if found == OVERLAPS:
             return mode, time + part, Ending.OVERLAPS
         if part > 0.0:
