@@ -136,11 +136,11 @@ def execute(args: Arguments) -> int:
 
     result: Any = None
     fit = None
-    if readings.samples or escapement is None:
+    if escapement is None or (readings.samples and mechanism.pitch is None):
         result = esc.measure(readings, mechanism, **options)
     elif args.output is not None:
         raise UsageError(
-            "--output must come with a column of the output, got none; leave --output out"
+            "--output must come with angles of an output to compare, got none; leave --output out"
         )
     if escapement is not None:
         names = [] if args.fit == "none" else [name.strip() for name in args.fit.split(",")]
