@@ -140,7 +140,7 @@ def execute(args: Arguments) -> int:
         result = esc.measure(readings, mechanism, **options)
     elif args.output is not None:
         raise UsageError(
-            "--output must come with angles of an output to compare, got none; leave --output out"
+            "--output must come with a column of the output, got none; leave --output out"
         )
     if escapement is not None:
         names = [] if args.fit == "none" else [name.strip() for name in args.fit.split(",")]
