@@ -5,6 +5,7 @@ import math
 import re
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 import escapement as esc
@@ -64,8 +65,36 @@ def test_what_needs_a_transmission_is_refused():
         verge.follower_angle(0.1)
     with pytest.raises(InvalidValue, match="must have a transmission function"):
         esc.index(verge, 1.0, 1.0, follower_inertia=1.0)
+    beats = esc.Readings.of_beats(range(20))
     with pytest.raises(InvalidValue, match="whose beats are blows"):
-        esc.fit_motion(esc.Readings.of_beats(range(20)), timer, ["torque"])
+        esc.fit_motion(beats, timer, ["torque"])
+    with pytest.raises(InvalidValue, match="tell only rate and beat error, without a mechanism"):
+        esc.fit_beats(beats, timer)
+    with pytest.raises(InvalidValue, match="fit that of the driver, as with --fit friction,torq"):
+        esc.synthetic_readings(verge, seed=1)
+
+
+def test_a_motion_with_pallets_tells_its_friction(command):
+    motion = esc.simulate(esc.Escapement(VERGE, esc.Inertia(1.0, 0.3), 1.0, friction=0.15), 40)
+    time = np.linspace(0.0, motion.end_time, 2000)
+    noise = 0.05 * np.random.default_rng(1).standard_normal(time.size)
+    state = motion.at(time)
+    table = [time, np.degrees(state.theta) + noise, np.degrees(state.phi)]
+    head = "time_s,input_deg,output_deg"
+    np.savetxt("run_up.csv", np.column_stack(table), "%.6f", ",", header=head, comments="")
+    scene = {"data": "run_up.csv", **WISH["mechanism"]}
+    del scene["kind"]
+    argv = argv_of("measure", "runaway", scene)
+    code, out, err = command(*argv)
+    assert (code, out) == (2, "")
+    assert "--fit friction,torque" in err
+    given = "--torque", 1.05, "--driver-inertia", 1.0, "--follower-inertia", 0.3, "--friction", 0.12
+    code, out, err = command(*argv, *given, "--fit", "friction,torque", "--json")
+    assert code == 0, err
+    fitted = json.loads(out)["motion"]["fitted"]
+    for name, truth, most in (("friction", 0.15, 0.004), ("torque", 1.0, 0.01)):
+        low, high = fitted[name]["interval"]
+        assert low < truth < high < low + most
 
 
 WISH = {

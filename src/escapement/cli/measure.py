@@ -140,7 +140,7 @@ def execute(args: Arguments) -> int:
 
     result: Any = None
     fit = None
-    if readings.samples or escapement is None:
+    if escapement is None or (readings.samples and mechanism.pitch is None):
         result = esc.measure(readings, mechanism, **options)
     elif args.output is not None:
         raise UsageError(

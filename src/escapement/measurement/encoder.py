@@ -7,6 +7,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from escapement.base import validate
+from escapement.base.errors import InvalidValue
 from escapement.measurement.error_columns import with_backlash
 from escapement.measurement.positions import position
 from escapement.measurement.readings import FARTHEST, LEAST_SAMPLES, TURN, WITHIN, Readings
@@ -144,8 +145,13 @@ def step_of(angle: FloatArray, several: int = 1) -> float:
 
 
 def check_drive(mechanism: Any, encoder: Any) -> None:
-    """Raise InvalidValue unless these are a mechanism, and one or two encoders or None."""
-    checked(mechanism)
+    """Raise InvalidValue unless these are a mechanism whose follower angle is that of the driver's,
+    and one or two encoders or None."""
+    if checked(mechanism).pitch is not None:
+        raise InvalidValue(
+            f"mechanism must have slots or gears, got {mechanism.kind}, whose positions depend on "
+            "the motion; fit that of the driver, as with --fit friction,torque, or measure beats"
+        )
     both = encoder if isinstance(encoder, tuple) and len(encoder) == 2 else (encoder,)
     if encoder is not None and not all(isinstance(one, Encoder) for one in both):
         remedy = "give Encoder(4096, 0.003), or a pair of them for input and output"

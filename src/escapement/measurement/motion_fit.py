@@ -25,7 +25,7 @@ from escapement.mechanisms.protocol import FloatArray
 from escapement.model.escapement import Escapement
 
 optimize = Lazy("scipy.optimize")
-_SEARCH = {"xtol": 1e-9, "ftol": 1e-12, "gtol": 1e-12, "max_nfev": 60, "diff_step": 1e-4}
+_SEARCH = {"xtol": 1e-9, "ftol": 1e-12, "gtol": 1e-12, "max_nfev": 60, "diff_step": 1e-7}
 _SLOW = 6  # slow changes that are looked for have up to so many half waves, of beats two
 _FADING = 0.7, 2.5  # beats in which errors of a model fade as the motion settles
 _EXACT = 1e-8  # a scatter below this share of the travel is rounding, and is no evidence
@@ -128,7 +128,7 @@ def fit_motion(
     freedom = task.time.size - found.x.size - (task.beats is None)
     known = tangent_of(found.jac, 2.0 * found.cost, freedom, share)
     halves = np.linalg.norm(known.root, axis=1)
-    alike, p_value, doubt = _judged(task, found.fun, found.jac, float(found.x[-1]) * task.span)
+    alike, p_value, doubt = _judged(task, found.fun, found.jac, task.released(found.x))
     fit = MotionFit(
         escapement=task.changed(found.x), confidence=share, residuals=found.fun, noise=known.noise,
         numbers=tuple(
@@ -139,8 +139,7 @@ def fit_motion(
             )
         ),
         release=Estimate(
-            "release_time", task.clock + float(found.x[-1]) * task.span,
-            float(halves[-1]) * task.span,
+            "release_time", task.clock + task.released(found.x), float(halves[-1]) * task.span,
         ),
         time=task.clock + task.time, angle=task.angle, of_beats=task.beats is not None,
         autocorrelation=alike, p_value=p_value, doubt=doubt,

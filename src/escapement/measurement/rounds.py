@@ -202,7 +202,8 @@ def rounds_of(given: ArrayLike | Readings, mechanism: Mechanism, times: bool = F
     Durations count as differences of time stamps only where they show it with certainty.
     """
     if not isinstance(mechanism, Geneva):
-        raise validate.fail("mechanism", "a Geneva wheel", mechanism, "see escapement.Geneva")
+        remedy = "other beats tell only rate and beat error, without a mechanism"
+        raise validate.fail("mechanism", "a Geneva wheel", mechanism, remedy)
     pins, slots = mechanism.pins or 1, mechanism.slots
     size = math.lcm(pins, slots)
     if times and not isinstance(given, Readings):
