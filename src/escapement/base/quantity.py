@@ -324,6 +324,12 @@ class Declared(Shown):
         values = vars(self)
         return {name: values[entry.key] for name, entry in declared(type(self)).items()}
 
+    @property
+    def by_key(self) -> dict[str, Any]:
+        """The same by the names of keys in files."""
+        values = vars(self)
+        return {entry.key: values[entry.key] for entry in declared(type(self)).values()}
+
     def check_fields(self) -> None:
         """Replace the value of every declared field by the checked value."""
         values = vars(self)

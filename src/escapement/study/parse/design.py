@@ -4,7 +4,6 @@ import re
 import zlib
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
-from dataclasses import asdict
 from typing import Any
 
 import numpy as np
@@ -80,8 +79,8 @@ def plan_from(
     numbers |= {n: _as_read(entries[n], x) for n, x in given if x != entries[n].default}
     tables: dict[str, Any] = {"mechanism": machine, "sweep": axes}
     if isinstance(escapement, Escapement):
-        tables["inertia"] = asdict(escapement.inertia)
-        tables |= {role: asdict(train) for role, train in escapement.trains.items()}
+        parts = {"inertia": escapement.inertia, **escapement.trains}
+        tables |= {name: part.by_key for name, part in parts.items()}
     else:
         tables["study"] = DRIVE.name
     chosen = {"title": title, "results": results, "sample": sample, "solver": solver}
