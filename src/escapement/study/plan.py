@@ -53,6 +53,11 @@ def unit_kind(name: str) -> str:
     return _unit_kinds().get(name) or _unit_kinds().get(re.sub(r"_\d+$", "", name), "ratio")
 
 
+@cache
+def _unit(name: str, system: str) -> str:
+    return units.unit_name(unit_kind(name), system)
+
+
 class Settings(dict[str, Setting]):
     """Settings of a study by name, and what follows from them, which is found once."""
 
@@ -80,8 +85,7 @@ class Settings(dict[str, Setting]):
         found: dict[str, Any] = dict.fromkeys(self)
         for name, entry in self.items():
             if entry.axis and entry.default is not None:
-                size = units.factor(entry.unit, entry.system)
-                found[name] = entry.default if size == 1.0 else entry.default / size
+                found[name] = entry.default if entry.size == 1.0 else entry.default / entry.size
         return found
 
 
@@ -196,7 +200,7 @@ class StudyPlan(Shown):
             table: Any = self.configuration.get(section, {}) if section else self.configuration
             for key in names.keys() & table.keys():
                 entry, value = self.settings[names[key]], table[key]
-                number = isinstance(entry, Quantity) and isinstance(value, int | float)
+                number = type(value) in (int, float) and isinstance(entry, Quantity)
                 if number and names[key] not in varied and not entry.idle(value):
                     found[names[key]] = value
         return {name: found[name] for name in self.settings if name in found}
@@ -235,7 +239,7 @@ class StudyPlan(Shown):
 
     def unit(self, name: str) -> str:
         """UDUNITS spelling of the unit of a parameter, a dimension or a result."""
-        return units.unit_name(unit_kind(name), self.configuration["units"])
+        return _unit(name, self.configuration["units"])
 
     def long_name(self, name: str) -> str:
         """Description of a parameter, a dimension or a result."""
@@ -337,7 +341,14 @@ class StudyPlan(Shown):
 
         Errors as `escapement`.
         """
-        return self._machine(self.values(case), (*LENGTHS[1:], *IMPERFECT) if ideal else ())
+        values = self.values(case) if self._varied_machine else self.fixed_si
+        return self._machine(values, (*LENGTHS[1:], *IMPERFECT) if ideal else ())
+
+    @cached_property
+    def _varied_machine(self) -> bool:
+        """Whether some cases have another mechanism than others."""
+        varied = (self.parameters[name] for along in self.varied.values() for name in along)
+        return any(entry.section == "mechanism" for entry in varied)
 
     def _machine(self, values: Mapping[str, Any], left_out: Sequence[str] = ()) -> Mechanism:
         if not isinstance(self.build, type):
@@ -397,8 +408,7 @@ class StudyPlan(Shown):
     @cached_property
     def has_cycle(self) -> bool:
         """Whether a torque curve repeats in whole cells, so that results are those of all of it."""
-        varied = (self.parameters[name] for along in self.varied.values() for name in along)
-        if self.curve is None or any(entry.section == "mechanism" for entry in varied):
+        if self.curve is None or self._varied_machine:
             return self.curve is not None and (self.curve.periodic or not self.curve.angle)
         with contextlib.suppress(InvalidValue):
             return self.escapement(0).torque_cells > 0
@@ -406,9 +416,8 @@ class StudyPlan(Shown):
 
     def check_mechanism(self) -> None:
         """Raise InvalidValue for a mechanism that no case could have."""
-        varied = (self.parameters[name] for along in self.varied.values() for name in along)
         # if its numbers vary, a case that cannot be built gets a status instead
-        if all(entry.section != "mechanism" for entry in varied):
+        if not self._varied_machine:
             machine = self.mechanism(0)
             _ = machine.driver_features or machine.path
 

@@ -9,6 +9,7 @@ import contextlib
 import math
 from collections.abc import Sequence
 from dataclasses import replace
+from itertools import pairwise
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -127,14 +128,17 @@ def solve_distinct(plan: StudyPlan, found: Scenes) -> SceneFigures:
     figures = np.full((len(plan.solved), cases.size), np.nan)
     status = np.full(cases.size, Status.INVALID, dtype=np.uint8)
     # the mechanism is the primary key of the order, so that its scenes follow each other
-    other = np.flatnonzero((np.diff(machine) != 0).any(axis=0))
-    for rows in np.split(np.arange(cases.size), other + 1):
-        rows = rows[sound[rows]]
+    other = np.flatnonzero((np.diff(machine) != 0).any(axis=0)) + 1
+    for first, end in pairwise([0, *other.tolist(), cases.size]):
+        rows: Any = slice(first, end)
+        if not sound[rows].all():
+            rows = first + np.flatnonzero(sound[rows])
         # a mechanism that cannot be built, or cannot move, must not end the study
         with contextlib.suppress(InvalidValue):
-            if rows.size:
-                mechanism: Any = plan.mechanism(int(cases[rows[0]]), ideal=True)
+            if cases[rows].size:
+                mechanism: Any = plan.mechanism(int(cases[rows][0]), ideal=True)
                 if scene[_PIN, rows].any():
+                    rows = np.arange(cases.size)[rows]
                     rows = rows[scene[_PIN, rows] < mechanism.widest_pin]
                 figures[:, rows], status[rows] = _solve(
                     plan, mechanism, scene[:, rows], cases[rows]
