@@ -25,6 +25,7 @@ from escapement.engines.energy.rundown_series import (
     least_length,
     longest_stretch,
 )
+from escapement.numerics.held import held
 from escapement.numerics.jit import inner_jit, jit
 
 # Where int B over an engagement is below this, the slope of the map is nearly 1, and the change
@@ -59,8 +60,9 @@ def handoffs(addresses, packed, cells, pattern, w, limit, rtol, clock, times, sp
 
 
 @inner_jit
-def _follow(case, w, limit, rtol, clock, times, speeds):
+def _follow(inputs, w, limit, rtol, clock, times, speeds):
     """As `handoffs`; here references to arrays are not counted."""
+    case = held(inputs)
     prepare(case)
     scene, data = case.scene, case.data
     request, size, constant = request_of(Detail.TIME, rtol), data.size, is_constant(scene)
