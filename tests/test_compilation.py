@@ -12,7 +12,10 @@ import pytest
 
 import escapement
 from escapement.engines.energy import panels
+from escapement.engines.energy.cells import CELL
+from escapement.engines.energy.located_events import EVENT
 from escapement.numerics import jit
+from escapement.numerics.records import VECTOR
 
 pytestmark = pytest.mark.slow
 
@@ -263,6 +266,56 @@ except numba.core.errors.NumbaError as error:
     assert run(other, **cached) == "refused"
     (toy / "f.py").write_text((toy / "f.py").read_text().replace("2.0 *", "4.0 *"))
     assert run(call, **cached) == "26.0 78.0 4"
+
+
+def test_a_named_tuple_handed_on_by_its_address(cached, tmp_path):
+    """Its fields are read as if it were handed on itself, also those of several copies in turn."""
+    toy = tmp_path / "toy"
+    copy_compiling(toy)
+    (toy / "numerics/held.py").write_text(
+        (PACKAGE / "numerics/held.py").read_text().replace("escapement.", "toy.")
+    )
+    (toy / "f.py").write_text("""
+from typing import Any, NamedTuple
+from toy.numerics.held import held
+from toy.numerics.jit import inner_jit, jit
+
+class Inner(NamedTuple):
+    sound: bool
+    row: Any
+
+class Outer(NamedTuple):
+    factor: float
+    inner: Inner
+
+@inner_jit
+def weighed(given, i):
+    inner = given.inner
+    return given.factor * inner.row[i] if inner.sound else -1.0
+
+@jit
+def f(row, factors):
+    first, total = held(Outer(10.0, Inner(True, row))), 0.0
+    for i in range(factors.size):
+        total += weighed(held(Outer(factors[i], Inner(factors[i] > 0.0, row))), i)
+    return total + weighed(first, 0)
+""")
+    call = """
+import numpy as np
+from toy.f import f
+print(f(np.array([1.0, 2.0, 4.0]), np.array([3.0, -5.0, 7.0])))
+"""
+    for _ in range(2):
+        assert run(call, **cached) == "40.0"
+    assert run(call, **cached, NUMBA_DISABLE_JIT="1") == "40.0"
+
+
+@pytest.mark.parametrize("kind", [panels.PANEL, panels.SOLUTION, panels.WORKSPACE, CELL, EVENT])
+def test_a_vector_of_a_row_lies_in_one_line_of_the_cache(kind):
+    rows = [name for name in kind.names if kind[name].subdtype or kind[name] is panels.SOLUTION]
+    assert rows
+    assert all(kind.fields[name][1] % VECTOR == 0 for name in rows)
+    assert kind.itemsize % VECTOR == 0
 
 
 ANNOUNCED = """

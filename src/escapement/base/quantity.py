@@ -11,7 +11,7 @@ import contextlib
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import MISSING, dataclass, fields, replace
-from functools import cache
+from functools import cache, cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar, Self, TypeVar
 
@@ -25,6 +25,7 @@ if TYPE_CHECKING:
 
 T = TypeVar("T")
 _KEY = "setting"
+_ALWAYS_SHOWN = "friction", "load_torque"
 _LAST_WHOLE = 2.0**53  # beyond this a double cannot represent every whole number
 _METAVARS = {"torque": "M", "inertia": "I", "length": "R", "speed": "W", "time": "S"}
 
@@ -80,6 +81,11 @@ class Setting:
         """Where the value stands in a file, for messages."""
         return f"{self.section}.{self.key}" if self.section else self.key
 
+    @cached_property
+    def size(self) -> float:
+        """SI value of its unit."""
+        return units.factor(self.unit, self.system)
+
     @property
     def printed_unit(self) -> str:
         """Its unit in SI, as messages write it; "" for a ratio."""
@@ -101,9 +107,11 @@ class Setting:
 
     def idle(self, value: Any) -> bool:
         """Whether `value` is a zero that need not be shown, as of a bearing without friction."""
-        always = self.name in ("friction", "load_torque") or not isinstance(self.default, float)
-        plain = isinstance(self.default, str) and not self.required and value == self.default
-        return plain or (not always and value == self.default == 0.0)
+        if value != self.default:
+            return False
+        if isinstance(value, str):
+            return not self.required
+        return value == 0.0 and isinstance(self.default, float) and self.name not in _ALWAYS_SHOWN
 
     def check(self, label: str, value: Any) -> Any:
         """`value` as Python stores it; raises InvalidValue if it breaks the rule."""
@@ -119,8 +127,7 @@ class Setting:
 
     def to_si(self, values: Any) -> Any:
         """Values that were read, in SI; those without a unit, as whole numbers, are unchanged."""
-        scale = units.factor(self.unit, self.system)
-        return values if scale == 1.0 else values * scale
+        return values if self.size == 1.0 else values * self.size
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -268,8 +275,7 @@ class Numbers(Setting):
 
     def to_si(self, values: Any) -> Any:
         """Values that were read, in SI."""
-        scale = units.factor(self.unit, self.system)
-        return values if scale == 1.0 else tuple(scale * value for value in values)
+        return values if self.size == 1.0 else tuple(self.size * value for value in values)
 
 
 class InputFile(Setting):
@@ -323,6 +329,12 @@ class Declared(Shown):
         """The values of its declared fields, by the names of options and axes."""
         values = vars(self)
         return {name: values[entry.key] for name, entry in declared(type(self)).items()}
+
+    @property
+    def by_key(self) -> dict[str, Any]:
+        """The same by the names of keys in files."""
+        values = vars(self)
+        return {entry.key: values[entry.key] for entry in declared(type(self)).values()}
 
     def check_fields(self) -> None:
         """Replace the value of every declared field by the checked value."""

@@ -7,7 +7,6 @@ kind `Kind.SPEED` has that too. In the longest kernels, numbers that a kind does
 All other kernels are compiled once, for scenes of any kind.
 """
 
-from collections.abc import Iterable
 from enum import IntEnum
 from typing import Any
 
@@ -62,7 +61,7 @@ _PLAIN = np.array([float(_KNOWN[Kind.IDEAL].get(name, np.nan)) for name in NUMBE
 _WITHOUT = {kind: [NUMBERS.index(name) for name in known] for kind, known in _KNOWN.items()}
 
 
-def kind_of(path: Path, torque: Any, numbers: Iterable[Any]) -> Kind:
+def kind_of(path: Path, torque: Any, numbers: Any) -> Kind:
     """The least kind that can do scenes of one path and torque.
 
     Parameters
@@ -71,7 +70,7 @@ def kind_of(path: Path, torque: Any, numbers: Iterable[Any]) -> Kind:
     numbers : for each of `NUMBERS` a number, or an array of those of many scenes.
     """
     least = Kind.IDEAL if len(torque) == len(CONSTANT) else Kind.WHOLE
-    plain = (np.reshape([*numbers], (len(NUMBERS), -1)) == _PLAIN[:, None]).all(axis=1)
+    plain = (np.reshape(numbers, (len(NUMBERS), -1)) == _PLAIN[:, None]).all(axis=1)
     for kind in Kind:
         # only a slot through the axis is ideal
         fits = kind > Kind.IDEAL or offset_of(path) == 0.0

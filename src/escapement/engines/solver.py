@@ -123,11 +123,11 @@ def solver_for(contact: str, solver: Solver) -> Solver:
     outlines = contact.endswith("outlines")
     if outlines != (engine == "two_bodies") and (engine or outlines):
         if engine is None:
-            return _with_engine(solver, "two_bodies")
+            return with_engine(solver, "two_bodies")
         needed = "'two_bodies' for bodies that touch with their outlines, and for no others"
         raise validate.fail("engine", needed, engine, "leave it out")
     if engine is None:
-        return _with_engine(solver, "contact") if contact else solver
+        return with_engine(solver, "contact") if contact else solver
     if engine == "two_bodies":
         return solver
     if contact and engine != "contact":
@@ -140,7 +140,8 @@ def solver_for(contact: str, solver: Solver) -> Solver:
 
 
 @lru_cache
-def _with_engine(solver: Solver, engine: str) -> Solver:
+def with_engine(solver: Solver, engine: str) -> Solver:
+    """The same settings with another engine."""
     return replace(solver, engine=engine)
 
 

@@ -15,6 +15,13 @@ IMPERFECT = (*_ERRORS, "pin_angle_errors", "slot_angle_errors")
 """All errors of imperfect parts."""
 
 
+_RADII = (*LENGTHS[1:], *_ERRORS, "stiffness", "driver_bearing_radius", "follower_bearing_radius")
+_CHECKED = ("driver_bearing_friction", *_RADII)
+
+MEASURED = frozenset((*_CHECKED, *IMPERFECT))
+"""All errors, and the numbers that `check_lengths` looks at."""
+
+
 def check_lengths(values: Mapping[str, Any], length: float | None, plain_crank: bool) -> None:
     """Refuse radii for a mechanism without a length, and a journal that it cannot have.
 
@@ -27,16 +34,14 @@ def check_lengths(values: Mapping[str, Any], length: float | None, plain_crank: 
     plain_crank : bool
         Whether the driver's bearing carries the force of the contact and no other.
     """
-    radii: tuple[str, ...] = (*LENGTHS[1:], *_ERRORS, "stiffness")
-    radii += ("driver_bearing_radius", "follower_bearing_radius")
-    for name in ("driver_bearing_friction", *radii):
+    for name in _CHECKED:
         value = values.get(name)
         if not value:
             continue
         if name.startswith("driver") and not plain_crank:
             rule = "0 for a gear-driven wheel, whose driver's bearing also carries the mesh"
             raise validate.fail(name, rule, value, "give driver_bearing_torque instead")
-        if name in radii and not length:
+        if name in _RADII and not length:
             rule = "left out for a mechanism without a length"
             remedy = "give the mechanism its crank_radius or fixed_radius"
             raise validate.fail(name, rule, value, remedy)

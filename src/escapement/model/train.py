@@ -91,6 +91,8 @@ def trains_of(values: Mapping[str, Any]) -> dict[str, Train]:
 def check_ratios(names: Iterable[str]) -> None:
     """Refuse a train, of which some numbers are given, without its ratio."""
     given = {*names}
+    if given.isdisjoint(train_numbers()):
+        return
     for role in ROLES:
         name, others = f"{role}_ratio", {f"{role}_{key}" for key in quantities(Train)}
         if name not in given and (lone := sorted(others & given)):

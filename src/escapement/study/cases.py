@@ -75,7 +75,7 @@ def _in_its_units(plan: StudyPlan, found: Columns) -> Columns:
     """Results in the units and types of the file, from those in SI."""
     system = plan.configuration["units"]
     return {
-        name: (found[name] / units.factor(result.kind, system)).astype(result.dtype)
+        name: (found[name] / units.factor(result.kind, system)).astype(result.dtype, copy=False)
         for name, result in plan.results.items()
     }
 

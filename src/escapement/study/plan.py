@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from escapement.base import units
 from escapement.base.errors import InvalidValue
-from escapement.base.quantity import Quantity, Setting, declared
+from escapement.base.quantity import Numbers, Quantity, Setting, declared
 from escapement.base.results import Result
 from escapement.base.text import Shown
 from escapement.dynamics.figure_table import RUN_TIME
@@ -53,9 +53,45 @@ def unit_kind(name: str) -> str:
     return _unit_kinds().get(name) or _unit_kinds().get(re.sub(r"_\d+$", "", name), "ratio")
 
 
+@cache
+def _unit(name: str, system: str) -> str:
+    return units.unit_name(unit_kind(name), system)
+
+
+class Settings(dict[str, Setting]):
+    """Settings of a study by name, and what follows from them, which is found once."""
+
+    @cached_property
+    def axes(self) -> dict[str, Quantity]:
+        """The numbers that may vary."""
+        return {n: e for n, e in self.items() if isinstance(e, Quantity) and e.axis}
+
+    @cached_property
+    def names(self) -> dict[str, dict[str, str]]:
+        """The name of each key, by section."""
+        found: dict[str, dict[str, str]] = {}
+        for name, entry in self.items():
+            found.setdefault(entry.section, {})[entry.key] = name
+        return found
+
+    @cached_property
+    def required(self) -> list[str]:
+        """Those that a study must give or vary."""
+        return [name for name, entry in self.items() if entry.required]
+
+    @cached_property
+    def defaults(self) -> dict[str, Any]:
+        """What a study has where it gives nothing, in its units, and None for the others."""
+        found: dict[str, Any] = dict.fromkeys(self)
+        for name, entry in self.items():
+            if entry.axis and entry.default is not None:
+                found[name] = entry.default if entry.size == 1.0 else entry.default / entry.size
+        return found
+
+
 def settings_of(
     build: Any, meshed: bool, system: str = units.SYSTEMS[0], subject: Subject = ESCAPEMENT
-) -> dict[str, Setting]:
+) -> Settings:
     """All settings of the subject of a study, those of its mechanism first.
 
     build : the class of its mechanism, or a mechanism of the user's own, which is not changed.
@@ -66,18 +102,18 @@ def settings_of(
 
 
 @cache
-def _settings(kind: type | None, meshed: bool, system: str, subject: str) -> dict[str, Setting]:
+def _settings(kind: type | None, meshed: bool, system: str, subject: str) -> Settings:
     entries = {} if kind is None else declared(kind)
     # settings that cannot be an axis stand first in the configuration
     found = dict(sorted(entries.items(), key=lambda item: item[1].axis))
     found |= SUBJECTS[subject].settings()
     # the scene of an escapement has the crank radius as its unit, so that no case may change it
     free = () if subject == ESCAPEMENT.name else ("crank_radius",)
-    return {
-        name: replace(entry, system=system, axis=entry.axis or name in free)
+    return Settings(
+        (name, replace(entry, system=system, axis=entry.axis or name in free))
         for name, entry in found.items()
         if name in entries or entry.applies_to(meshed)
-    }
+    )
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -136,7 +172,7 @@ class StudyPlan(Shown):
         return subject_of(self.configuration)
 
     @cached_property
-    def settings(self) -> dict[str, Setting]:
+    def settings(self) -> Settings:
         """All settings of its subject, by name."""
         return settings_of(self.build, self.meshed, subject=self.subject)
 
@@ -160,14 +196,14 @@ class StudyPlan(Shown):
         """Numbers that are the same in every case, in the user's units, except for idle zeros."""
         varied = {name for along in self.varied.values() for name in along}
         found = {}
-        for name, entry in self.settings.items():
-            section = entry.section
-            table = self.configuration.get(section, {}) if section else self.configuration
-            value: Any = table.get(entry.key)
-            number = isinstance(entry, Quantity) and isinstance(value, int | float)
-            if number and name not in varied and not entry.idle(value):
-                found[name] = value
-        return found
+        for section, names in self.settings.names.items():
+            table: Any = self.configuration.get(section, {}) if section else self.configuration
+            for key in names.keys() & table.keys():
+                entry, value = self.settings[names[key]], table[key]
+                number = type(value) in (int, float) and isinstance(entry, Quantity)
+                if number and names[key] not in varied and not entry.idle(value):
+                    found[names[key]] = value
+        return {name: found[name] for name in self.settings if name in found}
 
     @cached_property
     def dimensions(self) -> dict[str, NDArray[Any]]:
@@ -196,9 +232,14 @@ class StudyPlan(Shown):
         names = (NEEDED.get(name, name) for name in self.results if name != "status")
         return [*dict.fromkeys(names)]
 
+    @cached_property
+    def _named(self) -> dict[str, Setting]:
+        """Every setting and parameter, by name."""
+        return self.settings | self.parameters
+
     def unit(self, name: str) -> str:
         """UDUNITS spelling of the unit of a parameter, a dimension or a result."""
-        return units.unit_name(unit_kind(name), self.configuration["units"])
+        return _unit(name, self.configuration["units"])
 
     def long_name(self, name: str) -> str:
         """Description of a parameter, a dimension or a result."""
@@ -206,7 +247,7 @@ class StudyPlan(Shown):
             return self.results[name].long_name
         if name == CASE:
             return "number of the case"
-        return (self.settings | self.parameters)[name].long_name
+        return self._named[name].long_name
 
     @cached_property
     def _varied_si(self) -> list[dict[str, NDArray[Any]]]:
@@ -215,11 +256,16 @@ class StudyPlan(Shown):
             for along in self.varied.values()
         ]
 
+    @cached_property
+    def _every(self) -> dict[str, Any]:
+        found = dict(self.fixed_si)
+        for along in self._varied_si:
+            found |= along
+        return found
+
     def every(self, name: str) -> Any:
         """All values in SI of a parameter: an array, or its fixed value."""
-        return next(
-            (along[name] for along in self._varied_si if name in along), self.fixed_si[name]
-        )
+        return self._every[name]
 
     def columns(self, cases: NDArray[np.int64]) -> dict[str, NDArray[Any]]:
         """The parameters that vary over some cases, in SI.
@@ -295,14 +341,24 @@ class StudyPlan(Shown):
 
         Errors as `escapement`.
         """
-        return self._machine(self.values(case), (*LENGTHS[1:], *IMPERFECT) if ideal else ())
+        values = self.values(case) if self._varied_machine else self.fixed_si
+        return self._machine(values, (*LENGTHS[1:], *IMPERFECT) if ideal else ())
+
+    @cached_property
+    def _varied_machine(self) -> bool:
+        """Whether some cases have another mechanism than others."""
+        varied = (self.parameters[name] for along in self.varied.values() for name in along)
+        return any(entry.section == "mechanism" for entry in varied)
 
     def _machine(self, values: Mapping[str, Any], left_out: Sequence[str] = ()) -> Mechanism:
         if not isinstance(self.build, type):
             mechanism: Mechanism = self.build
             return mechanism
-        every = {n: _joined(n, values) for n in declared(self.build) if n not in left_out}
-        given = {n: value for n, value in every.items() if value is not None}
+        given = {
+            name: value
+            for name, entry in declared(self.build).items()
+            if name not in left_out and (value := _joined(entry, values)) is not None
+        }
         return built_once(self.build, tuple(given.items()))
 
     @cached_property
@@ -352,8 +408,7 @@ class StudyPlan(Shown):
     @cached_property
     def has_cycle(self) -> bool:
         """Whether a torque curve repeats in whole cells, so that results are those of all of it."""
-        varied = (self.parameters[name] for along in self.varied.values() for name in along)
-        if self.curve is None or any(entry.section == "mechanism" for entry in varied):
+        if self.curve is None or self._varied_machine:
             return self.curve is not None and (self.curve.periodic or not self.curve.angle)
         with contextlib.suppress(InvalidValue):
             return self.escapement(0).torque_cells > 0
@@ -361,9 +416,8 @@ class StudyPlan(Shown):
 
     def check_mechanism(self) -> None:
         """Raise InvalidValue for a mechanism that no case could have."""
-        varied = (self.parameters[name] for along in self.varied.values() for name in along)
         # if its numbers vary, a case that cannot be built gets a status instead
-        if all(entry.section != "mechanism" for entry in varied):
+        if not self._varied_machine:
             machine = self.mechanism(0)
             _ = machine.driver_features or machine.path
 
@@ -375,9 +429,11 @@ def built_once(build: Any, given: tuple[tuple[str, Any], ...]) -> Mechanism:
     return mechanism
 
 
-def _joined(name: str, values: Mapping[str, Any]) -> Any:
+def _joined(entry: Setting, values: Mapping[str, Any]) -> Any:
     """A setting of a case; a list is made from its numbers, times its factor."""
-    found = values.get(name)
+    name, found = entry.name, values.get(entry.name)
+    if not isinstance(entry, Numbers):
+        return found
     if f"{name}_0" in values:
         count = sum(key.startswith(f"{name}_") and key[-1].isdigit() for key in values)
         found = tuple(values[f"{name}_{i}"] for i in range(count))

@@ -232,4 +232,4 @@ _FAILED = np.isin(np.arange(256), [member.value for member in Status if member.f
 
 def count_failed(status: NDArray[np.uint8]) -> int:
     """Number of statuses of cases that could not be computed."""
-    return int(_FAILED[status].sum())
+    return int(np.count_nonzero(_FAILED[status]))

@@ -3,12 +3,11 @@
 import math
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import AbstractContextManager, nullcontext
-from dataclasses import replace
 from datetime import UTC, datetime
 from typing import Any, NamedTuple, TypedDict, Unpack
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from escapement import __version__
 from escapement.base import validate
@@ -138,28 +137,30 @@ def run_plan(plan: StudyPlan, path: AnyPath | None = None, **options: Unpack[Opt
     if (scheduler := options.get("scheduler")) is not None:
         raise validate.fail("scheduler", "left out without a path", scheduler, "name a file")
     _check(plan, options)
-    frame = frame_of(plan)
-    cut = blocks_of(frame)
-    results = {name: np.empty(frame.cases, r.dtype) for name, r in plan.results.items()}
+    results = {name: np.empty(plan.cases, r.dtype) for name, r in plan.results.items()}
+    # the study has views of these arrays
+    study = frame_of(plan, {name: values.reshape(plan.shape) for name, values in results.items()})
+    cut = blocks_of(study)
 
     def add(block: Block) -> None:
+        span = slice(*cut.span(block.number))
         for name, values in results.items():
-            values[slice(*cut.span(block.number))] = block.data[name]
+            values[span] = block.data[name]
 
     workers = options.get("workers", 1)
     # starting a thread takes as long as solving many cases
     alone = _in_python(plan) or workers == 1
     pool = nullcontext(Pool()) if alone else in_threads(workers)
     _run(plan, Unfinished(cut, range(len(cut)), 0, 0, add), pool, options, encoded=False)
-    shaped = {name: values.reshape(frame.shape) for name, values in results.items()}
-    return replace(frame, results=shaped)
+    return study
 
 
 def _read_table(plan: StudyPlan, path: AnyPath) -> Study:
     """The study of a plan, with the results of its table."""
-    frame, columns = frame_of(plan), table_files.read_rows(path)
-    shaped = {n: columns[n].astype(r.dtype).reshape(frame.shape) for n, r in plan.results.items()}
-    return replace(frame, results=shaped)
+    columns, shape = table_files.read_rows(path), plan.shape
+    return frame_of(
+        plan, {n: columns[n].astype(r.dtype).reshape(shape) for n, r in plan.results.items()}
+    )
 
 
 def write_plan(plan: StudyPlan, path: AnyPath, **options: Unpack[Options]) -> Tally:
@@ -207,7 +208,8 @@ def _run(
 ) -> Tally:
     """Solve the missing blocks, and keep each as it is finished."""
     done, failed, progress = study.resumed, study.failed, options.get("progress")
-    shown = nullcontext(progress) if callable(progress) else Progress(quiet=not progress)
+    report = progress if callable(progress) else None if progress else (lambda *_: None)
+    shown = Progress() if report is None else nullcontext(report)
     with pool as solvers, shown as report:
         if isinstance(report, Progress):
             report.before = done
@@ -223,13 +225,13 @@ def _run(
     return Tally(plan.cases, failed, study.resumed)
 
 
-def frame_of(plan: StudyPlan) -> Study:
-    """The study of a plan before it has results."""
+def frame_of(plan: StudyPlan, results: Mapping[str, NDArray[Any]] | None = None) -> Study:
+    """The study of a plan with these results, by default before it has any."""
     every = (*plan.dimensions, *plan.sampled, *plan.fixed, *plan.results)
     units = {name: plan.unit(name) for name in every}
     names = {name: plan.long_name(name) for name in every}
-    # only the names and types of its results are known
-    empty = {name: np.empty(0, result.dtype) for name, result in plan.results.items()}
+    if results is None:  # only their names and types are known
+        results = {name: np.empty(0, result.dtype) for name, result in plan.results.items()}
     attributes = {
         "title": plan.configuration["title"],
         **LAYOUT,
@@ -239,7 +241,7 @@ def frame_of(plan: StudyPlan) -> Study:
         "created": datetime.now(UTC).isoformat(timespec="seconds"),
     }
     return Study(
-        axes=plan.dimensions, results=empty, units=units, long_names=names,
+        axes=plan.dimensions, results=results, units=units, long_names=names,
         configuration=plan.configuration, attributes=attributes, sampled=plan.sampled,
         fixed=plan.fixed,
     )  # fmt: skip

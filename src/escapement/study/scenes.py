@@ -9,6 +9,7 @@ import contextlib
 import math
 from collections.abc import Sequence
 from dataclasses import replace
+from itertools import pairwise
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -108,15 +109,15 @@ def shared_scenes(plan: StudyPlan) -> tuple[SharedScenes, Scenes] | None:
     shape = scene_shape(plan)
     if not together(plan) or math.prod(shape) >= min(plan.cases, MOST_SHARED + 1):
         return None
-    indices = np.indices(shape).reshape(len(shape), -1)
-    cases = np.asarray(np.ravel_multi_index(tuple(indices), plan.shape))
-    found, which = _distinct(plan, cases)
+    indices = np.unravel_index(np.arange(math.prod(shape)), shape)
+    cases = np.asarray(np.ravel_multi_index(indices, plan.shape))
+    found, which = _distinct(plan, cases, shape)
     return SharedScenes(shape, which, found.cases), found
 
 
 def solve_scenes(plan: StudyPlan, cases: NDArray[np.int64]) -> SceneFigures:
     """Figures of the scenes of some cases, none of them solved twice."""
-    found, which = _distinct(plan, cases)
+    found, which = _distinct(plan, cases, scene_shape(plan))
     figures, status = solve_distinct(plan, found)
     return figures[:, which], status[which]
 
@@ -127,14 +128,17 @@ def solve_distinct(plan: StudyPlan, found: Scenes) -> SceneFigures:
     figures = np.full((len(plan.solved), cases.size), np.nan)
     status = np.full(cases.size, Status.INVALID, dtype=np.uint8)
     # the mechanism is the primary key of the order, so that its scenes follow each other
-    other = np.flatnonzero((np.diff(machine) != 0).any(axis=0))
-    for rows in np.split(np.arange(cases.size), other + 1):
-        rows = rows[sound[rows]]
+    other = np.flatnonzero((np.diff(machine) != 0).any(axis=0)) + 1
+    for first, end in pairwise([0, *other.tolist(), cases.size]):
+        rows: Any = slice(first, end)
+        if not sound[rows].all():
+            rows = first + np.flatnonzero(sound[rows])
         # a mechanism that cannot be built, or cannot move, must not end the study
         with contextlib.suppress(InvalidValue):
-            if rows.size:
-                mechanism: Any = plan.mechanism(int(cases[rows[0]]), ideal=True)
+            if cases[rows].size:
+                mechanism: Any = plan.mechanism(int(cases[rows][0]), ideal=True)
                 if scene[_PIN, rows].any():
+                    rows = np.arange(cases.size)[rows]
                     rows = rows[scene[_PIN, rows] < mechanism.widest_pin]
                 figures[:, rows], status[rows] = _solve(
                     plan, mechanism, scene[:, rows], cases[rows]
@@ -149,9 +153,14 @@ def _kind(plan: StudyPlan, numbers: FloatArray) -> Any:
     return build, plan.perfect, numbers.any(axis=1).tobytes()
 
 
-def _distinct(plan: StudyPlan, cases: NDArray[np.int64]) -> tuple[Scenes, NDArray[np.int64]]:
-    """The scenes of some cases, each once, and which of them each case has."""
-    columns, ratios, w, sound = _in_natural_units(plan, cases)
+def _distinct(
+    plan: StudyPlan, cases: NDArray[np.int64], shape: tuple[int, ...]
+) -> tuple[Scenes, NDArray[np.int64]]:
+    """The scenes of some cases, each once, and which of them each case has.
+
+    shape : `scene_shape` of the plan.
+    """
+    columns, ratios, w, sound = _in_natural_units(plan, cases, shape)
     scene = [*(ratios[name] for name in Scene._fields if name in ratios), w]
     machine = [name for name in columns if plan.parameters[name].section == "mechanism"]
     # the path of a pin does not depend on its width
@@ -185,11 +194,16 @@ def _varies(row: Any) -> bool:
     return isinstance(row, np.ndarray) and row.ndim > 0
 
 
-def _in_natural_units(plan: StudyPlan, cases: NDArray[np.int64]) -> tuple[Any, ...]:
-    """What varies over some cases [SI], the numbers of their scenes, the squared speed at the
-    first entry, and whether these are in range.
+def _in_natural_units(
+    plan: StudyPlan, cases: NDArray[np.int64], shape: tuple[int, ...]
+) -> tuple[Any, ...]:
+    """What varies over the scenes of some cases [SI], the numbers of these scenes, the squared
+    speed at the first entry, and whether these are in range.
     """
     columns = plan.columns(cases)
+    for along, given, size in zip(plan.varied.values(), plan.shape, shape, strict=True):
+        if size < given:  # any of its values will do
+            columns |= {name: columns[name][0] for name in along}
     # NumPy's numbers, since those of Python raise an error instead of giving infinity
     fixed = {
         name: np.float64(value)
@@ -301,9 +315,18 @@ def si_unit(name: str, clock: Any, torque: Any, motor_torque: Any) -> Any:
     kind = FIGURES[name].kind if name in FIGURES else ""
     if name.startswith("motor_torque"):
         return motor_torque
-    scales = {"speed": 1.0 / clock, "time": clock, "acceleration": clock**-2.0}
-    scales |= {"power": torque / clock, "frequency": 1.0 / clock}
-    return (scales | dict.fromkeys(("torque", "force", "energy"), torque)).get(kind, 1.0)
+    match kind:
+        case "speed" | "frequency":
+            return 1.0 / clock
+        case "time":
+            return clock
+        case "acceleration":
+            return clock**-2.0
+        case "power":
+            return torque / clock
+        case "torque" | "force" | "energy":
+            return torque
+    return 1.0
 
 
 def cost_note(plan: StudyPlan) -> str:

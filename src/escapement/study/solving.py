@@ -62,6 +62,8 @@ def mixed(items: Sequence[Any]) -> list[Any]:
 
     The time that the first ones take then tells that of all, even if costly cases are neighbours.
     """
+    if len(items) == 1:
+        return [*items]
     return [items[i] for i in np.argsort(_GOLDEN * np.arange(len(items)) % 1.0).tolist()]
 
 

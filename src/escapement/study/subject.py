@@ -67,5 +67,6 @@ SUBJECTS = {one.name: one for one in (ESCAPEMENT, DRIVE)}
 
 def subject_of(content: Mapping[str, Any]) -> Subject:
     """The subject of a study by its file or configuration; InvalidValue for an unknown one."""
-    given = content.get("study", ESCAPEMENT.name)
-    return SUBJECTS[validate.choice("study", given, tuple(SUBJECTS))]
+    if "study" not in content:
+        return ESCAPEMENT
+    return SUBJECTS[validate.choice("study", content["study"], tuple(SUBJECTS))]

@@ -29,6 +29,7 @@ from escapement.mechanisms.protocol import FloatArray, Mechanism, dwell_angle
 from escapement.mechanisms.slotted import slide_edges
 from escapement.model.scene import Scene, packed
 from escapement.numerics.altered import altered
+from escapement.numerics.held import held
 from escapement.numerics.jit import inner_jit, jit
 
 Errors = tuple[FloatArray, FloatArray, FloatArray]
@@ -80,7 +81,7 @@ def _solve_alike(fixed, patterns, numbers, asked, table, status):
         if status[i] == OK:
             row, scene = numbers[i], fixed.scene
             scene = scene_with(scene, scene.edges, row)
-            case = altered(fixed, "scene", scene, "pattern", patterns[i])
+            case = held(altered(fixed, "scene", scene, "pattern", patterns[i]))
             prepare(case)
             handoffs, rows, rtol, extent = asked
             status[i] = figures(case, handoffs, rows, row[_COUNT], rtol, extent, table[i])

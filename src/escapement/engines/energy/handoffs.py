@@ -25,6 +25,7 @@ from escapement.engines.energy.rundown_series import (
     least_length,
     longest_stretch,
 )
+from escapement.numerics.held import held
 from escapement.numerics.jit import inner_jit, jit
 
 # Where int B over an engagement is below this, the slope of the map is nearly 1, and the change
@@ -59,8 +60,9 @@ def handoffs(addresses, packed, cells, pattern, w, limit, rtol, clock, times, sp
 
 
 @inner_jit
-def _follow(case, w, limit, rtol, clock, times, speeds):
+def _follow(inputs, w, limit, rtol, clock, times, speeds):
     """As `handoffs`; here references to arrays are not counted."""
+    case = held(inputs)
     prepare(case)
     scene, data = case.scene, case.data
     request, size, constant = request_of(Detail.TIME, rtol), data.size, is_constant(scene)
@@ -92,9 +94,11 @@ def _follow(case, w, limit, rtol, clock, times, speeds):
             continue
         # the changes of w still to come add up to (w - entry)/gap, and their effect on the sum of
         # times to about (w - entry)/gap^2: where that is negligible, later rounds repeat this one
-        gap = -np.expm1(slope)
-        if constant and abs(w - entry) <= 0.05 * rtol * gap * gap * entry:
-            return OK, _repeat(data, k, elapsed.total, limit, clock, times, speeds), 0.0
+        change = abs(w - entry)
+        if constant and (slope > 0.0 or change <= 0.05 * rtol * entry):  # else it cannot be
+            gap = -np.expm1(slope)
+            if change <= 0.05 * rtol * gap * gap * entry:
+                return OK, _repeat(data, k, elapsed.total, limit, clock, times, speeds), 0.0
         index, rounds, entry, slope = 0, rounds + 1, w, 0.0
         if not alone:
             continue

@@ -56,7 +56,7 @@ MOST_EVENTS = 32
 
 
 class MarchInputs(NamedTuple):
-    """The arguments that all marches of one case share.
+    """The arguments that all marches of one case share; kernels hand on its address, `held`.
 
     addresses : as `calls.kernel_addresses` returns them.
     scene : a `Scene`; with a pattern each pair has its own path, edges and dwell in place of those.

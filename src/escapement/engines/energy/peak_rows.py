@@ -14,7 +14,6 @@ from escapement.engines.energy.march import OK
 from escapement.engines.energy.pairs import (
     Start,
     engage,
-    lay_out_again,
     make_exact,
     new_case,
     prepare,
@@ -24,6 +23,7 @@ from escapement.engines.energy.pieces import HALVINGS, ROOM, Asked, side_at_entr
 from escapement.mechanisms.slotted import slide_edges
 from escapement.model.torque_curve import MOST_KNOTS
 from escapement.numerics.altered import altered
+from escapement.numerics.held import held
 from escapement.numerics.jit import inner_jit, jit
 
 _LOST = len(LOSSES)
@@ -53,16 +53,15 @@ def peak_rows(addresses, packed, cells, pattern, numbers, speeds, rtol, table):
             scene = scene_with(
                 shared, slide_edges(shared.path, scene.pin, shared.edges), numbers[i]
             )
-        case = altered(fixed, "scene", scene)
-        prepare(case)
-        _peaks_of(case, speeds[i] * speeds[i], rtol, store, ends, lost, table[i])
+        inputs = altered(fixed, "scene", scene)
+        _peaks_of(inputs, speeds[i] * speeds[i], rtol, store, ends, lost, table[i])
 
 
 @inner_jit(allocates=True)
-def _peaks_of(case, w, rtol, store, ends, lost, peaks):
+def _peaks_of(inputs, w, rtol, store, ends, lost, peaks):
     """Raise the peaks to those of the engagement that begins with w."""
-    scene, nothing = case.scene, np.empty(0)
-    lay_out_again(case)
+    case, scene, nothing = held(inputs), inputs.scene, np.empty(0)
+    prepare(case)
     found = engage(case, 0, Start(w, 0.0, NO_EVENTS), request_of(Detail.EVERYTHING, rtol), 0.0)
     if found.status != OK:
         _miss(peaks)

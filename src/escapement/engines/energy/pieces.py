@@ -39,6 +39,7 @@ from escapement.mechanisms.slotted import transmission_at
 from escapement.model.escapement import Escapement
 from escapement.model.torque_curve import MOST_KNOTS
 from escapement.numerics.gauss import WEIGHTS, N, cumulate, dot
+from escapement.numerics.held import held
 from escapement.numerics.jit import inner_jit, jit
 from escapement.numerics.records import record_dtype
 
@@ -101,7 +102,8 @@ def events_of(addresses, packed, cells, pattern, numbers, driver_angle, squares,
     """
     scene, request = scene_of(packed), request_of(Detail.EVERYTHING, rtol)
     room = ROOM + 4 * scene.edges.size + MOST_KNOTS
-    case = new_case(addresses, scene, cells, pattern, room)
+    inputs = new_case(addresses, scene, cells, pattern, room)
+    case = held(inputs)
     prepare(case)
     table = np.empty(8 * numbers.size + 64, MOTION_EVENT)
     filled, rising, reached = NO_EVENTS, 0.0, np.full(numbers.size, np.nan)
@@ -125,7 +127,8 @@ def events_of(addresses, packed, cells, pattern, numbers, driver_angle, squares,
         )
         filled = _append(table, filled, k, Event.ENTRY, entry, 0.0, w, side)
         for j in range(used):
-            event = case.events[j]
+            # `inputs` must be in use to the end of the loop, see `numerics.held`
+            event = inputs.events[j]
             event.index = index
             make_exact(case, j, driver_angle[i])
             # an impact comes at the very end

@@ -188,10 +188,13 @@ def may_vanish(work, values, negligible, left, right, tried):
     `negligible` too. `values` is a row of `work`.
     """
     count, steep = 0, 0
-    for i in range(points_of(work) - 1):
+    # two halves of eight pairs, with one pair in common, become vector code without a rest
+    for i in range(points_of(work) // 2):
         # the product is positive for neighbours of one sign that are within a factor of two;
         # without a steeper pair the loop below can find nothing
         one, two = values[i], values[i + 1]
+        steep += (one - 2.0 * two) * (two - 2.0 * one) < 0.0
+        one, two = values[i + N // 2 - 1], values[i + N // 2]
         steep += (one - 2.0 * two) * (two - 2.0 * one) < 0.0
     if steep > 0:
         for i in range(max(1, tried.first), min(tried.last, N - 1)):

@@ -58,14 +58,15 @@ def simulate(
     if duration is not None and (code == OK or end >= duration):
         done = done if end <= duration else last
         end, status, message = duration, Status.OK, _DONE
+    # every argument with a name takes as long as a tenth of an engagement
     trajectory = EnergyTrajectory(
-        escapement, rtol, initial_speed, times=times, speeds=speeds, turns=last, end_time=end
+        escapement, rtol, initial_speed, times, speeds, last, end_time=end
     )
     if done < size:
         times, speeds = times[:done], speeds[:done]
     return Motion(
-        escapement, "energy", rtol, trajectory, end_time=end, handoff_times=times,
-        handoff_velocities=speeds, status=status, message=message,
+        escapement, "energy", rtol, trajectory, end, times, handoff_velocities=speeds,
+        status=status, message=message,
     )  # fmt: skip
 
 

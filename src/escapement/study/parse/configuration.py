@@ -2,7 +2,6 @@
 
 import re
 from collections.abc import Mapping
-from dataclasses import replace
 from pathlib import Path
 from typing import Any, cast
 
@@ -14,10 +13,11 @@ from escapement.base.files import AnyPath
 from escapement.base.quantity import Quantity, Setting
 from escapement.base.toml_file import read_toml
 from escapement.constant_speed.index_case import refuse_with_curve
-from escapement.engines.solver import DEFAULT_ENGINE, Solver, solver_for
+from escapement.engines.solver import DEFAULT_ENGINE, choose_solver, solver_for, with_engine
 from escapement.mechanisms import DEFAULT_KIND, KINDS, kind_of
 from escapement.mechanisms.protocol import Mechanism
-from escapement.mechanisms.wheel_checks import IMPERFECT, check_lengths
+from escapement.mechanisms.wheel_checks import IMPERFECT, MEASURED, check_lengths
+from escapement.model.checks import is_given
 from escapement.model.load_curve import Load
 from escapement.model.torque_curve import TorqueCurve
 from escapement.model.train import check_ratios
@@ -110,8 +110,9 @@ def parse_plan(configuration: Mapping[str, Any], mechanism: Mechanism | None = N
     content, settings = part_lists(content, every, counts)
     check_keys(content, settings)
     given = table(content, "solver")
-    parameters = {n: e for n, e in settings.items() if isinstance(e, Quantity) and e.axis}
-    solver = Solver(**{name: SOLVER[name].read(name, value) for name, value in given.items()})
+    parameters = settings.axes
+    read = {name: SOLVER[name].read(name, value) for name, value in given.items()}
+    solver = choose_solver(None, *map(read.get, SOLVER))
     fixed = fixed_values(content, settings)
     varied, forms, fingerprint = _varied(content, parameters, fixed)
     replaced = [name for along in varied.values() for name in along if _replaces(name, forms)]
@@ -138,14 +139,13 @@ def parse_plan(configuration: Mapping[str, Any], mechanism: Mechanism | None = N
     if subject is not ESCAPEMENT:
         _check_drives(plan)
     solver = solver_for(plan.contact if subject is ESCAPEMENT else "", solver)
-    solver = solver if solver.engine else replace(solver, engine=DEFAULT_ENGINE)
+    solver = solver if solver.engine else with_engine(solver, DEFAULT_ENGINE)
     vars(plan)["solver"] = solver  # a copy would convert all columns once more
     if subject is ESCAPEMENT:
         plain["solver"] = solver.given
     values = fixed | {name: column for along in varied.values() for name, column in along.items()}
     check_ratios(values)
-    known = {*parameters, *counts}
-    _check_lengths(plan, {n: value for n, value in values.items() if n in known})
+    _check_lengths(plan, {n: x for n, x in values.items() if n in parameters or n in counts})
     if plan.cases > MOST_CASES:
         raise InvalidValue(
             f"the grid must have at most {MOST_CASES:.0e} cases, got {plan.cases:.3g}; "
@@ -183,16 +183,14 @@ def _check_lengths(plan: StudyPlan, values: Mapping[str, Any]) -> None:
     """Refuse lengths without that of the mechanism, and a factor on a list that has no errors."""
     greatest: dict[str, float] = {}
     for name, value in values.items():
-        number = isinstance(value, int | float)
-        if number and not value:  # as most of them are
-            continue
-        size = abs(value) if number else float(np.max(np.abs(value), initial=0.0))
         if name[-1].isdigit():  # a list that varies is identified by its numbers
             name = re.sub(r"_\d+$", "", name)
+        if name not in MEASURED:
+            continue
+        size = float(np.max(np.abs(value), initial=0.0)) if is_given(value) else 0.0
         greatest[name] = max(greatest.get(name, 0.0), size)
     for name in values:
-        of = name.removesuffix("_factor")
-        if of != name and not greatest.get(of):
+        if name.endswith("_factor") and not greatest.get(of := name.removesuffix("_factor")):
             remedy = f"give {of} under [mechanism], or draw them in [sample]"
             raise validate.fail(name, f"a factor on {of} that are not all 0", "none", remedy)
     check_lengths(greatest, plan.lengths["crank_radius"], plan.build.plain_crank)

@@ -4,7 +4,6 @@ import re
 import zlib
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
-from dataclasses import asdict
 from typing import Any
 
 import numpy as np
@@ -21,6 +20,8 @@ from escapement.model.escapement import Escapement
 from escapement.study.parse.configuration import parse_plan
 from escapement.study.plan import StudyPlan, built_once
 from escapement.study.subject import DRIVE
+
+_KEY = "study.design"
 
 
 def plan_from(
@@ -64,8 +65,10 @@ def plan_from(
     """
     if not isinstance(escapement, Escapement | IndexCase):
         raise validate.fail("escapement", "an Escapement", escapement, "see escapement.Escapement")
-    machine, described = _describe(escapement.mechanism)
-    axes = dict(axes)
+    kept, axes = escapement.kept if isinstance(escapement, Escapement) else {}, dict(axes)
+    if _KEY not in kept:
+        kept[_KEY] = _design(escapement)
+    design, described = kept[_KEY]
     numbers: dict[str, Any] = {}
     if isinstance(escapement, Escapement):
         numbers["initial_speed"] = initial_speed
@@ -74,19 +77,22 @@ def plan_from(
     elif np.any(initial_speed):
         rule, remedy = "0 for an indexing drive, whose speed is constant", "leave it out"
         raise validate.fail("initial_speed", rule, initial_speed, remedy)
-    numbers |= {} if turns is None else {"turns": turns}
-    entries = declared(type(escapement))
-    given = escapement.settings.items()
-    numbers |= {n: _as_read(entries[n], x) for n, x in given if x != entries[n].default}
-    tables: dict[str, Any] = {"mechanism": machine, "sweep": axes}
-    if isinstance(escapement, Escapement):
-        tables["inertia"] = asdict(escapement.inertia)
-        tables |= {role: asdict(train) for role, train in escapement.trains.items()}
-    else:
-        tables["study"] = DRIVE.name
-    chosen = {"title": title, "results": results, "sample": sample, "solver": solver}
+    chosen: dict[str, Any] = {"title": title, "results": results, "sample": sample}
+    chosen |= {"solver": solver, "turns": turns}
     chosen = {name: value for name, value in chosen.items() if value is not None}
-    return parse_plan(numbers | tables | chosen, mechanism=described)
+    return parse_plan(design | numbers | {"sweep": axes} | chosen, mechanism=described)
+
+
+def _design(escapement: Escapement | IndexCase) -> tuple[dict[str, Any], Mechanism | None]:
+    """The numbers and tables of a design, and its mechanism if it is of no known kind."""
+    machine, described = _describe(escapement.mechanism)
+    entries, given = declared(type(escapement)), escapement.settings.items()
+    found: dict[str, Any] = {"mechanism": machine}
+    found |= {n: _as_read(entries[n], x) for n, x in given if x != entries[n].default}
+    if isinstance(escapement, Escapement):
+        parts = {"inertia": escapement.inertia, **escapement.trains}
+        return found | {name: part.by_key for name, part in parts.items()}, described
+    return found | {"study": DRIVE.name}, described
 
 
 def _describe(mechanism: Mechanism) -> tuple[dict[str, Any], Mechanism | None]:

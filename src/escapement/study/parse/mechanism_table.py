@@ -16,6 +16,7 @@ from escapement.base.quantity import Numbers, Quantity, Setting, declared
 from escapement.mechanisms.kind import Kind
 from escapement.mechanisms.other_sizes import numbers_of_sizes
 from escapement.mechanisms.wheel_checks import IMPERFECT
+from escapement.study.plan import Settings
 
 Content = Mapping[str, Any]
 
@@ -52,20 +53,20 @@ def with_numbers_of_sizes(
 
 
 def part_lists(
-    content: Content, settings: Mapping[str, Setting], counts: Mapping[str, int]
-) -> tuple[Content, dict[str, Setting]]:
+    content: Content, settings: Settings, counts: Mapping[str, int]
+) -> tuple[Content, Settings]:
     """The content of a study, and its settings, with lists that vary split into their numbers.
 
     Parameters
     ----------
     content : Mapping
         Content of a study file.
-    settings : Mapping
+    settings : Settings
         Settings of a study, including lists.
     counts : Mapping
         How many numbers each list has, by its name.
     """
-    found = dict(settings)
+    found = settings
     # a value that is not a table is refused later, by name
     tables = {
         name: dict(table)
@@ -90,7 +91,7 @@ def part_lists(
         varied = any(one in swept or one in sample for one in names)
         if not (scaled or varied):
             continue
-        given = machine.get(name)
+        found, given = Settings(found), machine.get(name)
         nominal = () if given is None else entry.read(entry.label, given)
         nominal = nominal or (0.0,) * len(names)
         if len(nominal) != len(names):

@@ -1,20 +1,19 @@
 """Tables of a study file: which key belongs in which, and what a study must give."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from datetime import date
 from typing import Any
 
 from escapement.base import validate
 from escapement.base.errors import InvalidValue
 from escapement.base.quantity import Numbers, Setting, declared
-from escapement.base.units import factor
 from escapement.base.validate import known_keys
 from escapement.dynamics.figure_table import RUN_TIME
 from escapement.engines.solver import Solver
 from escapement.mechanisms import KINDS, kind_of
 from escapement.mechanisms.wheel_checks import IMPERFECT
 from escapement.model.train import ROLES
-from escapement.study.plan import CASE
+from escapement.study.plan import CASE, Settings
 from escapement.study.subject import ESCAPEMENT, SUBJECTS, Subject, model_numbers, subject_of
 
 SOLVER = declared(Solver)
@@ -34,23 +33,19 @@ def table(content: Content, name: str) -> Content:
     return value
 
 
-def check_keys(content: Content, settings: Mapping[str, Setting]) -> None:
+def check_keys(content: Content, settings: Settings) -> None:
     """Refuse a study in which nothing varies, and an unknown key, saying where it belongs."""
-    axes = [name for name, entry in settings.items() if entry.axis]
-    axes += [axis for axis in _factors(settings).values() if axis not in settings]
-    own = any(entry.section == "mechanism" for entry in settings.values())
-    known: dict[str, list[str]] = {"sweep": axes, "": [*_TOP]}
-    known |= {"mechanism": ["kind"] if own else ["kind", "description"], "inertia": []}
-    subject = subject_of(content)
-    known |= {role: [] for role in ROLES}
-    known |= {"solver": [*SOLVER] if subject is ESCAPEMENT else []}
-    for entry in settings.values():
-        known[entry.section].append(entry.key)
-    for section, keys in known.items():
+    subject, names = subject_of(content), settings.names
+    machine = ("kind",) if "mechanism" in names else ("kind", "description")
+    beside: dict[str, Collection[str]] = {"sweep": _factors(settings).values(), "": _TOP}
+    beside |= {"mechanism": machine, **dict.fromkeys(("inertia", *ROLES), ())}
+    beside |= {"solver": SOLVER if subject is ESCAPEMENT else ()}
+    for section, others in beside.items():
+        keys = settings.axes if section == "sweep" else names.get(section, {})
         given = table(content, section)
-        if not given.keys() <= {*keys}:
+        if any(key not in keys and key not in others for key in given):
             where = f"in [{section}]" if section else "at the top level"
-            known_keys(given, keys, where, _homes(settings, section, subject))
+            known_keys(given, [*others, *keys], where, _homes(settings, section, subject))
     if not table(content, "sweep") and "sample" not in content:
         raise InvalidValue(
             "the study must sweep at least one parameter, got none; "
@@ -89,32 +84,29 @@ def _homes(settings: Mapping[str, Setting], section: str, subject: Subject) -> d
     return homes
 
 
-def fixed_values(content: Content, settings: Mapping[str, Setting]) -> dict[str, Any]:
+def fixed_values(content: Content, settings: Settings) -> dict[str, Any]:
     """Fixed and nominal values, including defaults; parameters that vary need none."""
-    varied = {**table(content, "sweep"), **table(content, "sample")}
-    fixed, missing = {}, []
-    sections = {name: table(content, name) for name in {e.section for e in settings.values()}}
-    for name, entry in settings.items():
-        section = sections[entry.section]
-        if entry.key in section:
-            fixed[name] = entry.read(entry.label, section[entry.key])
-        elif entry.required and name not in varied:
-            missing.append(f"{entry.label} ({entry.long_name})")
-        elif entry.axis and entry.default is not None:
-            # in the units of the study, as everything that it gives
-            size = factor(entry.unit, entry.system)
-            fixed[name] = entry.default if size == 1.0 else entry.default / size
+    given = {}
+    for section, names in settings.names.items():
+        for key, value in table(content, section).items():
+            if key in names:
+                name = names[key]
+                given[name] = settings[name].read(settings[name].label, value)
+    known = {**table(content, "sweep"), **table(content, "sample"), **given}
+    missing = [settings[name] for name in settings.required if name not in known]
     if missing:
-        raise InvalidValue(
-            f"the study lacks {', '.join(missing)}; give each a fixed value or an axis"
-        )
-    return fixed
+        lacking = ", ".join(f"{entry.label} ({entry.long_name})" for entry in missing)
+        raise InvalidValue(f"the study lacks {lacking}; give each a fixed value or an axis")
+    fixed = settings.defaults | given
+    return {name: value for name, value in fixed.items() if value is not None}
 
 
 def chosen_results(content: Content) -> dict[str, list[str]]:
     """The figures of merit to keep, if they differ from the default ones."""
     subject = subject_of(content)
-    given = content.get("results", subject.usual)
+    if "results" not in content:
+        return {}
+    given = content["results"]
     if isinstance(given, str) or not isinstance(given, Sequence) or not given:
         raise validate.fail("results", "a list of names", given, 'for example ["period"]')
     # the status is always kept, and a name that is given twice is kept once
