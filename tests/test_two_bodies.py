@@ -13,13 +13,13 @@ import escapement as esc
 from escapement.base.errors import InvalidValue
 from escapement.base.status import Status
 from escapement.dynamics.codes import Ending, Event
-from escapement.dynamics.figures_of_merit import read_transient
+from escapement.dynamics.figures_of_merit import Figures, read_transient
 from escapement.engines.two_bodies import march as marching
 from escapement.engines.two_bodies import simulate as following
 from escapement.engines.two_bodies import terminal, trajectory
 from escapement.engines.two_bodies.blow import strike
 from escapement.engines.two_bodies.law import Law
-from escapement.engines.two_bodies.march import BEGIN, PHI, SPEED, TIME, TURNING
+from escapement.engines.two_bodies.march import BEGIN, PAIR, PHI, SPEED, TIME, TURNING
 from escapement.engines.two_bodies.pairs import pairs_of
 from escapement.engines.two_bodies.scene import prepared
 from escapement.engines.two_bodies.touch import Touch, place, touch_at
@@ -549,6 +549,24 @@ def test_a_map_is_followed_to_its_fixed_point(monkeypatch, slopes, noise, bend, 
     if size == 1:
         assert speed == pytest.approx(1.0, abs=max(1e-12, 10.0 * noise))
         assert same == pytest.approx(2.0 * noise, rel=1.0, abs=1e-13)
+
+
+def test_a_jam_behind_hundreds_of_irregular_pitches_is_told(monkeypatch):
+    random, passed = np.random.default_rng(1), []
+
+    def march_from(_escapement, start, count):
+        size = min(count, 700 - len(passed))
+        passed.extend([0] * size)
+        states = np.concatenate([start[None], random.uniform(1.0, 2.0, (size, BEGIN))])
+        states[:, PAIR] = -1.0
+        return Ending.DONE if size == count else Ending.STALL, states, 0.1, 0.0
+
+    told = {"outcome": lambda _own, _ending, _theta, pitch: (Status.STALL, f"jams in {pitch}")}
+    told |= {"march_from": march_from, "first_state": lambda *_given: np.ones(BEGIN)}
+    for name, function in told.items():
+        monkeypatch.setattr(following, name, function)
+    found = terminal.terminal(None, Figures(), initial_speed=0.0, rtol=1e-12)
+    assert (found.status, found.message) == (Status.STALL, "jams in 700")
 
 
 @pytest.mark.parametrize(("wheel", "verge", "most"), [(pins, 0.3, 18), (flat, 0.1, 16)])

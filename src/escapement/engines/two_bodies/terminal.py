@@ -36,7 +36,7 @@ def terminal(
     escapement: Escapement, base: Figures, *, initial_speed: float, rtol: float
 ) -> Figures:
     """Figures of merit of two bodies; see `escapement.terminal`."""
-    states, count = following.first_state(escapement, initial_speed)[None], _FIRST
+    states, count, again = following.first_state(escapement, initial_speed)[None], _FIRST, False
     while True:
         ending, more, theta, _end = following.march_from(escapement, states[-1], count)
         states = np.append(states, more[1:], axis=0)
@@ -51,15 +51,16 @@ def terminal(
         left, ratio = _left(states)
         if left <= _NEAR:
             limit, same = _limit(escapement, states[-4:])
-            if same <= _ALIKE and _apart(limit, states[-1]) <= 10.0 * _NEAR:
+            # what is not smaller from nearer by is rounding
+            enough = _ALIKE if again else _SAME
+            if same <= enough and _apart(limit, states[-1]) <= 10.0 * _NEAR:
                 return _figures(escapement, base, states, limit, 1, same, rtol)
-        if len(states) > _LONGEST:
-            break
-        count = _AT_ONCE
-        if _NEAR < left < math.inf:
+            again = True
+        if count == _KEPT:
+            return _scattered(escapement, base, states[-1 - _KEPT :], rtol)
+        count = _AT_ONCE if len(states) <= _LONGEST else _KEPT
+        if _NEAR < left < math.inf and count == _AT_ONCE:
             count = min(count, 1 + int(math.log(_NEAR / left) / math.log(ratio)))
-    _ending, states, _theta, _end = following.march_from(escapement, states[-1], _KEPT)
-    return _scattered(escapement, base, states, rtol)
 
 
 def _apart(one: FloatArray, two: FloatArray) -> float:
@@ -73,6 +74,8 @@ def _left(states: FloatArray) -> tuple[float, float]:
     """What is left of the way to the fixed point if the last steps go on as a geometric series, and
     its ratio; infinity if they do not become shorter."""
     steps = [_apart(states[k], states[k - 1]) for k in (-3, -2, -1)]
+    if max(steps) <= _ALIKE:
+        return max(steps), 1.0
     if not steps[2] < steps[1] < steps[0] < math.inf:
         return math.inf, 1.0
     ratio = steps[2] / steps[1]
@@ -122,10 +125,8 @@ def _figures(
         told = ", ".join(f"{x:.9g}" for x in np.diff(cycle.handoff_times, prepend=0.0))
         message = f"the motion repeats itself after {size} pitches, with periods of {told} s"
         return replace(base, **cycle_figures(cycle), motion=cycle, message=message)
-
     if same > 10.0 * _SAME:
         base = replace(base, message=f"the pitches repeat to {same:.1g} of the speed")
-
     ends = []
     for share in (1.0 - 1e-5, 1.0 + 1e-5):
         changed = state.copy()
