@@ -62,6 +62,6 @@ def _compiled(_context: Any, record: Any) -> Any:
 held = in_both_forms(_compiled, lambda record: record)
 """held(record) is the address of a copy of a named tuple, from which its fields are read.
 
-The copy ends with the kernel that makes it. It keeps no array alive, so that the tuple itself must
-be in use for as long, as an argument is.
+The copy ends with the kernel that makes it. It keeps no array alive, so that in a kernel that
+allocates, the tuple must be an argument of this kernel.
 """

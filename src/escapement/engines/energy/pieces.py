@@ -100,10 +100,15 @@ def events_of(addresses, packed, cells, pattern, numbers, driver_angle, squares,
     reached : ndarray
         w with which each leaves for the next, NaN where the march does not come to its end.
     """
-    scene, request = scene_of(packed), request_of(Detail.EVERYTHING, rtol)
+    scene = scene_of(packed)
     room = ROOM + 4 * scene.edges.size + MOST_KNOTS
     inputs = new_case(addresses, scene, cells, pattern, room)
-    case = held(inputs)
+    return _events_of(inputs, numbers, driver_angle, squares, rtol)
+
+
+@inner_jit(allocates=True)
+def _events_of(inputs, numbers, driver_angle, squares, rtol):
+    case, request = held(inputs), request_of(Detail.EVERYTHING, rtol)
     prepare(case)
     table = np.empty(8 * numbers.size + 64, MOTION_EVENT)
     filled, rising, reached = NO_EVENTS, 0.0, np.full(numbers.size, np.nan)
@@ -127,8 +132,7 @@ def events_of(addresses, packed, cells, pattern, numbers, driver_angle, squares,
         )
         filled = _append(table, filled, k, Event.ENTRY, entry, 0.0, w, side)
         for j in range(used):
-            # `inputs` must be in use to the end of the loop, see `numerics.held`
-            event = inputs.events[j]
+            event = case.events[j]
             event.index = index
             make_exact(case, j, driver_angle[i])
             # an impact comes at the very end
