@@ -86,7 +86,7 @@ def _on_grid(name: str, meaning: str) -> cached_property[FloatArray]:
 
 
 # creating a frozen instance would take longer than solving an engagement
-@dataclass(eq=False, repr=False)
+@dataclass(eq=False, repr=False, init=False)
 class Motion(JudgedResult, Shown):
     """Motion of an escapement, exact between its handoffs and reversals.
 
@@ -119,6 +119,25 @@ class Motion(JudgedResult, Shown):
     handoff_velocities: FloatArray
     status: Judged = Judged()  # noqa: RUF009 - the descriptor of the field, not its default
     message: Judged = Judged()  # noqa: RUF009
+
+    def __init__(
+        self,
+        escapement: Escapement,
+        engine: str,
+        rtol: float,
+        trajectory: Trajectory,
+        end_time: float,
+        handoff_times: FloatArray,
+        handoff_velocities: FloatArray,
+        status: Status,
+        message: str,
+    ) -> None:
+        self.escapement, self.engine, self.rtol = escapement, engine, rtol
+        self.trajectory, self.end_time = trajectory, end_time
+        self.handoff_times, self.handoff_velocities = handoff_times, handoff_velocities
+        # nothing is judged yet, and the calls of two descriptors would take a third of this time
+        kept = self.__dict__
+        kept["status"], kept["message"] = status, message
 
     def _shown(self) -> list[tuple[str, Any, str]]:
         speeds, failed = self.handoff_velocities, self.status != Status.OK

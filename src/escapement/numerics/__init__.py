@@ -5,7 +5,7 @@
 - `records`: records whose fields are attributes, compiled and in Python
 - `known`: numbers that are part of their type, so that kernels do without what they rule out
 - `by_type`: kernels that belong to the class of a named tuple
-- `altered`: named tuples with some fields changed, in kernels
+- `altered`, `held`: named tuples with some fields changed, and handed on by address, in kernels
 - `roots`, `search`: zeros and greatest values, one step in a kernel, and of many functions at once
 - `gauss`: nodes of Gauss and a block of them
 - `chebyshev`: functions as Chebyshev series

@@ -200,7 +200,7 @@ class StudyPlan(Shown):
             table: Any = self.configuration.get(section, {}) if section else self.configuration
             for key in names.keys() & table.keys():
                 entry, value = self.settings[names[key]], table[key]
-                number = type(value) in (int, float) and isinstance(entry, Quantity)
+                number = isinstance(value, (int, float)) and isinstance(entry, Quantity)
                 if number and names[key] not in varied and not entry.idle(value):
                     found[names[key]] = value
         return {name: found[name] for name in self.settings if name in found}
