@@ -115,7 +115,7 @@ def outlines_of(wheel):
     return [(*body, middle_of(body), reach_of(body)) for body in bodies]
 
 
-@numba.njit(cache=False)
+@numba.njit
 def nearest(body, i, p):
     """The point of a line or arc that is nearest to another one, and its direction there."""
     start, end, turn, centre, radius = body[0][i], body[1][i], body[2][i], body[3][i], body[4][i]
@@ -134,7 +134,7 @@ def nearest(body, i, p):
     return at, 1j * sense * (at - centre) / radius
 
 
-@numba.njit(cache=False)
+@numba.njit
 def outside(body, near, p):
     """How far a point lies outside of a body, and the body's direction at its nearest point."""
     least, side, way = math.inf, 0.0, 0j
@@ -148,7 +148,7 @@ def outside(body, near, p):
     return math.copysign(least, side), way
 
 
-@numba.njit(cache=False)
+@numba.njit
 def least_gap(driver, follower, centre, theta, phi):
     """The gap of two bodies in a pose, the point that has it, and the direction of the edge there.
 
@@ -194,7 +194,7 @@ def least_gap(driver, follower, centre, theta, phi):
     return least, place * back, way * back
 
 
-@numba.njit(cache=False)
+@numba.njit
 def deepest(driver, follower, centre, theta, phi):
     """The least gap in some poses."""
     least = math.inf
