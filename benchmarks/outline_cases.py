@@ -4,7 +4,7 @@
 draws geometries around runaway escapements with pins and with flat pallets, deadbeat and recoil
 clocks, and Geneva wheels with clearance whose outlines are given, with friction up to 0.3; some of
 them rebound or lose energy elsewhere. The gap of lines and arcs, which shares nothing with the
-engine, is taken where pieces begin and end and seven times within each. Impulses are compared with
+engine, is taken where pieces begin and end and three times within each. Impulses are compared with
 the momentum that both bodies gain in a blow at the point where that gap is least. Some geometries
 are checked by Shapely too, at 200 instants of each of five pitches: its polygons leave arcs by less
 than 1e-6 radii, and bodies of which one is made smaller by two times this must not touch. A line
@@ -26,7 +26,7 @@ from escapement.base.status import Status
 from escapement.outlines.gaps import middle_of, reach_of, segments_of
 from escapement.outlines.touching import edges_of
 
-RAD, CHORD, PARTS = math.pi / 180.0, 1e-6, 8
+RAD, CHORD, PARTS, TIE = math.pi / 180.0, 1e-6, 4, 1e-9
 
 
 def geneva(near):
@@ -115,7 +115,7 @@ def outlines_of(wheel):
     return [(*body, middle_of(body), reach_of(body)) for body in bodies]
 
 
-@numba.njit(cache=False)
+@numba.njit
 def nearest(body, i, p):
     """The point of a line or arc that is nearest to another one, and its direction there."""
     start, end, turn, centre, radius = body[0][i], body[1][i], body[2][i], body[3][i], body[4][i]
@@ -134,19 +134,21 @@ def nearest(body, i, p):
     return at, 1j * sense * (at - centre) / radius
 
 
-@numba.njit(cache=False)
+@numba.njit
 def outside(body, near, p):
     """How far a point lies outside of a body, and the body's direction at its nearest point."""
     least, side, way = math.inf, 0.0, 0j
     for i in near:
         at, along = nearest(body, i, p)
         aside = -(along.conjugate() * (p - at)).imag
-        if abs(p - at) < least or (abs(p - at) == least and abs(aside) > abs(side)):
-            least, side, way = abs(p - at), aside, along
+        away = abs(p - at)
+        tied = abs(away - least) <= TIE * away
+        if (abs(aside) > abs(side)) if tied else (away < least):
+            least, side, way = away, aside, along
     return math.copysign(least, side), way
 
 
-@numba.njit(cache=False)
+@numba.njit
 def least_gap(driver, follower, centre, theta, phi):
     """The gap of two bodies in a pose, the point that has it, and the direction of the edge there.
 
@@ -159,13 +161,16 @@ def least_gap(driver, follower, centre, theta, phi):
         turn[0] * follower[3] + turn[1], follower[4], turn[0] * follower[5] + turn[1], follower[6],
     )  # fmt: skip
     bodies, bound = (driver, moved), math.inf
+    apart = np.empty((driver[0].size, moved[0].size))
     for i in range(driver[0].size):
         for k in range(moved[0].size):
-            bound = min(bound, abs(driver[5][i] - moved[5][k]) + driver[6][i] + moved[6][k])
+            by, both = driver[5][i] - moved[5][k], driver[6][i] + moved[6][k]
+            apart[i, k] = math.sqrt(by.real * by.real + by.imag * by.imag) - both
+            bound = min(bound, apart[i, k] + 2.0 * both)
     chosen = np.zeros(driver[0].size, np.bool_), np.zeros(moved[0].size, np.bool_)
     for i in range(driver[0].size):
         for k in range(moved[0].size):
-            if abs(driver[5][i] - moved[5][k]) - driver[6][i] - moved[6][k] <= bound:
+            if apart[i, k] <= bound:
                 chosen[0][i] = chosen[1][k] = True
     least, place, way = math.inf, 0j, 0j
     for one in range(2):
@@ -179,7 +184,8 @@ def least_gap(driver, follower, centre, theta, phi):
                 if body[2][i] != 0.0 and square != 0.0:
                     for sense in (1.0, -1.0):
                         p = body[3][i] + sense * body[4][i] / abs(square) * square
-                        points.append(nearest(body, i, p)[0])
+                        if abs(nearest(body, i, p)[0] - p) < TIE:
+                            points.append(p)
             for p in points:
                 gap, along = outside(other, far, p)
                 if gap < least:
@@ -188,7 +194,7 @@ def least_gap(driver, follower, centre, theta, phi):
     return least, place * back, way * back
 
 
-@numba.njit(cache=False)
+@numba.njit
 def deepest(driver, follower, centre, theta, phi):
     """The least gap in some poses."""
     least = math.inf
@@ -206,12 +212,14 @@ def between(motion):
 def momentum(motion, bodies):
     """How much the impulse of a blow differs from the momentum that both bodies gain.
 
-    It is a share of the greatest impulse, beyond what the driver gains in two roundings of the
-    time. Blows are left out where two contacts take impulses at once, as of Geneva wheels at
-    handoffs and where the bodies touch already, and with bearings whose friction takes momentum.
+    It is a share of the greatest impulse, beyond what the bodies gain in two roundings of the time
+    before and after. Blows are left out where two contacts take impulses at once, as of Geneva
+    wheels at handoffs and where the bodies touch already, and with bearings whose friction takes
+    momentum.
     """
     own, impacts, start = motion.escapement, motion.impacts, motion.trajectory.start
-    centre, worst = own.mechanism.axes_distance, 0.0
+    centre, late, worst = own.mechanism.axes_distance, 2.0 * np.spacing(motion.end_time), 0.0
+    inertias = np.array([own.inertia.driver, own.inertia.follower])
     if own.follower_bearing_friction or isinstance(own.mechanism, esc.Outlines):
         return 0.0
     for time, impulse in zip(impacts.time, impacts.impulse, strict=True):
@@ -223,13 +231,15 @@ def momentum(motion, bodies):
         before = motion.within(after - 1, 0.5 * (start[after - 1] + time))
         if least_gap(*bodies, centre, float(before.theta), float(before.phi))[0] < 1e-12:
             continue
-        gains = own.inertia.driver * (new.theta_dot - old.theta_dot)
-        gains = gains, own.inertia.follower * (new.phi_dot - old.phi_dot)
         _, point, along = least_gap(*bodies, centre, float(new.theta), float(new.phi))
         matrix = [[-point.imag, point.real], [point.imag, centre - point.real]]
-        force = complex(*np.linalg.solve(matrix, gains))
-        wrong = abs(abs((force * (1j * along).conjugate()).real) - impulse)
-        worst = max(worst, wrong - 2.0 * own.torque * np.spacing(motion.end_time))
+        gains = [
+            [new.theta_dot - old.theta_dot, late * old.theta_ddot, late * new.theta_ddot],
+            [new.phi_dot - old.phi_dot, late * old.phi_ddot, late * new.phi_ddot],
+        ]
+        forces = np.linalg.solve(matrix, inertias[:, None] * gains)
+        found, *allowed = np.abs([-along.imag, along.real] @ forces)
+        worst = max(worst, abs(found - impulse) - sum(allowed))
     return worst / impacts.impulse.max(initial=1e-300)
 
 

@@ -139,6 +139,17 @@ def test_the_command_tells_each_design_and_its_yield(tmp_path, capsys, monkeypat
     assert " b" in out.splitlines()[out.splitlines().index("") + 1] or " b" in out
 
 
+def test_the_command_takes_a_stiffness(tmp_path, capsys, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    sizes = "crank_radius = 0.0127\npin_radius = 0.001\nclearance = 2e-5"
+    for name, friction in (("a.toml", 0.3), ("b.toml", 0.2)):
+        text = DESIGN.format(friction=friction).replace("crank_radius = 0.0127", sizes)
+        (tmp_path / name).write_text(text)
+    assert main(["compare", "a.toml", "b.toml", "--stiffness", "1e6", "--json"]) == 0
+    for one in json.loads(capsys.readouterr().out)["designs"]:
+        assert one["contact_force_max_in_blows"] > one["contact_force_max"]
+
+
 def test_a_study_of_several_cases_is_no_design(tmp_path, capsys):
     path = tmp_path / "a.toml"
     path.write_text(DESIGN.format(friction=0.3) + "[sweep]\nload_torque = [0.0, 1e-4]\n")

@@ -35,7 +35,7 @@ def execute(args: Arguments) -> int:
 
     _output.speak_as(args, args.config[0], "study file")
     designs, yields = zip(*(_design(Path(path)) for path in args.config), strict=True)
-    stiffness = _arguments.typed(args, _STIFFNESS).get("stiffness")
+    stiffness = _arguments.typed_by_name(args, _STIFFNESS).get("stiffness")
     found: Sequence[Any] = esc.compare(
         *designs, equal_period=args.equal_period, stiffness=stiffness
     )
