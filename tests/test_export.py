@@ -57,7 +57,7 @@ def read(path, unit=1e-3):
 @pytest.mark.parametrize(
     "how", [pytest.param({}, marks=pytest.mark.slow), {"r12": True, "inches": True}], ids=str
 )
-def test_a_dxf_holds_the_parts_to_a_nanometre(mechanism, how, tmp_path):
+def test_a_dxf_holds_the_parts_to_a_nanometre(few_angles, mechanism, how, tmp_path):
     fits = PINLESS if mechanism is OVALS else FITS
     gaps = esc.export(mechanism, tmp_path / "a.dxf", fits, **how)
     assert gaps[0].gap > -1e-6
@@ -100,7 +100,7 @@ def test_arcs_that_another_reader_finds_are_slots_pins_and_axes(tmp_path):
 
 
 @KINDS
-def test_an_svg_encloses_the_areas_of_the_parts(mechanism, tmp_path):
+def test_an_svg_encloses_the_areas_of_the_parts(few_angles, mechanism, tmp_path):
     fits = PINLESS if mechanism is OVALS else FITS
     esc.export(mechanism, tmp_path / "a.svg", fits)
     text = (tmp_path / "a.svg").read_text()

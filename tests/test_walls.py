@@ -248,7 +248,9 @@ SIZED = {
 
 
 @pytest.mark.parametrize("kind", KINDS)
-def test_every_kind_is_exported_or_refused_in_one_line(kind, tmp_path, capsys, monkeypatch):
+def test_every_kind_is_exported_or_refused_in_one_line(
+    few_angles, kind, tmp_path, capsys, monkeypatch
+):
     path = tmp_path / "a.svg"
     if kind in TOUCHING:
         monkeypatch.chdir(tmp_path)
