@@ -44,7 +44,8 @@ class MotionTask:
     """The problem of least squares.
 
     Its unknowns are the fitted numbers, divided by their given values, and the time of the release
-    since one `span` before the first sample that is used, divided by `span`.
+    since two `span`s before the first sample that is used, divided by `span`: it is never near 0,
+    since the steps of derivatives are shares of the unknowns.
 
     given : values of the fitted numbers, shape (m,).
     clock : time of that sample by the logger's clock [s].
@@ -78,11 +79,11 @@ class MotionTask:
         The release may also come before it, by at most the length of the recording.
         """
         least = np.full(self.given.size, _LEAST)
-        return np.append(least, 0.0), np.append(self.most / self.given, 2.0)
+        return np.append(least, 1.0), np.append(self.most / self.given, 3.0)
 
     def released(self, unknowns: FloatArray) -> float:
         """Time of the release from the first sample [s]."""
-        return (float(unknowns[-1]) - 1.0) * self.span
+        return (float(unknowns[-1]) - 2.0) * self.span
 
     def changed(self, unknowns: FloatArray) -> Escapement:
         """The escapement that belongs to the unknowns."""
@@ -140,7 +141,7 @@ class MotionTask:
             start = start if is_torque.any() else float(np.mean(times - time))
             trial[is_torque] = pace**-2.0
             miss = float(np.square(times - start - pace * time).sum())
-            tries.append((miss, *trial, 1.0 + start / self.span, rate))
+            tries.append((miss, *trial, 2.0 + start / self.span, rate))
         if not tries:
             raise InvalidValue(
                 f"escapement must run to be fitted, got one that does not: {message}; change the "
