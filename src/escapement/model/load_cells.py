@@ -7,12 +7,14 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.optimize import brentq
 
+from escapement.base.lazy import Lazy
 from escapement.mechanisms.path import EDGES, PIECES, Pair
 from escapement.mechanisms.protocol import Mechanism
 from escapement.model.load_curve import Load, Unbalance, steps_of
 from escapement.numerics.chebyshev import fit
+
+optimize = Lazy("scipy.optimize")
 
 FloatArray = NDArray[np.float64]
 _ORDER, _DECAYED = 17, 4e-15
@@ -85,7 +87,9 @@ def _with_knots(
     for knot in load.knots_between(float(phi.min()), float(phi.max())):
         for i in np.flatnonzero((phi[:-1] - knot) * (phi[1:] - knot) < 0.0):
             ends = float(grid[i]), float(grid[i + 1])
-            theta = brentq(lambda x, knot=knot: float(angle(np.array(x))) - knot, *ends, xtol=1e-15)
+            theta = optimize.brentq(
+                lambda x, knot=knot: float(angle(np.array(x))) - knot, *ends, xtol=1e-15
+            )
             if np.abs(np.array(found) - theta).min() > _GAP:
                 found.append(theta)
     return np.array(sorted(found))
