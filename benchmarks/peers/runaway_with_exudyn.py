@@ -32,10 +32,10 @@ def faces(turn):
     tip, root = WHEEL.tip_radius, WHEEL.wheel_radius - WHEEL.tooth_depth
     for angle, sense in ((WHEEL.lead, 1.0), (WHEEL.back, -1.0)):
         normal = 1j * sense * cmath.rect(1.0, -sense * angle)
-        start, way = WHEEL.wheel_radius - tip + tip * normal, 1j * sense * normal
-        along = (start.conjugate() * way).real
+        start, ahead = WHEEL.wheel_radius - tip + tip * normal, 1j * sense * normal
+        along = (start.conjugate() * ahead).real
         length = -along - math.sqrt(along**2 - abs(start) ** 2 + root**2)
-        yield start * turn, (start + length * way) * turn, normal * turn
+        yield start * turn, (start + length * ahead) * turn, normal * turn
 
 
 def model(start, stiffness, damping):

@@ -46,9 +46,9 @@ class _Field(AttributeTemplate):
 
 @lower_getattr_generic(HeldType)  # type: ignore[no-untyped-call, untyped-decorator]
 def _read(context: Any, builder: Any, held: Any, address: Any, name: str) -> Any:
-    place = held.record.fields.index(name)
-    value = builder.load(cgutils.gep_inbounds(builder, address, 0, place))
-    return imputils.impl_ret_borrowed(context, builder, held.record[place], value)
+    index = held.record.fields.index(name)
+    value = builder.load(cgutils.gep_inbounds(builder, address, 0, index))
+    return imputils.impl_ret_borrowed(context, builder, held.record[index], value)
 
 
 @intrinsic

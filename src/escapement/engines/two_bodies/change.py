@@ -178,13 +178,13 @@ def _alternating(law, pairs, mode, y, new, first, second):
     one, two = _blow(law, pairs, new, y, law.restitution), _blow(law, pairs, mode, y, 0.0)
     left = (abs(y[2]) + abs(y[3])) / speed
     if left < 1.0:
-        all_, lost = 1.0 / (1.0 - left), 1.0 / (1.0 - left * left)
+        whole, lost = 1.0 / (1.0 - left), 1.0 / (1.0 - left * left)
         first = altered(
-            first, "impulse", first.impulse + all_ * one.impulse,
+            first, "impulse", first.impulse + whole * one.impulse,
             "energy", first.energy + lost * one.energy,
         )  # fmt: skip
         second = altered(
-            second, "impulse", second.impulse + all_ * two.impulse,
+            second, "impulse", second.impulse + whole * two.impulse,
             "energy", second.energy + lost * two.energy, "after", (0.0, 0.0),
         )  # fmt: skip
     return first, second

@@ -134,10 +134,10 @@ def _figures(
         ending, after, _theta, _end = following.march_from(escapement, changed, 1)
         ends.append(after[-1, SPEED] ** 2 if ending == Ending.DONE else math.nan)
     contraction = float((ends[1] - ends[0]) / (4e-5 * state[SPEED] ** 2))
-    way = following.motion_from(escapement, states[0], rtol, len(states) - 1, known=states)
+    approach = following.motion_from(escapement, states[0], rtol, len(states) - 1, known=states)
     found = cycle_figures(cycle) | {"contraction": contraction, "motion": cycle}
     start = float(states[0, SPEED] / escapement.time_unit)
-    return replace(base, **found, approach=(start, way))
+    return replace(base, **found, approach=(start, approach))
 
 
 def _scattered(escapement: Escapement, base: Figures, states: FloatArray, rtol: float) -> Figures:
