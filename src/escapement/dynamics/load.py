@@ -83,7 +83,7 @@ def is_weight(scene):
 def _turned(driver_angle, scene):
     """By how much the follower has turned before the cell after a driver angle, less the turns
     after which the load repeats."""
-    steps = np.round(driver_angle / cell_of(scene)) % scene.load_curve[STEPS]
+    steps = np.rint(driver_angle / cell_of(scene)) % scene.load_curve[STEPS]
     return steps * scene.load_curve[STEP]
 
 

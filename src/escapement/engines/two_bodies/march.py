@@ -146,7 +146,7 @@ def _read(law, begin, y):
 @inner_jit
 def _write(begin, time, mode, y, pitches, pairs, steps):
     """Write the state at a handoff, with the angles that are left of a pitch."""
-    turned = np.round(y[1] / pitches[1])
+    turned = np.rint(y[1] / pitches[1])
     begin[TIME], begin[THETA], begin[PHI] = time, y[0] - pitches[0], y[1] - turned * pitches[1]
     begin[SPEED], begin[TURNING], begin[STEPS], begin[PAIR] = y[2], y[3], steps + turned, mode.pair
     begin[_SIGMA], begin[_FIRST] = mode.sigma, mode.driver_sense

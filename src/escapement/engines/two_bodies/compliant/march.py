@@ -200,7 +200,7 @@ def _pass_on(case, y, contact):
 @inner_jit
 def _hand_over(case, y, clock, pitches):
     """Take a pitch off the angles at a handoff; contacts have other images then."""
-    turned = np.round(y[1] / pitches[1])
+    turned = np.rint(y[1] / pitches[1])
     y[0] -= pitches[0]
     y[1] -= turned * pitches[1]
     clock.engagement += 1
