@@ -117,9 +117,9 @@ def test_a_search_finds_the_verge_that_friction_changes_least():
     def scatter(inertia):
         periods = [
             esc.terminal(esc.Escapement(VERGE, esc.Inertia(1.0, inertia), 1.0, friction=mu)).period
-            for mu in (0.05, 0.2, 0.35)
+            for mu in np.linspace(0.05, 0.35, 7)
         ]
-        return 0.5 * (max(periods) - min(periods)) / periods[1]
+        return 0.5 * (max(periods) - min(periods)) / periods[3]
 
     assert best.values["scatter"] == pytest.approx(scatter(best.chosen["follower_inertia"]))
     inertias = [0.2 * 100.0 ** (k / 60) for k in range(61)]
@@ -128,6 +128,19 @@ def test_a_search_finds_the_verge_that_friction_changes_least():
     blows = [one.values["blow_max"] for one in found.designs]
     assert blows == sorted(blows, reverse=True)
     esc.plots.plot_designs(found)
+
+
+@pytest.mark.slow
+def test_a_search_chooses_whole_numbers_and_a_span_between_two_of_them():
+    given = {n: x for n, x in WISH["mechanism"].items() if n not in ("teeth", "span")}
+    wish = WISH | {"mechanism": given | {"span": 2.5}, "objectives": ["scatter"]}
+    wish |= {"inertia": {"driver": 1.0, "follower": 7.0}, "ranges": {"teeth": [11, 13]}}
+    (best,) = esc.design_drive(wish, count=1).designs
+    assert best.chosen["teeth"] in (11, 12, 13)
+    given["teeth"] = 12
+    wish |= {"mechanism": given, "ranges": {"span": [1.2, 3.8]}}
+    (best,) = esc.design_drive(wish, count=1).designs
+    assert best.chosen["span"] in (1.5, 2.5, 3.5)
 
 
 def test_a_wish_for_a_timer_is_refused_with_a_reason():
