@@ -11,6 +11,8 @@ import pytest
 import escapement as esc
 from command_scenes import WHEELS, argv_of
 from escapement.base.errors import InvalidValue
+from escapement.base.status import Status
+from test_touching_kinds import VERGES
 
 VERGE = esc.Runaway(
     teeth=12, wheel_radius=1.0, tooth_depth=0.22, lead=math.radians(45), back=math.radians(15),
@@ -95,6 +97,28 @@ def test_a_motion_with_pallets_tells_its_friction(command):
     for name, truth, most in (("friction", 0.15, 0.004), ("torque", 1.0, 0.01)):
         low, high = fitted[name]["interval"]
         assert low < truth < high < low + most
+
+
+@pytest.mark.parametrize("name", VERGES)
+def test_what_is_exported_can_be_read_back_and_moves_alike(name, tmp_path):
+    """Whatever the kind, the unit, and the chords of the parts, the motion is the same."""
+    verge, inches = VERGES[name], name == "flat"
+    esc.export(verge, tmp_path / "a.dxf", inches=inches, segments=True, title="A")
+    drawn = esc.read_outlines(tmp_path / "a.dxf")
+    assert drawn.driver_fold == verge.teeth
+    numbers = {"inertia": esc.Inertia(1.0, 0.2), "torque": 1.0, "friction": 0.15}
+    if "lift" in verge.settings:
+        numbers = {"inertia": esc.Inertia(1e-4, 1.0), "torque": 0.005, "friction": 0.1}
+        numbers |= {"follower_gravity": 1.0, "follower_viscous": 0.02}
+    read = esc.Outlines(*drawn, follower_start=verge.start[1])
+    own, other = (esc.terminal(esc.Escapement(one, **numbers)) for one in (verge, read))
+    assert own.status is other.status is Status.OK
+    assert other.period == pytest.approx(own.period, rel=1e-9)
+    path = tmp_path / "b.dxf"
+    esc.export(read, path)
+    once_more = esc.Outlines(*esc.read_outlines(path), follower_start=verge.start[1])
+    again = esc.terminal(esc.Escapement(once_more, **numbers))
+    assert again.period == pytest.approx(own.period, rel=1e-9)
 
 
 WISH = {
