@@ -76,6 +76,21 @@ def test_what_needs_a_transmission_is_refused():
         esc.synthetic_readings(verge, seed=1)
 
 
+@pytest.mark.parametrize(
+    ("argv", "told"),
+    [
+        (("b.csv", "--beats", "deadbeat", "--wheel-radius", 1), "--wheel-radius must not come"),
+        (("b.csv", "--beats", "deadbeat", "--fit", "both"), "--fit must not come with beats"),
+        (("a.csv", "runaway", "--pin-radius", 1), "angles of a runaway .* add --fit friction,torq"),
+    ],
+)
+def test_measure_advises_what_pallets_can_have(command, argv, told):
+    Path("b.csv").write_text("time\n" + "\n".join(str(0.2 * k) for k in range(30)))
+    code, out, err = command("measure", *argv)
+    assert (code, out, err.count("\n")) == (2, "", 1)
+    assert re.search(told, err)
+
+
 def test_a_motion_with_pallets_tells_its_friction(command):
     motion = esc.simulate(esc.Escapement(VERGE, esc.Inertia(1.0, 0.3), 1.0, friction=0.15), 40)
     time = np.linspace(0.0, motion.end_time, 2000)
