@@ -11,6 +11,8 @@ import pytest
 import escapement as esc
 from command_scenes import WHEELS, argv_of
 from escapement.base.errors import InvalidValue
+from escapement.base.status import Status
+from test_touching_kinds import VERGES
 
 VERGE = esc.Runaway(
     teeth=12, wheel_radius=1.0, tooth_depth=0.22, lead=math.radians(45), back=math.radians(15),
@@ -74,6 +76,21 @@ def test_what_needs_a_transmission_is_refused():
         esc.synthetic_readings(verge, seed=1)
 
 
+@pytest.mark.parametrize(
+    ("argv", "told"),
+    [
+        (("b.csv", "--beats", "deadbeat", "--wheel-radius", 1), "--wheel-radius must not come"),
+        (("b.csv", "--beats", "deadbeat", "--fit", "both"), "--fit must not come with beats"),
+        (("a.csv", "runaway", "--pin-radius", 1), "angles of a runaway .* add --fit friction,torq"),
+    ],
+)
+def test_measure_advises_what_pallets_can_have(command, argv, told):
+    Path("b.csv").write_text("time\n" + "\n".join(str(0.2 * k) for k in range(30)))
+    code, out, err = command("measure", *argv)
+    assert (code, out, err.count("\n")) == (2, "", 1)
+    assert re.search(told, err)
+
+
 def test_a_motion_with_pallets_tells_its_friction(command):
     motion = esc.simulate(esc.Escapement(VERGE, esc.Inertia(1.0, 0.3), 1.0, friction=0.15), 40)
     time = np.linspace(0.0, motion.end_time, 2000)
@@ -97,6 +114,28 @@ def test_a_motion_with_pallets_tells_its_friction(command):
         assert low < truth < high < low + most
 
 
+@pytest.mark.parametrize("name", VERGES)
+def test_what_is_exported_can_be_read_back_and_moves_alike(name, tmp_path):
+    """Whatever the kind, the unit, and the chords of the parts, the motion is the same."""
+    verge, inches = VERGES[name], name == "flat"
+    esc.export(verge, tmp_path / "a.dxf", inches=inches, segments=True, title="A")
+    drawn = esc.read_outlines(tmp_path / "a.dxf")
+    assert drawn.driver_fold == verge.teeth
+    numbers = {"inertia": esc.Inertia(1.0, 0.2), "torque": 1.0, "friction": 0.15}
+    if "lift" in verge.settings:
+        numbers = {"inertia": esc.Inertia(1e-4, 1.0), "torque": 0.005, "friction": 0.1}
+        numbers |= {"follower_gravity": 1.0, "follower_viscous": 0.02}
+    read = esc.Outlines(*drawn, follower_start=verge.start[1])
+    own, other = (esc.terminal(esc.Escapement(one, **numbers)) for one in (verge, read))
+    assert own.status is other.status is Status.OK
+    assert other.period == pytest.approx(own.period, rel=1e-9)
+    path = tmp_path / "b.dxf"
+    esc.export(read, path)
+    once_more = esc.Outlines(*esc.read_outlines(path), follower_start=verge.start[1])
+    again = esc.terminal(esc.Escapement(once_more, **numbers))
+    assert again.period == pytest.approx(own.period, rel=1e-9)
+
+
 WISH = {
     "study": "escapement", "torque": 1.0, "friction": [0.05, 0.35],
     "mechanism": {
@@ -117,9 +156,9 @@ def test_a_search_finds_the_verge_that_friction_changes_least():
     def scatter(inertia):
         periods = [
             esc.terminal(esc.Escapement(VERGE, esc.Inertia(1.0, inertia), 1.0, friction=mu)).period
-            for mu in (0.05, 0.2, 0.35)
+            for mu in np.linspace(0.05, 0.35, 7)
         ]
-        return 0.5 * (max(periods) - min(periods)) / periods[1]
+        return 0.5 * (max(periods) - min(periods)) / periods[3]
 
     assert best.values["scatter"] == pytest.approx(scatter(best.chosen["follower_inertia"]))
     inertias = [0.2 * 100.0 ** (k / 60) for k in range(61)]
@@ -128,6 +167,19 @@ def test_a_search_finds_the_verge_that_friction_changes_least():
     blows = [one.values["blow_max"] for one in found.designs]
     assert blows == sorted(blows, reverse=True)
     esc.plots.plot_designs(found)
+
+
+@pytest.mark.slow
+def test_a_search_chooses_whole_numbers_and_a_span_between_two_of_them():
+    given = {n: x for n, x in WISH["mechanism"].items() if n not in ("teeth", "span")}
+    wish = WISH | {"mechanism": given | {"span": 2.5}, "objectives": ["scatter"]}
+    wish |= {"inertia": {"driver": 1.0, "follower": 7.0}, "ranges": {"teeth": [11, 13]}}
+    (best,) = esc.design_drive(wish, count=1).designs
+    assert best.chosen["teeth"] in (11, 12, 13)
+    given["teeth"] = 12
+    wish |= {"mechanism": given, "ranges": {"span": [1.2, 3.8]}}
+    (best,) = esc.design_drive(wish, count=1).designs
+    assert best.chosen["span"] in (1.5, 2.5, 3.5)
 
 
 def test_a_wish_for_a_timer_is_refused_with_a_reason():

@@ -136,6 +136,7 @@ class Quantity(Setting):
 
     minimum, maximum, exclusive, below, whole, fraction : the rule. An exclusive minimum is not
         allowed itself, nor is the maximum if `below` is true; a fraction may be text, "1/2".
+    half : whether a search has to choose a whole number and a half.
     function : whether a function that gives the number is allowed.
     scene : field of `model.scene.Scene` that holds it, divided by the natural unit of its kind.
     """
@@ -145,6 +146,7 @@ class Quantity(Setting):
     exclusive: bool = False
     below: bool = False
     whole: bool = False
+    half: bool = False
     fraction: bool = False
     axis: bool = True
     function: bool = False

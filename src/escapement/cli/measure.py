@@ -128,9 +128,15 @@ def execute(args: Arguments) -> int:
         "confidence": args.confidence or 0.99,
         "zeros": None if None in zeros else tuple(map(math.radians, zeros)),
     }
+    kind = kind_of(args.kind or DEFAULT_KIND)
+    if kind.pitch is not None and args.fit is None:
+        raise UsageError(
+            f"angles of a {kind.kind} mechanism must come with --fit, since they depend on its "
+            "motion; add --fit friction,torque"
+        )
     # the sizes of a wheel change no angles
     sizes = (*LENGTHS, "fixed_radius")
-    others = kind_of(args.kind or DEFAULT_KIND).other_sizes().items()
+    others = kind.other_sizes().items()
     idle = *sizes, *(name for name, size in others if size.of in sizes), "time_column", "time_unit"
     escapement = measure_beats.read_model(args, idle, "friction,torque")
     mechanism = escapement.mechanism if escapement else _arguments.read_mechanism(args)

@@ -9,6 +9,7 @@ from escapement.base.errors import InvalidValue
 from escapement.base.quantity import Truth
 from escapement.cli import _arguments, _output
 from escapement.cli._arguments import Arguments, Parser, UsageError, add_number, option
+from escapement.mechanisms import DEFAULT_KIND, Geneva, kind_of
 from escapement.model.escapement import model_settings
 from escapement.model.inputs import inputs_of
 
@@ -56,10 +57,18 @@ def execute(args: Arguments) -> int:
     from escapement.measurement.measurement_record import record_of_beats
     from escapement.measurement.recording import is_recording
 
+    kind = kind_of(args.kind or DEFAULT_KIND)
+    for name in ("fit", *_arguments.owners(), *model_settings()) if kind.pitch is not None else ():
+        if getattr(args, name) is not None:
+            raise UsageError(
+                f"{option(name)} must not come with beats of a {kind.kind} mechanism, which tell "
+                "only rate and beat error; leave it out, or fit angles of the driver"
+            )
     names = [] if args.fit in (None, "none") else [name.strip() for name in args.fit.split(",")]
     parts = names[:1] if {*names[:1]} <= {*_PARTS} else []
     run_up = args.fit is not None and not parts
-    remedy = "both, or leave it out and give --pattern"
+    advised = "both" if kind is Geneva else "friction,torque"
+    remedy = f"{advised}, or leave it out and give --pattern"
     escapement = read_model(args, _arguments.owners(), remedy)
     nominal, share = args.nominal_rate, {}
     if args.confidence is not None:

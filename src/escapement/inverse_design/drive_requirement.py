@@ -7,6 +7,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
+import numpy as np
+
 from escapement.base import units, validate
 from escapement.base.files import AnyPath
 from escapement.base.quantity import Quantity
@@ -25,6 +27,7 @@ GREATER = (
 """Figures that should be great; all others should be small."""
 _OWN = "ranges", "bounds", "objectives"
 SCATTER = "scatter"
+_FRICTIONS = 7
 _SCATTER = Result("ratio", "half the relative change of the period over the friction range")
 
 
@@ -34,7 +37,7 @@ class DriveRequirement(Shown):
 
     study : content of a study file without axes.
     subject : what it is about.
-    frictions : values of a timer whose friction is uncertain: least, middle and greatest.
+    frictions : values of a timer whose friction is uncertain, from the least to the greatest.
     figures : those that may be objectives and have bounds.
     ranges : ends between which numbers are searched, by the names of axes.
     entries : the declarations of these numbers.
@@ -44,7 +47,7 @@ class DriveRequirement(Shown):
 
     study: Mapping[str, Any]
     subject: Subject
-    frictions: tuple[float, ...]
+    frictions: list[float]
     figures: Mapping[str, Result]
     ranges: Mapping[str, Range]
     entries: Mapping[str, Quantity]
@@ -77,10 +80,11 @@ def drive_requirement(requirement: Mapping[str, Any] | AnyPath) -> DriveRequirem
     kind = kind_of(validate.choice("mechanism.kind", machine.get("kind", DEFAULT_KIND), [*KINDS]))
     found = settings_of(kind, kind.meshed, system, subject)
     entries = {name: x for name, x in found.items() if isinstance(x, Quantity) and x.axis}
-    frictions: tuple[float, ...] = ()
+    frictions: list[float] = []
     if subject is ESCAPEMENT and isinstance(study.get("friction"), list | tuple):
         low, high = _ends(entries["friction"], "friction", study.pop("friction"))
-        frictions, figures[SCATTER] = (low, 0.5 * (low + high), high), _SCATTER
+        # within the range the period of pallets may be greater than at both ends
+        frictions, figures[SCATTER] = np.linspace(low, high, _FRICTIONS).tolist(), _SCATTER
     if not ranges:
         remedy = "write for example speed = [3, 9] under [ranges]"
         raise validate.fail("ranges", "a table of numbers to search", "none", remedy)

@@ -30,6 +30,7 @@ from escapement.study.subject import DRIVE, ESCAPEMENT
 
 _FIRST, _AROUND = 12, 5  # powers of two: points that are tried at first, and around a design
 _FEWER = 9, 4  # the same at most of timers, which take far longer than drives
+_STARTS = 8  # at least so many designs are improved, the best of which need not lead farthest
 _SHRINKS = (0.1, 0.03, 0.01, 0.003, 0.001)
 """Half the widths of the boxes around designs in which better ones are looked for, in turn, as
 shares of the ranges."""
@@ -126,46 +127,52 @@ def design_drive(
     if not points.good.any():
         return DriveDesigns(asked, (), tried, _reason(asked, points))
     around = qmc.Sobol(size, seed=seed).random_base2(more) - 0.5
-    best = _best(asked, points, count)
+    kept = max(count, _STARTS)
+    best = _best(asked, points, kept, _STARTS)
     for number, shrink in enumerate(_SHRINKS, 1):
         set_stage(f"improving the designs, round {number} of {len(_SHRINKS)}")
         near = best.shares[:, None, :] + 2.0 * shrink * around
         found = _tried(asked, np.clip(near.reshape(-1, size), 0.0, 1.0))
         tried += found.good.size
-        best = _best(asked, best | found, count)
-    plan = _plan(asked, best.shares, asked.frictions[1] if asked.frictions else None)
+        best = _best(asked, best | found, kept, _STARTS)
+    best = _best(asked, best, count)
+    plan = _plan(asked, best.shares)
     order = np.argsort(_costs(asked, best)[:, 0], kind="stable")
     designs = tuple(_made(asked, plan, best, int(case)) for case in order)
     return DriveDesigns(asked, designs, tried, "done")
 
 
-def _plan(asked: DriveRequirement, shares: FloatArray, friction: float | None) -> StudyPlan:
-    """The study at points of the unit cube, with a friction if that is uncertain."""
-    columns = {}
+def _plan(asked: DriveRequirement, shares: FloatArray) -> StudyPlan:
+    """The study at points of the unit cube, at each with every friction."""
+    columns, times = {}, max(len(asked.frictions), 1)
     for (name, (low, high)), share in zip(asked.ranges.items(), shares.T, strict=True):
-        if asked.entries[name].whole:
-            low, high = np.ceil(low), np.floor(high)
-            column = np.minimum(np.floor(low + share * (high - low + 1.0)), high).astype(int)
+        entry = asked.entries[name]
+        if entry.whole or entry.half:
+            beyond = 0.5 * entry.half
+            low, high = np.ceil(low - beyond), np.floor(high - beyond)
+            column = beyond + np.minimum(np.floor(low + share * (high - low + 1.0)), high)
+            column = column.astype(int) if entry.whole else column
         elif low > 0.0:
             column = low * (high / low) ** share
         else:
             column = low + share * (high - low)
-        columns[name] = column.tolist()
-    names = {*asked.objectives, *asked.bounds, *(["period"] if asked.frictions else [])} - {SCATTER}
-    study = {**asked.study, "results": sorted(names), "sample": {"method": "list", **columns}}
-    return parse_plan(study if friction is None else study | {"friction": friction})
+        columns[name] = np.repeat(column, times).tolist()
+    names = {*asked.objectives, *asked.bounds} - {SCATTER}
+    if asked.frictions:
+        names, columns["friction"] = names | {"period"}, asked.frictions * len(shares)
+    sample = {"method": "list", **columns}
+    return parse_plan({**asked.study, "results": sorted(names), "sample": sample})
 
 
 def _tried(asked: DriveRequirement, shares: FloatArray) -> _Points:
     """Points, and their figures; good are those within the bounds."""
-    frictions = asked.frictions or (None,)
-    studies = [run_plan(_plan(asked, shares, friction)) for friction in frictions]
-    good = np.all([study.results["status"] == 0 for study in studies], axis=0)
-    middle = studies[len(studies) // 2].results
-    values = {name: np.asarray(x, dtype=float) for name, x in middle.items() if name != "status"}
+    results = run_plan(_plan(asked, shares)).results
+    # a column for each friction, of which the middle one has the figures
+    found = {name: np.reshape(x, (len(shares), -1)) for name, x in results.items()}
+    good = (found.pop("status") == 0).all(axis=1)
+    values = {name: x[:, x.shape[1] // 2].astype(float) for name, x in found.items()}
     if asked.frictions:
-        periods = [study.results["period"] for study in studies]
-        values[SCATTER] = 0.5 * np.ptp(periods, axis=0) / values["period"]
+        values[SCATTER] = 0.5 * np.ptp(found["period"], axis=1) / values["period"]
     for name, (low, high) in asked.bounds.items():
         good &= (values[name] >= low) & (values[name] <= high)
     for name in asked.objectives:
@@ -180,11 +187,17 @@ def _costs(asked: DriveRequirement, points: _Points) -> FloatArray:
     return np.column_stack(columns)
 
 
-def _best(asked: DriveRequirement, points: _Points, count: int) -> _Points:
-    """The points within the bounds that no other one dominates, so many of them."""
+def _best(asked: DriveRequirement, points: _Points, count: int, least: int = 1) -> _Points:
+    """The points within the bounds that no other one dominates, so many of them.
+
+    If there are fewer than `least`, those follow that only these dominate.
+    """
     chosen = np.flatnonzero(points.good)
     costs = _costs(asked, points)[chosen]
     front = undominated(costs)
+    while front.size < min(least, len(costs)):
+        others = np.setdiff1d(np.arange(len(costs)), front)
+        front = np.append(front, others[undominated(costs[others])])
     chosen = chosen[front[spread_out(costs[front], count)]]
     values = {name: x[chosen] for name, x in points.values.items()}
     return _Points(points.shares[chosen], values, points.good[chosen])
@@ -196,6 +209,8 @@ def _made(asked: DriveRequirement, plan: StudyPlan, points: _Points, case: int) 
         name: float(x[case]) * factor(asked.figures[name].kind, asked.system)
         for name, x in points.values.items()
     }
+    times = max(len(asked.frictions), 1)
+    case = case * times + times // 2
     given = plan.values(case)
     made = plan.drive(case) if asked.subject is DRIVE else plan.escapement(case)
     return DriveDesign(made, {name: given[name] for name in asked.ranges}, values)

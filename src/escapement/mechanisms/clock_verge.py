@@ -55,7 +55,7 @@ class Deadbeat(EscapeWheel):
     summary: ClassVar[str] = "deadbeat escapement of a clock, with a pendulum or a balance"
 
     span: float = field(metadata=quantity(
-        "teeth that the verge spans", metavar="S", exclusive=True,
+        "teeth that the verge spans", metavar="S", exclusive=True, half=True,
         remedy="give a whole number and a half, such as 7.5"
     ))  # fmt: skip
     lift: float = field(metadata=angle(

@@ -70,7 +70,7 @@ class Runaway(EscapeWheel):
         typical=PALLETS[0], default=PALLETS[0],
     )))  # fmt: skip
     span: float = field(metadata=quantity(
-        "teeth that the verge spans", metavar="S", exclusive=True,
+        "teeth that the verge spans", metavar="S", exclusive=True, half=True,
         remedy="give a whole number and a half, such as 2.5"
     ))  # fmt: skip
     pallet_radius: float = field(metadata=length(

@@ -20,6 +20,7 @@ from escapement.outlines.parts import outline_of, parts_of
 from escapement.outlines.sheet import LAYERS, Sheet, lay_out
 from escapement.outlines.solids import check_solid, stl
 from escapement.outlines.title_block import title_block
+from escapement.outlines.touching import bodies
 from escapement.outlines.touching import least_gaps as touching_gaps
 
 _ROUNDING = 1e-12  # gaps of so many units of the outline are 0 except for rounding
@@ -162,6 +163,8 @@ def drawn(
     if title or tolerance:
         block = title_block(title, tolerance, mechanism, fits, parts, gaps, unit)
     laid = lay_out(parts, fits.kerf, 1.0 / unit[0], stock=stock, block=block, **how)
+    if isinstance(mechanism, TwoBodies) and suffix == ".dxf":
+        laid = _with_bodies(laid, mechanism, mechanism.crank_radius / unit[0])
     return _WRITERS[suffix](laid, inches, r12), gaps
 
 
@@ -172,6 +175,19 @@ def _stock(sheet: Sequence[float]) -> complex:
         got = Spoken(", ".join(spoken_length(size) for size in sizes.ravel().tolist()))
         raise validate.fail("sheet", "a width and a height", got, "give two lengths")
     return complex(*sizes.tolist())
+
+
+def _with_bodies(sheet: Sheet, mechanism: TwoBodies, scale: float) -> Sheet:
+    """The sheet with both bodies beside it, for `read_outlines`: the driver as at the start of a
+    motion, and the follower at 0, where a pendulum hangs."""
+    shown: Any = {body.name: body for body in bodies(mechanism, mechanism.start[0], 0.0)}
+    left = min(edge.box[0].real for edge in shown["driver"].edges)
+    axis = sheet.size.real - scale * left + 0.5j * sheet.size.imag
+    axes = ("DRIVER", axis), ("FOLLOWER", axis + scale * mechanism.axes_distance)
+    for layer, _ in axes:
+        edges = [edge.moved(scale, axis) for edge in shown[layer.lower()].edges]
+        sheet.curves.extend((layer, edge) for edge in edges)
+    return sheet._replace(points=axes)
 
 
 def _dxf(sheet: Sheet, inches: bool, r12: bool) -> bytes:
@@ -195,6 +211,8 @@ def _dxf(sheet: Sheet, inches: bool, r12: bool) -> bytes:
         add(points, format="xyb", close=True, dxfattribs={"layer": layer})
     for layer, a, b in sheet.lines:
         space.add_line((a.real, a.imag), (b.real, b.imag), dxfattribs={"layer": layer})
+    for layer, at in sheet.points:
+        space.add_point((at.real, at.imag), dxfattribs={"layer": layer})
     for layer, at, text in sheet.texts:
         look = {"layer": layer, "insert": (at.real, at.imag)}
         space.add_text(text, height=sheet.height, dxfattribs=look)

@@ -16,6 +16,8 @@ LAYERS = {
     "ENGRAVE": (3, "#008000"),
     "CENTRE": (8, "#808080"),
     "TITLE": (7, "#000000"),
+    "DRIVER": (4, "#008080"),
+    "FOLLOWER": (6, "#800080"),
 }
 """Layers of a drawing, and the colour of each: in the palette of DXF, and in SVG."""
 _CHORDS = 5e-6  # distance of chords from the arcs in whose place they stand [m]
@@ -25,13 +27,14 @@ _LETTER = 0.7 * _HEIGHT  # width of a letter [m]
 
 
 class Sheet(NamedTuple):
-    """What a file shows, in its unit: closed curves, lines and texts, each with its layer."""
+    """What a file shows, in its unit: curves, lines, texts and points, each with its layer."""
 
     curves: list[tuple[str, Curve]]
     lines: list[tuple[str, complex, complex]]
     texts: list[tuple[str, complex, str]]
     size: complex
     height: float
+    points: tuple[tuple[str, complex], ...] = ()
 
     def scaled(self, scale: float) -> "Sheet":
         """The same in another unit."""
@@ -156,5 +159,5 @@ def _polygon(curve: Curve) -> Curve:
     """Chords in the place of arcs."""
     half = np.maximum(np.abs(0.5 * curve.turns), 1e-12)
     radius = np.abs(curve.ends - curve.corners) / (2.0 * np.sin(half))
-    points = curve.drawn(2.0 * np.arccos(1.0 - np.minimum(_CHORDS / radius, 0.3)))[:-1]
+    points = curve.drawn(4.0 * np.arcsin(np.sqrt(np.minimum(0.5 * _CHORDS / radius, 0.15))))[:-1]
     return Curve(points, np.zeros(points.size))

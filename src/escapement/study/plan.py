@@ -422,10 +422,20 @@ class StudyPlan(Shown):
             _ = machine.driver_features or machine.path
 
 
-@lru_cache(64)
 def built_once(build: Any, given: tuple[tuple[str, Any], ...]) -> Mechanism:
     """A mechanism, kept because its path takes longer to compute than many cases to solve."""
-    mechanism: Mechanism = build(**dict(given))
+    if isinstance(found := _built(build, given), InvalidValue):
+        raise found.with_traceback(None)
+    return found
+
+
+@lru_cache(64)
+def _built(build: Any, given: tuple[tuple[str, Any], ...]) -> Mechanism | InvalidValue:
+    """A mechanism, or why there is none: to find that out may take as long."""
+    try:
+        mechanism: Mechanism = build(**dict(given))
+    except InvalidValue as error:
+        return error
     return mechanism
 
 
