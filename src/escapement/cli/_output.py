@@ -143,7 +143,6 @@ def with_reasons(record: Record, warning: str = "") -> Record:
 
 def note(message: str) -> None:
     """A line on stderr, and in the log."""
-    _waiting.clear()
     _log.record("note", message=message)
     print(f"escapement: {message}", file=sys.stderr)
 
