@@ -19,7 +19,7 @@ from typing import Any, NoReturn
 from escapement import __version__
 from escapement.base import spoken, validate
 from escapement.base.errors import EscapementError, InvalidValue
-from escapement.base.files import FILMS, FORMATS, REPORTS
+from escapement.base.files import FILMS, FORMATS, PAGES
 from escapement.base.quantity import Choice, Numbers, Quantity, Setting, Truth
 from escapement.base.results import Result
 from escapement.base.units import SYSTEMS, printed
@@ -395,13 +395,13 @@ def add_plot(group: ArgumentGroup, text: str, film: str = "") -> None:
     """Add a figure to draw."""
     text += f"; {', '.join(FORMATS[:-1])} or {FORMATS[-1]}"
     if film:
-        text += f"; {film}: {', '.join(FILMS[:-1])} or {FILMS[-1]}"
-    _add_drawn(group, "plot", text, "FILE", FORMATS + FILMS if film else FORMATS)
+        text += f"; {film}: {', '.join(FILMS)} or {PAGES[0]}"
+    _add_drawn(group, "plot", text, "FILE", FORMATS + FILMS + PAGES if film else FORMATS)
 
 
 def add_report(group: ArgumentGroup) -> None:
     """Add a report to write."""
-    _add_drawn(group, "report", "write a report that needs no other file", "FILE.html", REPORTS)
+    _add_drawn(group, "report", "write a report that needs no other file", "FILE.html", PAGES)
 
 
 def _add_drawn(

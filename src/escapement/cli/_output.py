@@ -15,7 +15,7 @@ from typing import Any
 
 import escapement as esc
 from escapement.base.errors import CannotCreate
-from escapement.base.files import FILMS, check_target, creating, file_format, write_file
+from escapement.base.files import FILMS, PAGES, check_target, creating, file_format, write_file
 from escapement.base.records import Record
 from escapement.base.spoken import speak
 from escapement.base.status import MESSAGES, Status
@@ -200,9 +200,10 @@ def moving(path: Path | None, motion: Any, still: Callable[[Any], Content]) -> A
 
     still : makes the picture, with `escapement.plots`.
     """
-    if path is None or path.suffix.lower() not in FILMS:
+    suffix = "" if path is None else path.suffix.lower()
+    if suffix not in FILMS + PAGES:
         return still
-    if path.suffix.lower() == ".html":
+    if suffix in PAGES:
         from escapement.explorer import player
 
         return lambda _: player(motion)

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import escapement as esc
 from escapement.base.errors import InvalidValue
-from escapement.base.files import FILMS, FORMATS, check_input, file_format
+from escapement.base.files import FILMS, FORMATS, PAGES, check_input, file_format
 from escapement.base.status import Status
 from escapement.base.text import words
 from escapement.base.units import SYSTEMS
@@ -44,7 +44,7 @@ def execute(args: Arguments) -> int:
     # a file of a motion says so itself; every other one is taken for a study
     holds, gaps, units = "motion", "", SYSTEMS[0]
     moving = not is_table(args.file) and is_motion(args.file)
-    file_format(path, FORMATS + FILMS if moving else FORMATS)
+    file_format(path, FORMATS + FILMS + PAGES if moving else FORMATS)
     _output.check_output(path, args.file, drawn=True)
     if moving:
         for option, value in {"--select": args.select, "--result": args.result}.items():

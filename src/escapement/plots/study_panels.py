@@ -107,7 +107,7 @@ def draw_map(ax: Axes, table: StudyTable, bar: Literal["right", "top"]) -> list[
             for number in ax.clabel(lines, fontsize=style.SMALL_SIZE, inline=False):
                 at = (ax.transData - ax.transAxes).transform(number.get_position())
                 room = 0.5 - np.abs(at - 0.5).max()
-                number.set(path_effects=style.HALO, visible=room > _EDGE)
+                number.set(bbox=style.BOX, visible=room > _EDGE)
     every = 1 + levels.size // _LEVELS  # only as many labels as there is room for
     key = ax.figure.colorbar(filled, ax=ax, location=bar, ticks=levels[::every])
     key.set_label(style.label(table.name, table.unit), size=style.TICK_SIZE)
