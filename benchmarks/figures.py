@@ -13,20 +13,7 @@ import numpy as np
 import escapement as esc
 from escapement.base.units import INCH_POUND
 from escapement.benchmark.work_precision import Point, work_precision_figure
-from escapement.plots.style import (
-    BLACK,
-    BLUE,
-    GREY,
-    LABEL_SIZE,
-    LIGHT_GREY,
-    LOOKS,
-    SMALL_SIZE,
-    TWO_COLUMN,
-    VERMILLION,
-    dress,
-    new_figure,
-    number_text,
-)
+from escapement.plots import style
 
 RESULTS = Path(__file__).resolve().parent / "results"
 ZERO, LEAST = 1.7e-17, 4e-17
@@ -65,7 +52,7 @@ def plot_errors(axes, x, errors, **look):
 def zero_strip(axes):
     """The strip of exact zeros below the decades from 1e-16 to 1e-13."""
     foot, powers = ZERO**2 / LEAST, range(-16, -12)
-    axes.axhspan(foot, LEAST, color=LIGHT_GREY, alpha=0.35, lw=0)
+    axes.axhspan(foot, LEAST, color=style.LIGHT_GREY, alpha=0.35, lw=0)
     axes.set_ylim(bottom=foot)
     names = ["0", *(f"$10^{{{power}}}$" for power in powers)]
     axes.set_yticks([ZERO, *(10.0**power for power in powers)], names)
@@ -74,16 +61,9 @@ def zero_strip(axes):
 
 def above(figure, axes, columns):
     """One legend for all panels, over them."""
-    handles, names = axes.get_legend_handles_labels()
-    figure.legend(
-        handles,
-        names,
-        loc="outside upper center",
-        ncols=columns,
-        fontsize=SMALL_SIZE,
-        frameon=False,
-        handlelength=2.6,
-    )
+    handles, _ = axes.get_legend_handles_labels()
+    where = {"loc": "outside upper center", "handlelength": 2.6}
+    style.add_legend(figure, columns, handles=handles, **where)
 
 
 def work_precision():
@@ -95,22 +75,24 @@ def work_precision():
 
 def tolerance():
     """Measured error against the tolerance asked for, both engines."""
-    figure = new_figure(TWO_COLUMN, 3.1)
+    figure = style.new_figure(style.TWO_COLUMN, 3.1)
     panels = figure.subplots(1, 2, sharex=True, sharey=True)
     for axes, ((engine,), rows) in zip(panels, grouped(table("tolerance"), "engine"), strict=True):
-        dress(axes)
+        style.dress(axes)
         rtol, median, most, worst, cases = columns(
             list(rows), "rtol", "median", "q95", "worst", "cases"
         )
         names = ("median", "95 % are below", "largest")
-        for curve, look, name in zip((median, most, worst), LOOKS, names, strict=False):
+        for curve, look, name in zip((median, most, worst), style.LOOKS, names, strict=False):
             axes.loglog(
                 rtol, curve, look.marker, ls=look.linestyle, color=look.color, label=name, ms=4
             )
-        axes.loglog(rtol, rtol, color=BLACK, lw=0.8, label="error = tolerance")
-        axes.loglog(rtol, 10 * rtol, color=BLACK, ls=":", lw=1.0, label="ten times the tolerance")
+        axes.loglog(rtol, rtol, color=style.BLACK, lw=0.8, label="error = tolerance")
+        axes.loglog(
+            rtol, 10 * rtol, color=style.BLACK, ls=":", lw=1.0, label="ten times the tolerance"
+        )
         axes.set_xlabel("Tolerance rtol")
-        axes.set_title(f"{engine}, {cases[0]:.0f} random cases", fontsize=LABEL_SIZE)
+        axes.set_title(f"{engine}, {cases[0]:.0f} random cases", fontsize=style.LABEL_SIZE)
     panels[0].set_ylabel("Measured relative error")
     above(figure, panels[0], 5)
     return figure
@@ -118,21 +100,21 @@ def tolerance():
 
 def painleve():
     """Error and run time against the distance to the Painleve limit."""
-    figure = new_figure(TWO_COLUMN, 3.1)
-    left, right = (dress(axes) for axes in figure.subplots(1, 2))
+    figure = style.new_figure(style.TWO_COLUMN, 3.1)
+    left, right = (style.dress(axes) for axes in figure.subplots(1, 2))
     # two rows of three in the legend, which fills columns
     ordered = sorted(table("painleve"), key=lambda row: (row["slots"], row["engine"]))
     for (engine, slots), rows in grouped(ordered, "engine", "slots"):
         gap, error, spent = columns(list(rows), "1 - mu/mu_c", "error", "ms")
-        style = {
+        look = {
             "marker": {3: "^", 4: "o", 6: "s"}[int(slots)],
-            "color": BLUE if engine == "energy" else VERMILLION,
+            "color": style.BLUE if engine == "energy" else style.VERMILLION,
             "ls": "-" if engine == "energy" else (0, (5, 1.6)),
             "mfc": None if engine == "energy" else "white",
             "ms": 4,
         }
-        plot_errors(left, gap, error, label=f"{engine}, {int(slots)} slots", **style)
-        right.loglog(gap, spent, **style)
+        plot_errors(left, gap, error, label=f"{engine}, {int(slots)} slots", **look)
+        right.loglog(gap, spent, **look)
     for axes in (left, right):
         axes.set_xlabel("Distance to the limit, $1 - \\mu/\\mu_c$")
         axes.invert_xaxis()
@@ -145,22 +127,22 @@ def painleve():
 
 def long_run():
     """Relative drift of time and of energy over a million engagements."""
-    figure = new_figure(TWO_COLUMN, 2.9)
+    figure = style.new_figure(style.TWO_COLUMN, 2.9)
     panels = figure.subplots(1, 2, sharex=True, sharey=True)
     for axes, name in zip(panels, ("time", "energy"), strict=True):
-        dress(axes)
+        style.dress(axes)
         drifts = grouped(table("long_run"), "friction")
-        for ((friction,), rows), look, size in zip(drifts, LOOKS, (4, 7), strict=False):
+        for ((friction,), rows), look, size in zip(drifts, style.LOOKS, (4, 7), strict=False):
             count, drift = columns(list(rows), "engagements", f"{name} drift")
             plot_errors(
                 axes, count, drift, marker=look.marker, ls="", color=look.color, ms=size,
                 mfc=look.color if friction == 0.0 else "none",
-                label=f"friction {number_text(friction)}" if friction else "no friction",
+                label=f"friction {style.number_text(friction)}" if friction else "no friction",
             )  # fmt: skip
         walk = 2.0**-53 * np.sqrt(count)
-        axes.loglog(count, walk, color=GREY, lw=0.9, label="random rounding errors")
+        axes.loglog(count, walk, color=style.GREY, lw=0.9, label="random rounding errors")
         axes.set_xlabel("Engagements")
-        axes.set_title(name.capitalize(), fontsize=LABEL_SIZE)
+        axes.set_title(name.capitalize(), fontsize=style.LABEL_SIZE)
     for axes in panels:
         zero_strip(axes)
     panels[0].set_ylabel("Relative drift")
@@ -180,7 +162,7 @@ DESIGNS["six pins"] = (3, 0.03, 0.20, 6, 10)
 
 def conditioning():
     """Change of each figure of merit in per cent, for one per cent of each parameter."""
-    figure = new_figure(TWO_COLUMN, 3.4)
+    figure = style.new_figure(style.TWO_COLUMN, 3.4)
     panels = zip(figure.subplots(1, 3, sharey=True), DESIGNS.items(), strict=True)
     for axes, (name, (slots, torque, friction, *inertias)) in panels:
         inertia = esc.Inertia(*(1e-6 * INCH_POUND * each for each in inertias))
@@ -196,6 +178,6 @@ def conditioning():
         axes.set_xticks(range(len(PARAMETERS)), [p.replace("_", "\n") for p in PARAMETERS])
         axes.set_yticks(range(len(FIGURES)), [row.replace("_", " ") for row in FIGURES])
         axes.tick_params(labelsize=7, length=0)
-        axes.tick_params(axis="y", labelsize=SMALL_SIZE)
+        axes.tick_params(axis="y", labelsize=style.SMALL_SIZE)
         axes.set_title(name, fontsize=9)
     return figure

@@ -15,7 +15,6 @@ of the radius of wheel or crank, of the work, and of the impulse.
 import cmath
 import math
 
-import numba
 import numpy as np
 import shapely
 from common import asked, tell
@@ -23,7 +22,7 @@ from common import asked, tell
 import escapement as esc
 from escapement.base.errors import InvalidValue
 from escapement.base.status import Status
-from escapement.outlines.gaps import middle_of, reach_of, segments_of
+from escapement.outlines.gaps import Segments, gap, nearest_on, segments_of
 from escapement.outlines.touching import edges_of
 
 RAD, CHORD, PARTS, TIE = math.pi / 180.0, 1e-6, 4, 1e-9
@@ -109,98 +108,20 @@ def edges(wheel):
     return [edges_of(*body) for body in bodies]
 
 
-def outlines_of(wheel):
-    """Lines and arcs of both bodies, with the middle of each and how far it reaches."""
-    bodies = map(segments_of, edges(wheel))
-    return [(*body, middle_of(body), reach_of(body)) for body in bodies]
+def outlines_at(wheel, theta, phi):
+    """Lines and arcs of both bodies in a pose."""
+    driver, follower = map(segments_of, edges(wheel))
+    turned = cmath.rect(1.0, theta), cmath.rect(1.0, phi)
+    return driver.moved(turned[0], 0.0), follower.moved(turned[1], wheel.axes_distance)
 
 
-@numba.njit
-def nearest(body, i, p):
-    """The point of a line or arc that is nearest to another one, and its direction there."""
-    start, end, turn, centre, radius = body[0][i], body[1][i], body[2][i], body[3][i], body[4][i]
-    if turn == 0.0:
-        chord = end - start
-        share = ((p - start) * chord.conjugate()).real / abs(chord) ** 2
-        # ends are exact, so that lines that meet there are equally far
-        at = start + share * chord if share < 1.0 else end
-        return at if share > 0.0 else start, chord / abs(chord)
-    away, sense = p - centre, math.copysign(1.0, turn)
-    passed = cmath.phase(away * (start - centre).conjugate()) * sense % (2.0 * math.pi)
-    if passed <= abs(turn) and away != 0.0:
-        at = centre + radius / abs(away) * away
-    else:
-        at = start if abs(p - start) <= abs(p - end) else end
-    return at, 1j * sense * (at - centre) / radius
-
-
-@numba.njit
-def outside(body, near, p):
-    """How far a point lies outside of a body, and the body's direction at its nearest point."""
-    least, side, way = math.inf, 0.0, 0j
-    for i in near:
-        at, along = nearest(body, i, p)
-        aside = -(along.conjugate() * (p - at)).imag
-        away = abs(p - at)
-        tied = abs(away - least) <= TIE * away
-        if (abs(aside) > abs(side)) if tied else (away < least):
-            least, side, way = away, aside, along
-    return math.copysign(least, side), way
-
-
-@numba.njit
-def least_gap(driver, follower, centre, theta, phi):
-    """The gap of two bodies in a pose, the point that has it, and the direction of the edge there.
-
-    Lines and arcs are nearest at an end of one, or where a line square to one passes through the
-    centre of the other.
-    """
-    turn = cmath.rect(1.0, phi - theta), centre * cmath.rect(1.0, -theta)
-    moved = (
-        turn[0] * follower[0] + turn[1], turn[0] * follower[1] + turn[1], follower[2],
-        turn[0] * follower[3] + turn[1], follower[4], turn[0] * follower[5] + turn[1], follower[6],
-    )  # fmt: skip
-    bodies, bound = (driver, moved), math.inf
-    apart = np.empty((driver[0].size, moved[0].size))
-    for i in range(driver[0].size):
-        for k in range(moved[0].size):
-            by, both = driver[5][i] - moved[5][k], driver[6][i] + moved[6][k]
-            apart[i, k] = math.sqrt(by.real * by.real + by.imag * by.imag) - both
-            bound = min(bound, apart[i, k] + 2.0 * both)
-    chosen = np.zeros(driver[0].size, np.bool_), np.zeros(moved[0].size, np.bool_)
-    for i in range(driver[0].size):
-        for k in range(moved[0].size):
-            if apart[i, k] <= bound:
-                chosen[0][i] = chosen[1][k] = True
-    least, place, way = math.inf, 0j, 0j
-    for one in range(2):
-        body, other = bodies[one], bodies[1 - one]
-        near, far = np.flatnonzero(chosen[one]), np.flatnonzero(chosen[1 - one])
-        for i in near:
-            points = [body[0][i], body[1][i]]
-            for k in far:
-                square = other[3][k] - body[3][i]
-                square = 1j * (other[1][k] - other[0][k]) if other[2][k] == 0.0 else square
-                if body[2][i] != 0.0 and square != 0.0:
-                    for sense in (1.0, -1.0):
-                        p = body[3][i] + sense * body[4][i] / abs(square) * square
-                        if abs(nearest(body, i, p)[0] - p) < TIE:
-                            points.append(p)
-            for p in points:
-                gap, along = outside(other, far, p)
-                if gap < least:
-                    least, place, way = gap, p, along
-    back = cmath.rect(1.0, theta)
-    return least, place * back, way * back
-
-
-@numba.njit
-def deepest(driver, follower, centre, theta, phi):
-    """The least gap in some poses."""
-    least = math.inf
-    for i in range(theta.size):
-        least = min(least, least_gap(driver, follower, centre, theta[i], phi[i])[0])
-    return least
+def edge_at(bodies, point):
+    """Direction of the edge at a point where two bodies touch, of which one may have a corner."""
+    every = Segments(*(np.concatenate(column) for column in zip(*bodies, strict=True)))
+    nearest, along = nearest_on(every, point)
+    inner = np.minimum(np.abs(every.start - point), np.abs(every.end - point))
+    k = np.argmax(np.where(np.abs(nearest - point) < TIE, inner, -1.0))
+    return along[k] / abs(along[k])
 
 
 def between(motion):
@@ -209,7 +130,7 @@ def between(motion):
     return (ends[:-1, None] + np.diff(ends)[:, None] * np.arange(PARTS) / PARTS).ravel()
 
 
-def momentum(motion, bodies):
+def momentum(motion):
     """How much the impulse of a blow differs from the momentum that both bodies gain.
 
     It is a share of the greatest impulse, beyond what the bodies gain in two roundings of the time
@@ -229,9 +150,11 @@ def momentum(motion, bodies):
             continue
         old, new = (motion.within(k, time) for k in (after - 1, after))
         before = motion.within(after - 1, 0.5 * (start[after - 1] + time))
-        if least_gap(*bodies, centre, float(before.theta), float(before.phi))[0] < 1e-12:
+        apart = outlines_at(own.mechanism, float(before.theta), float(before.phi))
+        if gap(*apart)[0] < 1e-12:
             continue
-        _, point, along = least_gap(*bodies, centre, float(new.theta), float(new.phi))
+        bodies = outlines_at(own.mechanism, float(new.theta), float(new.phi))
+        along = edge_at(bodies, point := gap(*bodies)[1])
         matrix = [[-point.imag, point.real], [point.imag, centre - point.real]]
         gains = [
             [new.theta_dot - old.theta_dot, late * old.theta_ddot, late * new.theta_ddot],
@@ -272,11 +195,11 @@ def main():
             statuses.append(motion.status)
             if not motion.handoff_times.size:
                 continue
-            wheel = motion.escapement.mechanism
-            bodies, poses = outlines_of(wheel), motion.at(between(motion))
-            deep.append(deepest(*bodies, wheel.axes_distance, poses.theta, poses.phi))
+            wheel, poses = motion.escapement.mechanism, motion.at(between(motion))
+            every = zip(poses.theta.tolist(), poses.phi.tolist(), strict=True)
+            deep.append(min(gap(*outlines_at(wheel, *pose))[0] for pose in every))
             balance.append(abs(motion.ledger.residual))
-            gained.append(momentum(motion, bodies))
+            gained.append(momentum(motion))
             if seed < polygons // len(KINDS):
                 crossed += crossings(esc.simulate(motion.escapement, 5))
             bad = motion.status is Status.NOT_CONVERGED or deep[-1] < -1e-12

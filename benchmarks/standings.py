@@ -27,9 +27,9 @@ def main() -> None:
     parser.add_argument("--quick", action="store_true", help="ten seconds, not many minutes")
     parser.add_argument("-o", "--output", type=Path, help=f"folder (default: {RESULTS})")
     args = parser.parse_args()
-    for peer in set(peers.PEERS) - set(peers.installed_peers()):
-        print(f"{peer} is not installed and is not measured; it is in the extra 'bench'")
     further = [each for each in peers.peer_solvers() if not args.quick or each.solver == "heyoka"]
+    if not further:
+        print("heyoka is not installed and is not measured; it is in the extra 'bench'")
     results = work_precision.run(
         quick=args.quick, further=further, note=lambda text: print(text, file=sys.stderr)
     )

@@ -21,6 +21,7 @@ from common import write_rows
 from random_cases import Problem, draw
 
 import escapement as esc
+from escapement.base.text import print_columns
 from escapement.dynamics.painleve import critical_friction
 
 SEED = 1954
@@ -29,12 +30,7 @@ ENGAGEMENTS = 3
 
 def write(name, head, rows):
     write_rows(name, rows, head)
-    for row in [head, *rows]:
-        print(
-            "  ".join(
-                f"{cell:>12.4g}" if isinstance(cell, float) else f"{cell!s:>12.22}" for cell in row
-            )
-        )
+    print_columns([head], rows)
 
 
 def exact(case, w, engagements=ENGAGEMENTS):

@@ -6,11 +6,9 @@ import subprocess
 
 import numpy as np
 import pytest
-from matplotlib.backends.backend_agg import FigureCanvasAgg
 from PIL import Image
 
 import escapement as esc
-from browser import chromium, opened, until
 from escapement import plots
 from escapement.base.errors import CannotCreate
 from figure_tools import by_id
@@ -51,23 +49,6 @@ def test_the_last_picture_is_that_of_its_instant(mechanism, tmp_path):
     np.testing.assert_allclose(velocities.get_xlim(), [1e3 * start, 1e3 * stop])
 
 
-def picture(figure):
-    canvas = FigureCanvasAgg(figure)
-    canvas.draw()
-    return np.asarray(canvas.buffer_rgba()).copy()
-
-
-@pytest.mark.parametrize("mechanism", DRIVES, ids=lambda drive: type(drive).__name__)
-def test_a_picture_of_what_moves_above_the_rest_is_that_of_the_whole_figure(mechanism):
-    figure = (film := plots.animate(motion(mechanism), frames=4))._fig
-    film._draw_was_started = True  # else it warns that it was never saved
-    first = picture(figure)
-    film._draw_frame(2)
-    quick, figure.moving = picture(figure), []
-    np.testing.assert_array_equal(quick, picture(figure))
-    assert (quick != first).any(axis=2).mean() > 0.01
-
-
 def test_a_loose_pin_stands_between_its_walls_as_in_the_motion(tmp_path):
     wheel = esc.Geneva(4, crank_radius=0.01, clearance=2e-5)
     cycle = esc.terminal(esc.Escapement(wheel, INERTIA, 0.0113, 0.3)).motion
@@ -96,32 +77,6 @@ def test_the_file_plays_for_ever_at_the_rate_asked_for(tmp_path):
     assert (tmp_path / "a.gif").read_bytes() == (tmp_path / "b.gif").read_bytes()
 
 
-@pytest.mark.slow
-def test_a_page_plays_by_itself_and_stops_where_it_is_wanted(tmp_path):
-    film = plots.animate(motion(DRIVES[0], 1), frames=4)
-    for name in "ab":
-        plots.save(film, tmp_path / f"{name}.html")
-    text = (tmp_path / "a.html").read_text("utf-8")
-    assert "http" not in text
-    assert text == (tmp_path / "b.html").read_text("utf-8")
-    moving = {"reduced_motion": "no-preference"}
-    with chromium() as browser, opened(browser, tmp_path / "a.html", **moving) as page:
-        shown = "[document.querySelector('[type=range]').value, document.querySelector('img').src]"
-        until(page, "document.querySelector('[type=range]').value === '2'")
-        assert page.evaluate("document.querySelector('img').naturalWidth") == 1080
-        page.click("[aria-label=Pause]")
-        stopped = page.evaluate(shown)
-        page.wait_for_timeout(400)
-        assert page.evaluate(shown) == stopped
-        page.click("[aria-label='First frame']")
-        first = page.evaluate(shown)
-        assert first[0] == "0"
-        assert (stopped[1] == first[1]) == (stopped[0] == first[0])
-    with chromium() as browser, opened(browser, tmp_path / "a.html") as page:
-        page.wait_for_timeout(400)
-        assert page.evaluate(shown) == first
-
-
 @pytest.mark.skipif(shutil.which("ffmpeg") is None, reason="ffmpeg is not installed")
 @pytest.mark.parametrize("suffix", [".mp4", ".webm"])
 def test_a_video_has_every_picture(tmp_path, suffix):
@@ -139,10 +94,10 @@ def test_a_video_has_every_picture(tmp_path, suffix):
 def test_without_ffmpeg_one_line_names_what_needs_none(tmp_path, monkeypatch, refusal):
     monkeypatch.setenv("PATH", str(tmp_path))
     film = plots.animate(motion(DRIVES[0], 1), frames=2)
-    with pytest.raises(CannotCreate, match=r"install ffmpeg, or end the name in \.html or \.gif"):
+    with pytest.raises(CannotCreate, match=r"install ffmpeg, or end the name in \.gif"):
         plots.save(film, tmp_path / "film.mp4")
     assert list(tmp_path.iterdir()) == []
-    plots.save(film, tmp_path / "film.html")
+    plots.save(film, tmp_path / "film.gif")
     numbers = ["--torque", "1", "--driver-inertia", "1", "--follower-inertia", "1"]
     assert "install ffmpeg" in refusal(73, "run", *numbers, "--plot", str(tmp_path / "a.webm"))
     longer = ["--engagements", "51", "--plot", str(tmp_path / "a.gif")]

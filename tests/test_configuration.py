@@ -195,8 +195,8 @@ def test_lobes_are_refused_before_anything_is_computed(lobes):
     ("content", "error", "message"),
     [
         (None, MissingInput, "does not exist; check its name"),
-        ("torque = 1\nfriction 3\n", InputFileError, "got in line 2: friction 3; TOML asks for"),
-        (b"torque = 1\n\xff\xfe = 2\n", InputFileError, "got another encoding in line 2"),
+        ("torque = 1\nfriction 3\n", InputFileError, "got in line 2: friction 3 ("),
+        (b"torque = 1\n\xff\xfe = 2\n", InputFileError, "got in line 2: ÿþ = 2 ("),
         ("a = " + "[" * 100_000, InputFileError, "must be valid TOML"),
         ("torque = 1979-05-27\n[sweep]\nfriction=[1]", InvalidValue, "torque must be a finite"),
         ("", InvalidValue, "must sweep at least one parameter"),

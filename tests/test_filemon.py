@@ -2,7 +2,6 @@
 
 import json
 import math
-from itertools import combinations
 from pathlib import Path
 
 import numpy as np
@@ -117,39 +116,26 @@ def test_nomograms_can_be_read_by_hand(name):
 
 def test_torque_figure_marks_maximum_and_reversals():
     result = esc.drive_torque(esc.Geneva(8), 10.0, 1.0, 0.019)
-    lines = {line.get_label(): line for line in plot_drive_torque(result).lines}
-    places = lines["pin reversal"].get_xdata()
+    drawn = plot_drive_torque(result).lines
+    lines = {line.get_label().partition(" at ")[0]: line for line in drawn}
+    reversals = lines["pin reversal"]
+    places = reversals.get_xdata()
+    assert reversals.get_label().count("°") == places.size == 2
     np.testing.assert_allclose(places, np.degrees(result.reversals), rtol=1e-14)
     top = math.degrees(result.torque_max_angle), result.torque_max
-    assert lines["greatest torque"].get_xydata()[0] == pytest.approx(top)
+    (highest,) = (line for name, line in lines.items() if name.startswith("greatest torque, "))
+    assert highest.get_xydata()[0] == pytest.approx(top)
     with pytest.raises(InvalidValue, match="result must be a DriveTorque"):
         plot_drive_torque(3.0)
     with pytest.raises(InvalidValue, match="units must be one of SI, in-lbf-s"):
         plot_drive_torque(result, units="in-lbf")
 
 
-@pytest.mark.parametrize(
-    ("wheel", "drive", "numbers"),
-    [
-        (esc.Geneva(4, internal=True), (100.0, 1.1, 0.002, 0.8), 0),
-        (esc.Geneva(8), (10.0, 1.0, 0.01432), 2),
-        (esc.Geneva(8), (10.0, lambda phi: 1.0 + 3.0 * np.cos(40.0 * phi), 0.01432), 3),
-    ],
-)
-def test_torque_figure_writes_within_its_axes_and_keeps_numbers_apart(wheel, drive, numbers):
-    ax = plot_drive_torque(esc.drive_torque(wheel, *drive))
-    ax.figure.draw_without_rendering()
-    frame, places = ax.get_window_extent(), [note.get_window_extent() for note in ax.texts]
-    assert all(frame.x0 <= place.x0 and place.x1 <= frame.x1 for place in places)
-    assert len(places) > numbers
-    assert not any(one.overlaps(two) for one, two in combinations(places[1:], 2))
-
-
 def test_torque_figure_is_in_the_units_asked_for():
     drive = esc.drive_torque(esc.Geneva(8), 10.0, INCH_POUND, 0.019 * INCH_POUND)
     ax = plot_drive_torque(drive, units="in-lbf-s")
     assert ax.get_ylabel() == "Torque (in-lbf)"
-    by_label = {line.get_label(): line for line in ax.lines}
+    by_label = {line.get_label().partition(",")[0]: line for line in ax.lines}
     for name, value in (
         ("greatest torque", "torque_max"),
         ("mean of the first half", "torque_mean"),

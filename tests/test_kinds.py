@@ -9,13 +9,11 @@ from typing import Any, ClassVar
 import pytest
 
 from escapement import mechanisms
-from escapement.base.errors import InvalidValue
 from escapement.base.quantity import quantity
 from escapement.cli import _arguments
 from escapement.cli._arguments import Parser, UsageError
 from escapement.mechanisms import Geneva
 from escapement.mechanisms.kind import Kind
-from escapement.study.parse import parse_plan
 
 
 @dataclass(frozen=True)
@@ -91,21 +89,6 @@ def test_help_and_reports_know_every_kind(second_kind, command):
         assert "cam-drive: height of the cam" in text
     out = command("mechanism", "cam-drive", "--rise", "1", "--units", "in-lbf-s")[1]
     assert out.partition("\n\n")[2].split() == ["stations", "4", "rise", "1", "in"]
-
-
-def test_a_study_says_to_which_kind_a_key_belongs(second_kind):
-    study = {
-        "mechanism": {"slots": 4, "rise": 1.0},
-        "inertia": {"driver": 1.0, "follower": 1.0},
-        "torque": 1.0,
-        "sweep": {"friction": [0.1]},
-    }
-    words = r"'rise' in \[mechanism\]; it belongs in \[mechanism\] of kind 'cam-drive'$"
-    with pytest.raises(InvalidValue, match=words):
-        parse_plan(study)
-    study["mechanism"] = {"kind": "cam-drive", "slots": 4}
-    with pytest.raises(InvalidValue, match=r"'slots' .* of kind 'geneva'"):
-        parse_plan(study)
 
 
 def test_gear_driven_solutions(command, report, tmp_path):

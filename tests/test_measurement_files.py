@@ -138,7 +138,7 @@ BAD = {
     "few rows": (text(ROWS[:19]), "at least 20", "got 19 of 19"),
     "nothing but NaN": (text([("nan", "nan")] * 50), "got 0 of 50"),
     "standstill": (text([("1", "2")] * 50), "input must turn"),
-    "binary": (b"\x89PNG\r\n\x1a\n\x00\x00", "text file", "UTF-8"),
+    "binary": (b"\x89PNG\r\n\x1a\n\x00\x00", "line 1 must have two columns", "PNG"),
     "zeros in text": (text().encode().replace(b"\n45", b"\n\x0045"), "line 5", "\\x00"),
     "other code": (put(4, "30,15 \xb0").encode("latin-1"), "line 4", "numbers in fields", "15 °"),
 }

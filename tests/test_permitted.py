@@ -180,7 +180,7 @@ def test_a_run_is_compared_with_its_target(command):
     words = ["rundown", *drive, "--spring-rate", "1e-6", "--turns", "20", "--target", "4", "--json"]
     code, out, err = command(*words, "--friction", ".12,.25")
     assert code == 0, err
-    first, second = json.loads(out)["runs"]
+    first, second = json.loads(out)["cases"]
     assert second["end_time"] - first["end_time"] == pytest.approx(
         second["target_error"] - first["target_error"]
     )

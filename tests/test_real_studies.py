@@ -1,7 +1,6 @@
 """Pins with width, rollers, bearings and drag in studies, files and commands."""
 
 import json
-import math
 from dataclasses import dataclass, replace
 
 import h5py
@@ -172,12 +171,5 @@ def test_a_motion_file_keeps_reactions_and_losses(slots, tmp_path):
         name = f"{body}_bearing_reaction"
         scale = 1e-9 * getattr(written, name).max()
         np.testing.assert_allclose(getattr(found, name), getattr(written, name), atol=scale)
-    with h5py.File(tmp_path / "motion.h5", "r+") as hdf5:
+    with h5py.File(tmp_path / "motion.h5") as hdf5:
         assert hdf5["driver_bearing_reaction"].attrs["units"] == "N"
-        for name in [name for name in hdf5 if name.endswith(("_loss", "_reaction"))]:
-            if name != "piece_friction_loss":
-                del hdf5[name]
-    old = read_motion(tmp_path / "motion.h5")
-    assert old.ledger.friction == again.ledger.friction
-    assert math.isfinite(old.ledger.residual)
-    np.testing.assert_array_equal(old.at(grid).theta, found.theta)

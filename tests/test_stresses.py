@@ -8,8 +8,6 @@ import numpy as np
 import pytest
 
 import escapement as esc
-from escapement.study.parse import plan_from
-from escapement.study.scenes import cost_note
 
 WHEEL = esc.Geneva(4, crank_radius=0.01, pin_radius=7e-4)
 TIMER = esc.Escapement(
@@ -87,24 +85,6 @@ def test_a_design_keeps_a_pressure():
         assert values["pressure_max"] == pytest.approx(greatest, rel=0.02)
         assert values["pressure_max"] <= most
     assert bounded.designs or "pressure_max must be at most" in bounded.message
-
-
-def test_the_cost_of_a_study_is_told():
-    axes = {
-        "friction": np.linspace(0.0, 0.3, 1000),
-        "driver_inertia": np.geomspace(1e-7, 1e-6, 300),
-    }
-    dear = plan_from(TIMER, axes, results=["period", "energy_residual"])
-    assert "energy_residual is computed case by case" in cost_note(dear)
-    assert cost_note(plan_from(TIMER, axes, results=["period", "pressure_max"])) == ""
-    torque = esc.TorqueCurve((0.0, math.pi, 2.0 * math.pi), (0.01, 0.008, 0.01), True)
-    own = cost_note(plan_from(replace(TIMER, torque=torque), axes, results=["period"]))
-    assert own == (
-        "all figures are computed case by case, about 3 ms for each: some 15 minutes on one "
-        "processor"
-    )
-    few = plan_from(TIMER, {"friction": [0.1, 0.2]}, results=["energy_residual"])
-    assert cost_note(few) == ""
 
 
 def test_several_wheels_make_one_table(command):

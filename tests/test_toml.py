@@ -1,4 +1,4 @@
-"""TOML files: encodings that are read, and the mended line after a usual slip."""
+"""TOML files: encodings that are read, and the line of a slip."""
 
 import pytest
 
@@ -16,36 +16,19 @@ follower = 5.65e-6
 [sweep]
 torque = [0.008, 0.0113, 0.02]
 """
-SLIPS = {
-    "friction = .3": "friction = 0.3",
-    "friction = -.3": "friction = -0.3",
-    "friction = 3.": "friction = 3.0",
-    "friction = [.2, .25,.3]": "friction = [0.2, 0.25,0.3]",
-    "a = { start = .08, stop = .14, num = 25 }": "a = { start = 0.08, stop = 0.14, num = 25 }",
-    "friction = 0,3": "friction = 0.3",
-    "friction = ,3": "friction = 0.3",
-    "torque = −0.1": "torque = -0.1",
-    "torque = 5 mN m": 'torque = "5 mN m"',
-    "torque = .1 in-lbf  # weak": 'torque = "0.1 in-lbf" # weak',
-    "crank_radius = 12mm": 'crank_radius = "12mm"',
-    "friction: 0.3": "friction = 0.3",
-    "friction .3": "friction = 0.3",
-    "internal = True": "internal = true",
-    "kind = geneva": 'kind = "geneva"',
-    "kind = gear-driven": 'kind = "gear-driven"',
-    "units = “SI”": 'units = "SI"',
-    r'file = "C:\users\curve.csv"': r"file = 'C:\users\curve.csv'",
-}
+SLIPS = (
+    *("friction = .3", "friction = 3.", "friction = 0,3", "torque = 5 mN m", "friction: 0.3"),
+    *("friction .3", "internal = True", "kind = geneva"),
+)
 
 
 @pytest.mark.parametrize("line", SLIPS)
-def test_a_slip_is_told_with_its_line_and_the_mended_one(line):
+def test_a_slip_is_told_with_its_line_and_the_rules(line):
     text = f'title = "wrong below"\n\n{line}\n[mechanism]\nslots = 4\n'
     with pytest.raises(ValueError, match="got in line 3") as caught:
         parse_toml(text)
-    assert str(caught.value).startswith(f"got in line 3: {line}; TOML asks for ")
-    assert str(caught.value).endswith(f": write {SLIPS[line]}")
-    assert parse_toml(text.replace(line, SLIPS[line]))["mechanism"] == {"slots": 4}
+    assert str(caught.value).startswith(f"got in line 3: {line} (")
+    assert "TOML asks for KEY = VALUE, " in str(caught.value)
 
 
 @pytest.mark.parametrize(
@@ -53,10 +36,10 @@ def test_a_slip_is_told_with_its_line_and_the_mended_one(line):
     [
         (
             "friction = 0.3\nfriction = 0.4\n",
-            "got in line 2: friction = 0.4; correct it there (Cannot",
+            "got in line 2: friction = 0.4 (Cannot",
         ),
-        ("a = [1, 2\nb = ?\n", "correct it there"),
-        ("a = ?", "got in line 1: a = ?; correct it there (Invalid value)"),
+        ("a = [1, 2\nb = ?\n", "got in line 2: b = ? ("),
+        ("a = ?", "got in line 1: a = ? (Invalid value)"),
         ("a = " + "[" * 100_000, "nested too deeply"),
     ],
 )
@@ -66,11 +49,12 @@ def test_another_error_is_told_with_its_line(text, told):
     assert told in str(caught.value)
 
 
-@pytest.mark.parametrize("encoding", ["utf-8", "utf-8-sig", "utf-16"])
-def test_a_study_is_read_in_any_encoding_that_marks_itself(tmp_path, encoding):
+@pytest.mark.parametrize("encoding", ["utf-8", "utf-8-sig", "utf-16", "cp1252"])
+def test_a_study_is_read_in_the_usual_encodings(tmp_path, encoding):
     path = tmp_path / "study.toml"
-    path.write_bytes(STUDY.replace("\n", "\r\n").encode(encoding))
-    assert load_plan(path).cases == 3
+    study = f'title = "Prüfung"\n{STUDY}'
+    path.write_bytes(study.replace("\n", "\r\n").encode(encoding))
+    assert load_plan(path).title == "Prüfung"
 
 
 def test_byte_order_marks_of_joined_files_are_left_out(tmp_path):

@@ -9,18 +9,10 @@ from importlib.util import find_spec
 
 from escapement.benchmark.problems import MeasuredSolver
 
-PEERS = ("heyoka",)
-"""Names under which they are imported."""
-
-
-def installed_peers() -> list[str]:
-    """Those of `PEERS` that can be imported here."""
-    return [name for name in PEERS if find_spec(name) is not None]
-
 
 def peer_solvers() -> Iterator[MeasuredSolver]:
-    """The solvers of all peers that are installed."""
-    if installed_peers():
+    """Both solvers by heyoka, if it is installed."""
+    if find_spec("heyoka"):
         module = import_module("peers.with_heyoka")
         for name, method, prepare in (
             ("heyoka", "Taylor", module.prepare),

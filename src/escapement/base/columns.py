@@ -14,8 +14,6 @@ from escapement.base.headings import COUNTS, NAMES, TIME_NAMES, TIMES, UNITS, na
 from escapement.base.lines import BrokenLine
 from escapement.base.text_table import Content, Layout, read_table
 
-_ROLES = (*NAMES, "time")
-
 
 class Columns(NamedTuple):
     """Angles of input and output, and other contents of their file.
@@ -36,20 +34,6 @@ class Columns(NamedTuple):
     units: tuple[str | None, ...]
     time_unit: str | None
     comments: list[str]
-
-
-class _Wanted(NamedTuple):
-    """What a caller wants of a file; see `read_columns`.
-
-    angles : size of each unit of the input, and of the output [rad].
-    """
-
-    names: tuple[str | None, ...]
-    unit: str | None
-    time_unit: str | None
-    by_order: bool
-    default: str
-    angles: tuple[dict[str, float], dict[str, float]]
 
 
 def read_columns(
@@ -99,7 +83,7 @@ def read_columns(
         If there is no column with a given name, or the unit is unknown.
     """
     pair = resolution if isinstance(resolution, tuple) else (resolution, resolution)
-    angles = [UNITS | ({} if n is None else {COUNTS: 2.0 * math.pi / n}) for n in pair]
+    known = [UNITS | ({} if n is None else {COUNTS: 2.0 * math.pi / n}) for n in pair]
     if unit is not None:
         validate.choice("angle_unit", unit, (*UNITS, COUNTS))
     if time_unit is not None:
@@ -109,14 +93,15 @@ def read_columns(
             "angle_unit counts must come with a resolution, got none; give the number of counts in "
             "a turn"
         )
-    wanted = _Wanted(names, unit, time_unit, by_order, default, (angles[0], angles[1]))
     content = Content(what, "angles", "a column of the input and one of the output")
-    table = read_table(path, content, partial(_find_layout, wanted=wanted), skip)
+    units = zip((*known, TIMES), (unit, unit, time_unit), (default, default, "s"), strict=True)
+    find = partial(_find_layout, wanted=names, by_order=by_order, known=[*units])
+    table = read_table(path, content, find, skip)
     *both, time = table.columns
     empty = np.full(table.line.size, np.nan)
     first, second = (empty if one is None else one for one in both)
-    *units, time_unit = table.layout.units
-    kept = tuple(one for one, column in zip(units, both, strict=True) if column is not None)
+    *told, time_unit = table.layout.units
+    kept = tuple(one for one, column in zip(told, both, strict=True) if column is not None)
     return Columns((first, second), time, table.line, kept, time_unit, table.comments)
 
 
@@ -153,24 +138,30 @@ def _speed_layout(fields: list[str], names: list[str], header: bool) -> Layout:
     return Layout(indices, (unit, "rpm" if rpm else "rad/s", None), scales)
 
 
-def _find_layout(fields: list[str], names: list[str], header: bool, wanted: _Wanted) -> Layout:
-    """Layout of a file with these fields in its first row; `names` have their units too."""
-    if not header and (len(fields) > 2 or any(wanted.names)):
+def _find_layout(
+    fields: list[str], names: list[str], header: bool, wanted: tuple[str | None, ...],
+    by_order: bool, known: list[tuple[dict[str, float], str | None, str]],
+) -> Layout:  # fmt: skip
+    """Layout of a file with these fields in its first row; `names` have their units too.
+
+    known : sizes of the units of input, output and time, that which the caller gives, and that of
+        a column without any.
+    """
+    if not header and (len(fields) > 2 or any(wanted)):
         remedy = "begin the file with a line of names, among them input and output"
         raise BrokenLine(f"name its {len(fields)} columns", remedy)
-    indices = _named_indices(fields, wanted.names, wanted.by_order) if header else (0, 1, None)
+    indices = _named_indices(fields, wanted, by_order) if header else (0, 1, None)
     units: list[str | None] = []
     scales = []
-    for role, index, known in zip(_ROLES, indices, (*wanted.angles, TIMES), strict=True):
+    for index, (sizes, given, usual) in zip(indices, known, strict=True):
         word, stated = name_and_unit(names[index]) if header and index is not None else ("", None)
-        timed = role == "time"
+        timed = sizes is TIMES
         if not (timed or word) and stated in TIMES:
             stated = None  # a heading may just be "second"
-        chosen = (wanted.time_unit if timed else wanted.unit) or stated
-        usual = "s" if timed else wanted.default
-        if (chosen or usual) not in known:
+        chosen = given or stated
+        if (chosen or usual) not in sizes:
             raise wrong_unit(chosen, timed)
-        scales.append(known[chosen or usual])
+        scales.append(sizes[chosen or usual])
         units.append(chosen)
     return Layout(indices, tuple(units), tuple(scales))
 

@@ -22,13 +22,11 @@ from escapement.base.errors import CannotCreate, EscapementError, InvalidValue, 
 AnyPath = str | PathLike[str]
 FORMATS = (".png", ".pdf", ".svg")
 """Suffixes of figures; they are known here so that a name is checked before Matplotlib loads."""
-FILMS = (".gif", ".html", ".mp4", ".webm")
+FILMS = (".gif", ".mp4", ".webm")
 """Suffixes of films."""
 _BY_FFMPEG = (".mp4", ".webm")
-REPORTS = (".html",)
-"""Suffix of a report."""
-PAGES = (".html", ".htm")
-"""Suffixes of pages that a browser shows."""
+PAGES = (".html",)
+"""Suffix of a page: a report, the explorer, or a motion that is played."""
 CUTS = (".dxf", ".svg", ".stl")
 """Suffixes of files of parts, for cutting and printing."""
 HDF5 = (".h5", ".hdf5", ".nc")
@@ -70,7 +68,7 @@ def file_format(path: AnyPath, formats: tuple[str, ...] = FORMATS) -> str:
     if suffix.lower() in _BY_FFMPEG and shutil.which("ffmpeg") is None:
         raise CannotCreate(
             f"output {path} must have ffmpeg to write it, which was not found; install ffmpeg, "
-            "or end the name in .html or .gif, which need nothing"
+            "or end the name in .gif, which needs nothing"
         )
     return suffix.lower()
 

@@ -4,13 +4,12 @@ import codecs
 import os
 import re
 from collections.abc import Iterator
-from functools import cached_property, partial
 from os import PathLike
+from typing import TextIO
 
-_MARKS = {b"\xff\xfe": "utf-16", b"\xfe\xff": "utf-16"}
 # what spreadsheets write for a missing number begins no comment
 _NO_COMMENT = re.compile(r"#(n/?a|value!|ref!|div/0!|num!)(?!\w)", re.IGNORECASE)
-_HEAD, _BLOCK = 4096, 1 << 20
+_MARKS = codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE
 
 
 class BrokenLine(Exception):
@@ -23,15 +22,10 @@ class Lines:
     def __init__(self, path: str | PathLike[str], skip: int) -> None:
         self.path, self.skip, self.number, self.text = path, skip, 0, ""
 
-    @cached_property
-    def encoding(self) -> str:
-        """Encoding of the file; that of a pipe, which cannot be read twice, must be UTF-8."""
-        return encoding_of(self.path) if os.path.isfile(self.path) else "utf-8"
-
     def __iter__(self) -> Iterator[str]:
         """Lines that are neither skipped nor blank nor comments, from the first one on."""
         self.passed_over, self.comments = [0], list[str]()
-        with open(self.path, encoding=self.encoding) as stream:
+        with open_text(self.path) as stream:
             for self.number, self.text in enumerate(stream, 1):
                 # a byte order mark stands at the beginning of each file that was appended
                 if self.text[0] == "\ufeff":
@@ -47,23 +41,21 @@ class Lines:
                     yield self.text
 
 
-def encoding_of(path: str | PathLike[str]) -> str:
-    """Encoding of a text file: UTF-8, UTF-16, or the code page 1252 of older Windows programs."""
-    with open(path, "rb") as stream:
-        head = stream.read(_HEAD)
-        for mark, encoding in _MARKS.items():
-            if head.startswith(mark):
-                return encoding
-        # without a mark, UTF-16 shows by the zero in every second byte of figures and commas
-        for offset, encoding in ((1, "utf-16-le"), (0, "utf-16-be")):
-            if 2.2 * head[offset::2].count(0) > len(head) > 1:
-                return encoding
-        stream.seek(0)
-        decoder = codecs.getincrementaldecoder("utf-8")()
-        try:
-            for block in iter(partial(stream.read, _BLOCK), b""):
-                decoder.decode(block)
-            decoder.decode(b"", final=True)
-        except UnicodeDecodeError:
-            return "utf-8" if b"\0" in head else "cp1252"
-    return "utf-8"
+def _as_windows(error: UnicodeError) -> tuple[str, int]:
+    """Bytes that are no UTF-8 as the code page 1252 of older Windows programs has them."""
+    if isinstance(error, UnicodeDecodeError):
+        text = error.object[error.start : error.end].decode("cp1252", errors="replace")
+        return text, error.end
+    raise error
+
+
+codecs.register_error("windows", _as_windows)
+
+
+def open_text(path: str | PathLike[str]) -> TextIO:
+    """A text file in UTF-8, UTF-16 with its mark, or code page 1252, open for reading."""
+    encoding = "utf-8"
+    if os.path.isfile(path):  # a pipe cannot be read twice
+        with open(path, "rb") as stream:
+            encoding = "utf-16" if stream.read(2) in _MARKS else "utf-8"
+    return open(path, encoding=encoding, errors="windows")

@@ -3,20 +3,18 @@
 import contextlib
 import gc
 import os
-import shutil
 import sys
 import time
 
 
 class Notice:
-    """Explains the wait on first use: one line, which a terminal updates as kernels are compiled.
+    """Explains the wait on first use in a line, and counts what is compiled.
 
-    A terminal removes the line when compiling ends, so that it does not disturb a progress bar.
     Numba compiles under a lock, so calls never overlap. The garbage collector rests meanwhile: it
     would look through all objects of the compiler again and again.
 
     silent : whether it says nothing; the environment variable ESCAPEMENT_QUIET asks for that.
-    lost : the folder in which compiled code cannot be kept, and why; shown once.
+    lost : the folder in which compiled code cannot be kept, and why.
     done, spent : functions compiled so far, and the time that it took [s].
     """
 
@@ -24,7 +22,8 @@ class Notice:
         self.silent = bool(os.environ.get("ESCAPEMENT_QUIET"))
         self._depth = self.done = 0
         self._start = self.spent = 0.0
-        self._shown_once = self._python_shown = self._collects = False
+        self._collects = False
+        self._said: set[str] = set()
         self.lost = ""
 
     @property
@@ -34,22 +33,8 @@ class Notice:
 
     def interpret(self) -> None:
         """The answer comes from Python source, since nothing is compiled yet."""
-        from multiprocessing import parent_process
-
-        if self.silent or self._python_shown or parent_process() is not None:
-            return
-        self._python_shown = True
-        with contextlib.suppress(AttributeError, OSError, ValueError):
-            print(
-                "escapement: not compiled yet, so that short work runs as plain Python; "
-                + (
-                    f"compiled code cannot be kept in {self.lost}: set NUMBA_CACHE_DIR to a folder "
-                    "that can be written"
-                    if self.lost
-                    else "'escapement compile' compiles all, once"
-                ),
-                file=sys.stderr,
-            )
+        remedy = self._not_kept or "'escapement compile' compiles all, once"
+        self._say(f"not compiled yet, so that short work runs as plain Python; {remedy}")
 
     def begin(self) -> None:
         """A kernel has to be compiled, and perhaps others for it."""
@@ -58,7 +43,8 @@ class Notice:
             self._collects = gc.isenabled()
             gc.disable()
         self._depth += 1
-        self._show()
+        often = f", at each run: {self._not_kept}" if self.lost else ", once"
+        self._say(f"compiling for this machine{often}; it takes a minute or two")
 
     def end(self) -> None:
         """It is compiled."""
@@ -66,32 +52,24 @@ class Notice:
         self.spent = time.monotonic() - self._start
         if self._depth == 0 and self._collects:
             gc.enable()
-        self._show()
 
-    def _show(self) -> None:
+    @property
+    def _not_kept(self) -> str:
+        """Why compiled code cannot be kept, and what to do; "" if it can."""
+        remedy = "set NUMBA_CACHE_DIR to a folder that can be written"
+        return self.lost and f"compiled code cannot be kept in {self.lost}; {remedy}"
+
+    def _say(self, text: str) -> None:
+        """A line on standard error, once in this process."""
         from multiprocessing import parent_process
 
-        text = "escapement: compiling for this machine" + ", once" * (not self.lost)
+        # each worker of a cluster on this machine would print the same
+        if self.silent or text in self._said or parent_process() is not None:
+            return
+        self._said.add(text)
         # standard error may be None, or closed
         with contextlib.suppress(AttributeError, OSError, ValueError):
-            # each worker of a cluster on this machine would print the same
-            if self.silent or parent_process() is not None:
-                return
-            if self.lost and not self._shown_once:
-                print(
-                    f"escapement: compiled code cannot be kept in {self.lost}, so that each run "
-                    "compiles; set NUMBA_CACHE_DIR to a folder that can be written",
-                    file=sys.stderr,
-                )
-            if sys.stderr.isatty():
-                self._shown_once = True
-                columns = shutil.get_terminal_size().columns - 1
-                text += f": {self.done} functions, {time.monotonic() - self._start:.0f} s"
-                sys.stderr.write(f"\r{text * (self._depth > 0):{columns}.{columns}}\r")
-                sys.stderr.flush()
-            elif not self._shown_once:
-                self._shown_once = True
-                print(f"{text}; it takes a minute or two", file=sys.stderr)
+            sys.stderr.write(f"escapement: {text}\n")
 
 
 notice = Notice()

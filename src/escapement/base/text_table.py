@@ -117,11 +117,10 @@ def read_table(
         raise InputFileError(f"{where} must {rule}, got {shown!r}; {remedy}") from None
     except (FileNotFoundError, NotADirectoryError):
         raise MissingInput(f"{content.what} {path} does not exist; check its name") from None
-    except (OSError, UnicodeDecodeError) as error:
-        reason = getattr(error, "strerror", None) or error
+    except OSError as error:
         raise InputFileError(
-            f"{content.what} {path} must be a readable text file, got: {reason}; save it as CSV in "
-            "UTF-8"
+            f"{content.what} {path} must be a readable text file, got: {error.strerror}; save it "
+            "as CSV in UTF-8"
         ) from None
     except StopIteration:
         raise InputFileError(
@@ -164,8 +163,6 @@ def _read(lines: Lines, content: Content, find_layout: FindLayout, plain: bool) 
             delimiter=None if separator == " " else separator, quotechar='"',
             converters=None if plain else readers,
         )  # fmt: skip
-    except UnicodeDecodeError:
-        raise
     except ValueError:
         raise _bad_row(lines.text, separator, len(fields), layout.indices) from None
     line = np.delete(np.arange(lines.number + 1), lines.passed_over)

@@ -26,28 +26,25 @@ from escapement.base.files import replace_file
 from escapement.base.text import as_csv
 
 Call = Callable[[], Any]
-Clock = Callable[[], float]
-
-processor, wall = time.process_time, time.perf_counter
 
 _SAMPLE = 5e-3  # [s], long compared with the clock's resolution, short compared with disturbances
 _OTHER_FACTS = ("processor", "cores", "load", "system", "escapement", "quick")
 
 
-def timed(call: Call, clock: Clock = processor) -> tuple[float, Any]:
+def timed(call: Call) -> tuple[float, Any]:
     """Time of one call [s], and its result."""
-    begin = clock()
+    begin = time.process_time()
     result = call()
-    return clock() - begin, result
+    return time.process_time() - begin, result
 
 
-def shortest(calls: Sequence[Call], rounds: int, clock: Clock = processor) -> list[float]:
+def shortest(calls: Sequence[Call], rounds: int) -> list[float]:
     """Shortest time of each call [s] over rounds in which each takes its turn.
 
     A quick call is repeated within a turn until the sample is long enough, and the
     sample's mean counts.
     """
-    timers = [Timer(call, timer=clock) for call in calls]
+    timers = [Timer(call, timer=time.process_time) for call in calls]
     # the very first call also loads what it needs, so the shorter of two counts
     once = [max(min(timer.repeat(2, 1)), 1e-7) for timer in timers]
     repeats = [max(1, round(_SAMPLE / each)) for each in once]

@@ -182,28 +182,12 @@ def package_solvers() -> Iterator[MeasuredSolver]:
     """Both engines, and each method of solve_ivp with the equation in each language."""
     for engine, tightest in (("energy", -13), ("ivp", -12)):
         prepare: Callable[[Problem, float], TimedRun] = partial(_prepare_engine, engine=engine)
-        yield MeasuredSolver(
-            solver=engine,
-            family=engine,
-            method="",
-            language="Numba",
-            loosest=-4,
-            tightest=tightest,
-            prepare=prepare,
-        )
+        yield MeasuredSolver(engine, engine, "", "Numba", -4, tightest, prepare)
     for method in METHODS:
         for language in _EQUATIONS:
             prepare = partial(_prepare_solve_ivp, method=method, language=language)
             name = f"solve_ivp {method} {language}"
-            yield MeasuredSolver(
-                solver=name,
-                family="solve_ivp",
-                method=method,
-                language=language,
-                loosest=-3,
-                tightest=-13,
-                prepare=prepare,
-            )
+            yield MeasuredSolver(name, "solve_ivp", method, language, -3, -13, prepare)
 
 
 def _prepare_engine(problem: Problem, rtol: float, engine: str) -> TimedRun:

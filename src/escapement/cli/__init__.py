@@ -181,9 +181,8 @@ def _complain(message: str, code: int) -> int:
 
 def _tell(event: str, message: str) -> None:
     """One line on stderr, and in the log."""
-    from escapement.cli import _log, _waiting
+    from escapement.cli import _log
 
-    _waiting.clear()
     line = " ".join(message.split())
     _log.record(event, message=line)
     print(f"escapement: {event}: {line}", file=sys.stderr)

@@ -19,7 +19,7 @@ from typing import Any, NoReturn
 from escapement import __version__
 from escapement.base import spoken, validate
 from escapement.base.errors import EscapementError, InvalidValue
-from escapement.base.files import FILMS, FORMATS, REPORTS
+from escapement.base.files import FILMS, FORMATS, PAGES
 from escapement.base.quantity import Choice, Numbers, Quantity, Setting, Truth
 from escapement.base.results import Result
 from escapement.base.units import SYSTEMS, printed
@@ -310,24 +310,15 @@ def read_escapement(args: Arguments) -> Any:
     return escapement_of(read_mechanism(args), typed_by_name(args, model_settings()))
 
 
-def add_mechanism(parser: Parser, file: str = "", tables: bool = False) -> None:
+def add_mechanism(parser: Parser, tables: bool = False) -> None:
     """Add the mechanism: its kind, and the options of every kind.
 
     With `tables` several numbers of slots may be typed, see `_output.tell_several`.
-
-    Instead of the kind there may be the name of a file, which then is a `Path`; its suffix is
-    that of `file`.
     """
     listing = "; ".join(f"{name}: {kind_of(name).summary}" for name in KINDS)
     text = f"mechanism (default: {DEFAULT_KIND}). {listing}"
-    rule, suffix, shown = one_of("KIND", [*KINDS]), Path(file).suffix, "KIND"
-    if file:
-        text, shown = f"{text}; or {file}, one case of a study", f"KIND|{file}"
-
-    def read(word: str) -> Any:
-        return Path(word) if suffix and Path(word).suffix == suffix else rule(word)
-
-    parser.add_argument("kind", nargs="?", type=read, metavar=shown, help=text)
+    rule = one_of("KIND", [*KINDS])
+    parser.add_argument("kind", nargs="?", type=rule, metavar="KIND", help=text)
     group = parser.add_argument_group("mechanism")
     for name, kinds in owners().items():
         entry = kind_of(kinds[0]).options()[name]  # the first of those that share it explains it
@@ -395,13 +386,13 @@ def add_plot(group: ArgumentGroup, text: str, film: str = "") -> None:
     """Add a figure to draw."""
     text += f"; {', '.join(FORMATS[:-1])} or {FORMATS[-1]}"
     if film:
-        text += f"; {film}: {', '.join(FILMS[:-1])} or {FILMS[-1]}"
-    _add_drawn(group, "plot", text, "FILE", FORMATS + FILMS if film else FORMATS)
+        text += f"; {film}: {', '.join(FILMS)} or {PAGES[0]}"
+    _add_drawn(group, "plot", text, "FILE", FORMATS + FILMS + PAGES if film else FORMATS)
 
 
 def add_report(group: ArgumentGroup) -> None:
     """Add a report to write."""
-    _add_drawn(group, "report", "write a report that needs no other file", "FILE.html", REPORTS)
+    _add_drawn(group, "report", "write a report that needs no other file", "FILE.html", PAGES)
 
 
 def _add_drawn(

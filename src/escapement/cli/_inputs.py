@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 _NO_INPUTS = {
     *("json", "log", "units", "output", "force", "plot", "report", "settings"),
-    *("resume", "quiet", "serve", "segments", "r12", "format"),
+    *("resume", "quiet", "segments", "r12", "format"),
 }
 """Arguments that say where and how something is written."""
 _ROUND = ("pin_radius", "roller_radius", "bearing_radius", "locking_radius")

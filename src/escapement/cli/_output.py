@@ -15,11 +15,11 @@ from typing import Any
 
 import escapement as esc
 from escapement.base.errors import CannotCreate
-from escapement.base.files import FILMS, check_target, creating, file_format, write_file
+from escapement.base.files import FILMS, PAGES, check_target, creating, file_format, write_file
 from escapement.base.records import Record
 from escapement.base.spoken import speak
 from escapement.base.status import MESSAGES, Status
-from escapement.base.text import as_json, print_columns
+from escapement.base.text import as_json, print_columns, words
 from escapement.base.toml_file import read_toml
 from escapement.base.units import SYSTEMS
 from escapement.cli import _log, _waiting
@@ -74,36 +74,39 @@ Found = tuple[Record, Iterable[Input], int]
 """What a command found, the numbers that went in, and its exit code."""
 
 
-def tell_found(args: Arguments, find: Callable[[Arguments], Found]) -> int:
-    """Print what a command finds, as one table if several numbers of slots are given."""
-    if isinstance(args.slots, tuple):
-        return tell_several(args, find)
+def tell_found(args: Arguments, find: Callable[[Arguments], Found], name: str = SLOTS) -> int:
+    """Print what a command finds, as one table if several values of an option are given."""
+    if isinstance(getattr(args, name), tuple):
+        return tell_several(args, find, name)
     record, inputs, code = find(args)
     tell(args, record, inputs)
     return code
 
 
-def tell_several(args: Arguments, find: Callable[[Arguments], Found]) -> int:
-    """Print what a command finds for each of several numbers of slots, as one table."""
-    files = (name for name in ("output", "plot", "report") if getattr(args, name, None) is not None)
-    if name := next(files, None):
-        raise UsageError(f"--{name} must come with one number of slots, got {len(args.slots)}")
-    values, found = args.slots, []
-    for args.slots in values:
+def tell_several(args: Arguments, find: Callable[[Arguments], Found], name: str = SLOTS) -> int:
+    """Print what a command finds for each of several values of an option, as one table."""
+    values, found = getattr(args, name), []
+    for file in ("output", "plot", "report"):
+        if getattr(args, file, None) is not None:
+            rule = f"--{file} must come with one number of {words(name)}"
+            raise UsageError(f"{rule}, got {len(values)}")
+    for value in values:
+        setattr(args, name, value)
         found.append(find(args))
-    args.slots = [*values]
+    setattr(args, name, [*values])
     records, inputs = [one for one, _, _ in found], [[*known] for _, known, _ in found]
-    # what follows from the number of slots is no input of all
+    # what follows from the option is no input of all
     known = [x for x in inputs[0] if all(x in others for others in inputs)]
-    cases = [{SLOTS: n, **one.values} for n, one in zip(values, records, strict=True)]
-    table = partial(side_by_side, args, records, [f"{n} slots" for n in values])
+    cases = [{name: n, **one.values} for n, one in zip(values, records, strict=True)]
+    heads = [f"{n} {words(name)}" for n in values]
     told = Record({"cases": cases}, records[0].results)
     messages = (one.values.get("message", "") for one in records)
     notes = [
-        f"{n} slots: {text}" for n, text in zip(values, messages, strict=True)
+        f"{head}: {text}" for head, text in zip(heads, messages, strict=True)
         if text not in ("", MESSAGES[Status.OK])
     ]  # fmt: skip
-    tell(args, told | Record({"message": "; ".join(notes)}) if notes else told, known, table)
+    told = told | Record({"message": "; ".join(notes)}) if notes else told
+    tell(args, told, known, partial(side_by_side, args, records, heads))
     return max(code for _, _, code in found)
 
 
@@ -143,7 +146,6 @@ def with_reasons(record: Record, warning: str = "") -> Record:
 
 def note(message: str) -> None:
     """A line on stderr, and in the log."""
-    _waiting.clear()
     _log.record("note", message=message)
     print(f"escapement: {message}", file=sys.stderr)
 
@@ -201,9 +203,10 @@ def moving(path: Path | None, motion: Any, still: Callable[[Any], Content]) -> A
 
     still : makes the picture, with `escapement.plots`.
     """
-    if path is None or path.suffix.lower() not in FILMS:
+    suffix = "" if path is None else path.suffix.lower()
+    if suffix not in FILMS + PAGES:
         return still
-    if path.suffix.lower() == ".html":
+    if suffix in PAGES:
         from escapement.explorer import player
 
         return lambda _: player(motion)

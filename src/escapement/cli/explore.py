@@ -3,9 +3,6 @@
 Without torque and inertias it begins with a design of its own.
 """
 
-import argparse
-from pathlib import Path
-
 from escapement.base.files import PAGES
 from escapement.base.quantity import declared
 from escapement.base.units import factor
@@ -23,30 +20,16 @@ _LENGTH = {"engagements": declared(Run)["engagements"]}
 def configure(parser: Parser) -> None:
     """Add the command's arguments."""
     run.add_study(parser.add_argument_group("one case of a study, instead of mechanism and model"))
-    _arguments.add_mechanism(parser, file="CONFIG.toml")
+    _arguments.add_mechanism(parser)
     _arguments.add_group(parser, "model", run.model())
     _arguments.add_group(parser, "length of the motion", _LENGTH)
     parser.set_defaults(**dict.fromkeys(declared(Solver)))
     output = parser.add_argument_group("output")
     _arguments.add_output(output, "page.html", "write the page", PAGES)
-    # it is known in order to say what to do instead
-    output.add_argument("--serve", action="store_true", help=argparse.SUPPRESS)
 
 
 def execute(args: Arguments) -> int:
     """Write a page with the given design."""
-    if args.serve:
-        raise UsageError(
-            "--serve must be left out, because the page computes by itself; write it with "
-            "-o page.html, or play the motion of what it cannot compute with "
-            "'escapement run ... --plot motion.html'"
-        )
-    if isinstance(args.kind, Path):
-        if args.study is not None:
-            raise UsageError(
-                f"--from must not come with the study {args.kind}, got both; leave one of them out"
-            )
-        args.study, args.kind = args.kind, None
     if args.output is None:
         raise UsageError("--output must name the page to write, got none; add -o page.html")
     from escapement.explorer import page, stops

@@ -1,14 +1,11 @@
 """Figures that suit the study or the motion in a file."""
 
-from collections.abc import Iterable
 from dataclasses import replace
 from pathlib import Path
 
 import escapement as esc
 from escapement.base.errors import InvalidValue
-from escapement.base.files import FILMS, FORMATS, check_input, file_format
-from escapement.base.status import Status
-from escapement.base.text import words
+from escapement.base.files import FILMS, FORMATS, PAGES, check_input, file_format
 from escapement.base.units import SYSTEMS
 from escapement.cli import _output
 from escapement.cli._arguments import Arguments, Parser, UsageError
@@ -42,9 +39,9 @@ def execute(args: Arguments) -> int:
     from escapement.study.table_files import is_table
 
     # a file of a motion says so itself; every other one is taken for a study
-    holds, gaps, units = "motion", "", SYSTEMS[0]
+    holds, units = "motion", SYSTEMS[0]
     moving = not is_table(args.file) and is_motion(args.file)
-    file_format(path, FORMATS + FILMS if moving else FORMATS)
+    file_format(path, FORMATS + FILMS + PAGES if moving else FORMATS)
     _output.check_output(path, args.file, drawn=True)
     if moving:
         for option, value in {"--select": args.select, "--result": args.result}.items():
@@ -69,10 +66,8 @@ def execute(args: Arguments) -> int:
         study = in_units(study, args.units)
         wanted = args.result and [name.strip() for name in args.result.split(",")]
         content = _output.picture(lambda plots: plots.plot_study(study, wanted))
-        gaps = _gaps(study, wanted or study.results)
     _output.save_as(path, content)
     record = {"input": str(args.file), "holds": holds, "output": str(path)}
-    record |= {"message": gaps} if gaps else {}
     args.units = args.units or units
     _output.tell(args, record, table=lambda: _output.note(f"{holds} drawn in {path}"))
     return 0
@@ -88,21 +83,6 @@ def _study(args: Arguments) -> "esc.Study":
         return read_table(args.file, args.units)
     except InvalidValue as error:
         raise UsageError(f"{args.file}: {error}") from None
-
-
-def _gaps(study: "esc.Study", results: Iterable[str]) -> str:
-    """How many cases have no number to draw, and why; "" if there are none."""
-    import numpy as np
-
-    counts = {
-        f"with status {label}": n for label, n in study.outcomes.items() if label != Status.OK.label
-    }
-    answered = study.results["status"] == Status.OK
-    for name in results:
-        lost = np.isnan(study.results[name]) & answered
-        counts[f"without {words(name)}"] = int(np.count_nonzero(lost))
-    text = ", ".join(f"{n} {what}" for what, n in counts.items() if n)
-    return text and f"some of the {study.cases} cases leave gaps in the figure: {text}"
 
 
 def in_units(study: "esc.Study", system: str) -> "esc.Study":

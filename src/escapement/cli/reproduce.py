@@ -8,7 +8,7 @@ import escapement as esc
 from escapement.base.files import FORMATS, replace_file
 from escapement.base.text import as_csv, as_json
 from escapement.base.units import SYSTEMS
-from escapement.cli import _arguments, _log, _output, _waiting
+from escapement.cli import _arguments, _log, _output
 from escapement.cli._arguments import Arguments, Parser, one_of
 from escapement.cli._inputs import as_record, inputs_of_command, print_inputs
 
@@ -74,7 +74,6 @@ def _reproduce(
             _output.note(f"tables and figures in {folder}")
             _log.record("saved", file=str(folder))
     if not args.json:
-        _waiting.clear()
         if source in (args.source, SOURCES[0]):
             print_inputs(inputs_of_command(args), args.units or SYSTEMS[1])
         made.show()

@@ -42,45 +42,20 @@ def configure(parser: Parser) -> None:
 
 def execute(args: Arguments) -> int:
     """Let it run down, write what was asked for, print the figures."""
+    return _output.tell_found(args, _found, "friction")
+
+
+def _found(args: Arguments) -> _output.Found:
+    """What is told of one run, which is written and drawn where that is asked for."""
     from escapement.engines.run_down import RUNDOWN
 
-    frictions = args.friction
-    if isinstance(frictions, tuple):
-        return _compared(args, frictions)
     timer = _arguments.read_escapement(args)
     run = _run(args, timer)
     _output.save(args, partial(_table, run), lambda plots: plots.plot_rundown(run))
-    known = [*inputs_of(timer), *_asked(args)]
     stopped = run.message if run.message != MESSAGES[Status.OK] else ""
-    _output.tell(
-        args,
-        _output.with_reasons(Record(run.as_dict() | _against(args, run), RUNDOWN), stopped),
-        known,
-    )
-    return SOME_FAILED if run.status in _FAILED else 0
-
-
-def _compared(args: Arguments, frictions: tuple[float, ...]) -> int:
-    """Let it run down with each of several frictions, and print a table."""
-    from escapement.engines.run_down import RUNDOWN
-
-    runs, lines = [], []
-    for args.friction in frictions:
-        timer = _arguments.read_escapement(args)
-        runs.append(_run(args, timer))
-        told = {"turns": runs[-1].end_turns, "end_time": runs[-1].end_time}
-        lines.append(
-            {
-                "friction": args.friction,
-                **told,
-                **_against(args, runs[-1]),
-                "status": runs[-1].status.label,
-            }
-        )
-    args.friction = list(frictions)
-    known = [(name, x, unit) for name, x, unit in inputs_of(timer) if name != "friction"]
-    _output.tell(args, Record({"runs": lines}, RUNDOWN), [*known, *_asked(args)])
-    return SOME_FAILED if any(run.status in _FAILED for run in runs) else 0
+    record = Record(run.as_dict() | _against(args, run), RUNDOWN)
+    code = SOME_FAILED if run.status in _FAILED else 0
+    return _output.with_reasons(record, stopped), [*inputs_of(timer), *_asked(args)], code
 
 
 def _run(args: Arguments, timer: esc.Escapement) -> "esc.Rundown":

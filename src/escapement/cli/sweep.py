@@ -54,9 +54,7 @@ def execute(args: Arguments) -> int:
         plan.check_mechanism()
     except InvalidValue as error:
         raise InvalidValue(f"{args.config}: {error}") from None
-    from escapement.study.scenes import cost_note
-
-    for text in filter(None, (plan.idle, plan.unused, cost_note(plan))):
+    for text in filter(None, (plan.idle, plan.unused)):
         _output.note(text)
     tally = _run(plan, path, args)
     from escapement.study.selection import some_cases

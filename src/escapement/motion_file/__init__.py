@@ -20,13 +20,9 @@ from escapement.base.errors import EscapementError, InputFileError
 from escapement.base.files import MOTIONS, check_target, file_format, pending_hdf5, write_file
 from escapement.base.status import Status
 from escapement.base.text import csv_lines
-from escapement.base.units import SYSTEMS, factor, ratio_of, unit_name
+from escapement.base.units import factor
 from escapement.dynamics.motion import Motion
-from escapement.dynamics.trajectory import Events, Extrema
 from escapement.dynamics.variables import (
-    ATTRIBUTES,
-    GROUPS,
-    LOST,
     SAMPLES,
     attributes,
     attributes_of,
@@ -37,7 +33,6 @@ from escapement.engines.simulate import simulate
 from escapement.mechanisms import KINDS
 from escapement.mechanisms.protocol import FloatArray
 from escapement.model.torque_curve import TorqueCurve
-from escapement.motion_file.sampled import SampledTrajectory
 from escapement.study.hdf5 import FILTERS
 from escapement.study.parse import parse_plan, plan_from
 from escapement.study.reader import configuration_of
@@ -45,8 +40,9 @@ from escapement.study.stored import LAYOUT, SCHEMA_VERSION, open_hdf5, opened
 
 CONTENT = "motion"
 """Root attribute `content`, which distinguishes a motion from a study."""
-_BLOCK = 65536  # samples computed, written or read at a time, and the greatest length of a chunk
+_BLOCK = 65536  # samples computed and written at a time, and the greatest length of a chunk
 _LEAST = 64  # least length of a chunk
+_ALIKE = 1e-6  # greatest relative difference of handoff times that are the same
 Progress = Callable[[int, int, int], None]
 """Called with the engagements written, their number and 0."""
 _Lines = dict[str, tuple[tuple[str, str, str], FloatArray]]
@@ -186,16 +182,16 @@ def is_motion(path: str | PathLike[str]) -> bool:
 def read_motion(path: str | PathLike[str]) -> Motion:
     """Read a motion.
 
-    Handoffs and events are those in the file. The state at any time is computed again from the
-    samples at reversals and handoffs. A motion with clearance is simulated again.
+    The motion is simulated again from the configuration in the file, and has the engine and the
+    tolerance with which it was written.
 
     Raises
     ------
     MissingInput
         When there is no such file.
     InputFileError
-        When it holds no motion, is damaged, has a newer layout than this version can read, or has
-        a mechanism of an unknown kind.
+        When it holds no motion, has a newer layout than this version can read, a mechanism of an
+        unknown kind, or handoffs that this version does not compute.
     """
     with opened(path, "motion", "run", ("configuration", "t"), SCHEMA_VERSION) as hdf5:
         machine = configuration_of(hdf5)["mechanism"]
@@ -213,78 +209,18 @@ def read_motion(path: str | PathLike[str]) -> Motion:
 
 def _read(hdf5: Any) -> Motion:
     plan = parse_plan(configuration_of(hdf5))
-    escapement = plan.escapement(0)
-    attributes = {name: kind(hdf5.attrs[name]) for name, kind in ATTRIBUTES.items()}
-    if escapement.contact:
-        # only the engine can compute the motion of a free follower between two samples
-        start = {"initial_speed": plan.values(0)["initial_speed"], "rtol": attributes["rtol"]}
-        return simulate(escapement, duration=attributes["end_time"], **start)
-    groups = [
-        # files of the first versions hold only the loss in friction
-        {
-            key: _in_si(hdf5[prefix + key], column[0])
-            for key, column in columns.items()
-            if key not in LOST or prefix + key in hdf5
-        }
-        for _, prefix, columns in GROUPS
-    ]
-    handoffs, reversals, extrema, pieces = groups
-    # a damaged file may be read without an error of HDF5
-    for columns in groups:
-        _check_columns(columns, attributes["end_time"])
-    theta, speed = _at_starts(hdf5, pieces["start"], attributes["end_time"])
-    extrema["maximum"] = extrema["maximum"].astype(bool)
-    none = np.zeros_like(pieces["start"])
-    pieces["losses"] = np.array([pieces.pop(key, none) for key in LOST])
-    pieces |= {"reversals": Events(**reversals), "extrema": Extrema(**extrema)}
-    motion = Motion(
-        escapement=escapement,
-        trajectory=SampledTrajectory(escapement, **pieces, theta=theta, theta_dot=speed),
-        status=Status[str(hdf5.attrs["status"]).upper()],
-        **attributes,
-        **handoffs,
-    )
-    # its status was decided before it was written
-    motion.judged = True
+    escapement, stored = plan.escapement(0), hdf5["handoff_times"][()]
+    end, finished = float(hdf5.attrs["end_time"]), hdf5.attrs["status"] == Status.OK.label
+    length: dict[str, Any] = {"engagements": stored.size + 1}
+    if finished:
+        whole = stored.size > 0 and stored[-1] == end
+        length = {"engagements": stored.size} if whole else {"duration": end}
+    start, rtol = plan.values(0)["initial_speed"], float(hdf5.attrs["rtol"])
+    engine = str(hdf5.attrs["engine"])
+    motion = simulate(escapement, initial_speed=start, rtol=rtol, engine=engine, **length)
+    # rounding decides on the impacts of a follower that is free
+    times, fine = motion.handoff_times, max(_ALIKE, 100.0 * rtol)
+    alike = times.shape == stored.shape and np.allclose(times, stored, rtol=fine, atol=0.0)
+    if not (alike or escapement.contact):
+        raise ValueError("this version computes other handoffs")
     return motion
-
-
-def _in_si(dataset: Any, kind: str, part: Any = ()) -> Any:
-    """Values of a dataset, which says in which unit it has them."""
-    stored, wanted = dataset.attrs.get("units"), unit_name(kind, SYSTEMS[0])
-    found = dataset[part]
-    return found if stored in (None, wanted) else ratio_of(str(stored), wanted) * found
-
-
-def _at_starts(hdf5: Any, start: FloatArray, end: float) -> FloatArray:
-    """Driver angles and speeds at the starts of pieces; all samples are read, block by block."""
-    names = "t", "theta", "theta_dot"
-    sizes = [hdf5[name].shape for name in names]
-    found, done, last = np.empty((2, start.size)), 0, -np.inf
-    if not start.size or sizes[0] == (0,) or sizes.count(sizes[0]) < 3 or len(sizes[0]) != 1:
-        raise ValueError("t, theta and theta_dot must be equally long lists, with at least a piece")
-    for first in range(0, sizes[0][0], _BLOCK):
-        part = slice(first, first + _BLOCK)
-        block = {name: _in_si(hdf5[name], SAMPLES[name][0], part) for name in names}
-        _check_columns(block, end)
-        t, *values = block.values()
-        ascends = (np.diff(t, prepend=last) > 0.0).all() and (first > 0 or t[0] == 0.0)
-        if not ascends or (first + _BLOCK >= sizes[0][0] and t[-1] != end):
-            raise ValueError(f"t must ascend from 0 to the end_time, {end:g} s")
-        # a piece of zero length may end the motion
-        upto = int(np.searchsorted(start, t[-1], side="right")) if t[-1] < end else start.size
-        sample = np.minimum(np.searchsorted(t, start[done:upto]), t.size - 1)
-        found[:, done:upto] = np.array(values)[:, sample]
-        done, last = upto, t[-1]
-    return found
-
-
-def _check_columns(columns: dict[str, Any], end: float) -> None:
-    """Raise ValueError unless these are lists of equal length, the first with ascending times."""
-    scale, times = next(iter(columns.items()))
-    for name, values in columns.items():
-        numbers = values.ndim == 1 and values.dtype.kind in "fiu"
-        if not numbers or values.size != times.size or not np.isfinite(values).all():
-            raise ValueError(f"{name} must be a list of finite numbers, as long as {scale}")
-    if (np.diff(times) < 0.0).any() or (times < 0.0).any() or (times > end).any():
-        raise ValueError(f"{scale} must ascend between 0 and the end_time, {end:g} s")

@@ -14,7 +14,6 @@ from escapement.mechanisms.protocol import Mechanism
 from escapement.mechanisms.two_bodies import TwoBodies
 from escapement.plots import drawing, style
 from escapement.plots.clearance_drawing import draw_close_up, exaggerated
-from escapement.plots.films import FilmFigure
 from escapement.plots.geneva import plot_geneva
 from escapement.plots.motion_plots import plot_velocities
 from escapement.plots.planetary import draw_planetary, extent
@@ -43,14 +42,14 @@ def animate(
     start, stop : float
         Part of the motion that is shown [s]. Default: all of it.
     frames : int
-        Number of pictures, evenly spaced in time; some twenty take about a second.
+        Number of pictures, evenly spaced in time; some ten take about a second.
     rate : float
         Pictures per second when shown [1/s]; no viewer shows more than 50 of a .gif.
 
     Returns
     -------
     matplotlib.animation.FuncAnimation
-        It can be written with `save` as .gif, .html, .mp4 or .webm, or shown in a notebook with
+        It can be written with `save` as .gif, .mp4 or .webm, or shown in a notebook with
         `IPython.display.HTML(film.to_jshtml())`. Its title gives the time and the factor of slow
         motion.
 
@@ -74,7 +73,7 @@ def animate(
     rate = validate.positive("rate", rate, "25 pictures a second look smooth")
     times = np.linspace(start, last, count, endpoint=False)
     state = motion.at(times)
-    figure = FilmFigure(figsize=(style.TWO_COLUMN, 3.2), layout="constrained")
+    figure = style.new_figure(style.TWO_COLUMN, 3.2)
     loose = _loose(mechanism)
     shares = (1.1, 0.8, 1.1) if loose else (1.0, 1.35)
     scene, *aside, velocities = figure.subplots(1, len(shares), width_ratios=shares)
@@ -112,7 +111,6 @@ def animate(
     # if the layout were made again for every picture, the axes would tremble
     figure.draw_without_rendering()
     figure.set_layout_engine("none")
-    figure.moving = [scene, *aside, instant, marks]
     return FuncAnimation(figure, show, frames=count, interval=1e3 / rate)
 
 

@@ -1,7 +1,7 @@
 """Torque of a drive at constant speed over the driver angle, reversals marked."""
 
 import math
-import re
+from collections.abc import Iterable
 from typing import Any
 
 import numpy as np
@@ -13,6 +13,7 @@ from escapement.constant_speed import DriveTorque
 from escapement.plots import style
 from escapement.plots.style import finished, number_text, scaled
 
+_MOST = 4  # so many reversals have room in the legend
 _ROUNDING = 1e-9  # a moment below this share of the greatest counts as zero
 
 
@@ -65,44 +66,16 @@ def plot_drive_torque(
     ax.plot(ends, [mean, mean], label="mean of the first half", **dashed)
     ax.set_xlim(angle[0], angle[-1])
     x, y = math.degrees(result.torque_max_angle), result.torque_max * prefix / torque_unit
-    ax.plot(x, y, "v", color=style.BLACK, ms=5, label="greatest torque", zorder=4, clip_on=False)
-    # the moment is greater before the greatest torque than after it
-    _write(ax, f"{number_text(y)} {unit} at {x:.2f}°", (x, y), 10.0, "right")
+    text = f"greatest torque, {number_text(y)} {unit} at {_angles([x])}"
+    ax.plot(x, y, "v", color=style.BLACK, ms=5, label=text, zorder=4, clip_on=False)
     reversals = np.degrees(result.reversals)
     if reversals.size:
-        ax.plot(reversals, np.zeros_like(reversals), "o", ms=5, zorder=5, **style.REVERSAL)
-    # a number goes above the axis or below it, or is left out
-    room = {11.0: -math.inf, -11.0: -math.inf}
-    for reversal in reversals.tolist():
-        text, falls = f"{reversal:.2f}°", np.interp(reversal + 1.0, angle, moment) < 0.0
-        wide = 2.0 * _half_width(ax, text)
-        for above, end in room.items():
-            # both curves pass the other side of the mark
-            side = "left" if falls == (above > 0.0) else "right"
-            start = reversal if side == "left" else reversal - wide
-            if end < start:
-                _write(ax, text, (reversal, 0.0), above, side)
-                room[above] = start + wide
-                break
+        look = style.REVERSAL | {"label": f"pin reversal at {_angles(reversals[:_MOST])}"}
+        ax.plot(reversals, np.zeros_like(reversals), "o", ms=5, zorder=5, **look)
     ax.margins(y=0.14)
-    return finished(ax, ("driver angle from dead centre", "°"), ("torque", unit), 3, legend=legend)
+    return finished(ax, ("driver angle from dead centre", "°"), ("torque", unit), 2, legend=legend)
 
 
-def _half_width(ax: Axes, text: str) -> float:
-    """About half the width of a text along the abscissa."""
-    start, end = ax.get_xlim()
-    points = 72.0 * ax.bbox.width / ax.figure.dpi
-    return 0.3 * style.SMALL_SIZE * len(text) * (end - start) / points
-
-
-def _write(ax: Axes, text: str, point: tuple[float, float], above: float, side: str) -> None:
-    """A number some points above its mark, and within the ends of the abscissa.
-
-    It begins at the mark if `side` is "left", and ends there if it is "right".
-    """
-    (start, end), half = ax.get_xlim(), _half_width(ax, text)
-    if point[0] - start < 2.0 * half:
-        side = "left"
-    elif end - point[0] < 2.0 * half:
-        side = "right"
-    style.annotate(ax, re.sub(r"-(?=\d)", "−", text), point, (0.0, above), side)
+def _angles(values: Iterable[float]) -> str:
+    """Angles in degrees, with the sign as printed."""
+    return ", ".join(f"{value:.2f}°" for value in values).replace("-", "−")

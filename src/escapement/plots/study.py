@@ -47,10 +47,9 @@ def plot_lines(
     Returns
     -------
     Axes
-        Computed points are marked if they are few. They are not joined over a parameter that is a
-        whole number, nor where a rise or settling time jumps. A note says how many cases failed,
-        and why. At most six lines are drawn. Axes beyond two are fixed at their middle value,
-        which the legend names.
+        Computed points are marked if they are few, and not joined over a parameter that is a
+        whole number. A note says how many cases failed, and why. At most six lines are drawn. Axes
+        beyond two are fixed at their middle value, which the legend names.
 
     Raises
     ------
@@ -82,8 +81,8 @@ def plot_rise_and_terminal(study: Study) -> Figure:
 def plot_map(study: Study, result: str, ax: Axes | None = None, *, legend: bool = True) -> Axes:
     """Map of one result over two parameters; hatched: no result.
 
-    It has contours. Times that jump, and results over whole numbers, are drawn as a cell of one
-    colour for each case, with lines where a time jumps.
+    It has contours. Rise and settling times, which jump, and results over whole numbers, are drawn
+    as a cell of one colour for each case.
 
     Parameters
     ----------
@@ -141,9 +140,7 @@ def plot_spread(study: Study, results: Sequence[str] | None = None) -> Figure:
     if not study.sampled:
         raise refusal("be a sample for this figure", "a grid", "use plot_study")
     names = chosen(study, results, _FOREMOST)
-    # the period is needed to find where other times jump
-    every = {*names, "period"} & {*study.results}
-    quantiles = {name: quantile(counted(study, name), [*QUANTILES]) for name in every}
+    quantiles = {name: quantile(counted(study, name), [*QUANTILES]) for name in names}
     axes = {name: values for name, values in study.axes.items() if name != CASE}
     tables = available(replace(study, axes=axes, results=quantiles, sampled={}), names)
     drawn, answered = [table.results[0] for table in tables], ran(study)
@@ -207,8 +204,7 @@ def _joined(study: Study, panels: Sequence[StudyTable]) -> list[StudyTable]:
         if len(names) > 1:
             entries = [name.removeprefix("velocity_").replace("_", " ") for name in names]
             lines = Parameter("", "", np.array(entries))
-            shape: dict[str, Any] = {"values": table.values.T, "periods": table.periods.T}
-            table = table._replace(name=title, lines=lines, **shape)
+            table = table._replace(name=title, lines=lines, values=table.values.T)
         found.append(table)
     return found
 

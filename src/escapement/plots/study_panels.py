@@ -1,6 +1,5 @@
 """Panels of a study's figures: lines, and contour maps with holes."""
 
-import textwrap
 from typing import Any, Literal
 
 import matplotlib
@@ -9,7 +8,6 @@ from matplotlib import ticker
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.axis import Axis
-from matplotlib.collections import LineCollection
 from matplotlib.colors import BoundaryNorm, ListedColormap
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
@@ -28,11 +26,8 @@ NARROW = 24
 TALL = 28
 """Characters of a label that fit beside a panel."""
 _WIDE = 3.0  # from this ratio of the greatest result to the least, contours are in even ratios
-_STEPS = (
-    (1.0,), (1.0, 3.0), (1.0, 2.0, 5.0), (1.0, 1.5, 2.0, 3.0, 5.0, 7.0),
-    (1.0, 1.2, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0, 8.0),
-)  # fmt: skip
-"""Round numbers within a decade, in ratios that are about equal."""
+_STEPS = {1.0: (1.0, 1.5, 2.0, 3.0, 5.0, 7.0), 3.0: (1.0, 2.0, 5.0), np.inf: (1.0,)}
+"""Round numbers within a decade, by the greatest number of decades that they suit."""
 _EDGE = 0.04  # closer to the frame than this share of the map a number does not fit
 
 
@@ -40,8 +35,7 @@ def draw_lines(ax: Axes, table: StudyTable, line: int = LINE) -> list[Line2D]:
     """A line for each value of the second parameter, six at most; returns them.
 
     Points are marked if they are few or isolated. Over whole numbers each is marked, and none is
-    joined to the next. A line breaks where its result jumps. With quantiles the second and third
-    are the ends of a band.
+    joined to the next. With quantiles the second and third are the ends of a band.
     line : characters of a label that fit below the panel.
     """
     check_number(table.results, table.first_values)
@@ -49,23 +43,20 @@ def draw_lines(ax: Axes, table: StudyTable, line: int = LINE) -> list[Line2D]:
     for look, column in zip(style.LOOKS, columns_drawn(table), strict=False):
         value = table.lines.values[column].item()
         name = value if isinstance(value, str) else number_text(value)
-        # a jump breaks the line, and the band with it, by a point without a value
-        behind = np.flatnonzero(table.jumps(1)[:, :, column].any(axis=0)) + 1
-        y, *sides = np.insert(table.values[:, :, column], behind, np.nan, axis=1)
-        along = np.insert(x.values.astype(float), behind, x.values[behind])
+        y, *sides = table.values[:, :, column]
         # a point between two gaps would be invisible without a marker
         finite = np.pad(np.isfinite(y), 1)
         marked = finite[1:-1] & ~finite[:-2] & ~finite[2:] | (x.whole or x.values.size <= _FEW)
         drawn += ax.plot(
-            along, y, color=look.color, ls="" if x.whole else look.linestyle, lw=1.2, ms=3.5,
+            x.values, y, color=look.color, ls="" if x.whole else look.linestyle, lw=1.2, ms=3.5,
             mfc="white", mew=0.9, label=name, marker=look.marker if marked.any() else "",
             markevery=None if marked.all() else np.flatnonzero(marked).tolist(),
         )  # fmt: skip
         band: dict[str, Any] = {"color": look.color, "alpha": 0.2}
         if sides and x.whole:
-            ax.vlines(along, *sides, lw=4.0, **band)
+            ax.vlines(x.values, *sides, lw=4.0, **band)
         elif sides:
-            ax.fill_between(along, *sides, lw=0.0, **band)
+            ax.fill_between(x.values, *sides, lw=0.0, **band)
     dress_axis(ax, "x", x, line)
     ax.set_ylabel(style.label(table.name, table.unit, TALL))
     return drawn
@@ -77,7 +68,7 @@ def draw_map(ax: Axes, table: StudyTable, bar: Literal["right", "top"]) -> list[
     Between points there are labelled contours; but a result that jumps, and one over
     whole numbers, has a cell of one colour for each point.
     bar : place of the colour bar; on top of maps that are side by side.
-    Returns what a legend should have: the hatching, and the lines where a result jumps.
+    Returns what a legend should have: the hatching, if there is some.
     """
     check_number(table.results, table.values)
     x, y = table.x, table.lines
@@ -107,32 +98,13 @@ def draw_map(ax: Axes, table: StudyTable, bar: Literal["right", "top"]) -> list[
             for number in ax.clabel(lines, fontsize=style.SMALL_SIZE, inline=False):
                 at = (ax.transData - ax.transAxes).transform(number.get_position())
                 room = 0.5 - np.abs(at - 0.5).max()
-                number.set(path_effects=style.HALO, visible=room > _EDGE)
+                number.set(bbox=style.BOX, visible=room > _EDGE)
     every = 1 + levels.size // _LEVELS  # only as many labels as there is room for
     key = ax.figure.colorbar(filled, ax=ax, location=bar, ticks=levels[::every])
     key.set_label(style.label(table.name, table.unit), size=style.TICK_SIZE)
     key.ax.tick_params(labelsize=style.SMALL_SIZE, width=0.7)
-    found: list[Artist] = []
-    if np.ma.is_masked(z):
-        found.append(Patch(linewidth=0.6, label="no result", **hatched))
-    if sides := _jumps(table):
-        text = f"jump: {STEPPED[table.first]}"
-        text = textwrap.fill(text, LINE if bar == "right" else 2 * LINE)
-        jumps = LineCollection(sides, colors=style.BLACK, lw=0.8, label=text, rasterized=True)
-        ax.add_collection(jumps)
-        found.append(jumps)
-    return found
-
-
-def _jumps(table: StudyTable) -> list[list[style.Point]]:
-    """The sides between two cells of a map from one of which to the other its result jumps."""
-    x, y, solved = _edges(table.x), _edges(table.lines), np.isfinite(table.periods[0])
-    across = np.argwhere(table.jumps(1)[0] & solved[1:] & solved[:-1])
-    along = np.argwhere(table.jumps(2)[0] & solved[:, 1:] & solved[:, :-1])
-    return [
-        *([(x[i + 1], y[j]), (x[i + 1], y[j + 1])] for i, j in across),
-        *([(x[i], y[j + 1]), (x[i + 1], y[j + 1])] for i, j in along),
-    ]
+    lost = Patch(linewidth=0.6, label="no result", **hatched)
+    return [lost] if np.ma.is_masked(z) else []
 
 
 def _levels(low: float, high: float, count: int) -> FloatArray:
@@ -143,15 +115,10 @@ def _levels(low: float, high: float, count: int) -> FloatArray:
     """
     if not 0.0 < _WIDE * low < high:
         return np.asarray(ticker.MaxNLocator(count).tick_values(low, high))
-    first, last = np.floor(np.log10(low)), np.ceil(np.log10(high))
-    stride = 1.0 + (last - first) // count
-    decades = 10.0 ** np.arange(first, last + stride, stride)
-    found = []
-    for steps in _STEPS:
-        numbers = np.outer(decades, steps).ravel()
-        start, stop = np.searchsorted(numbers, low, "right") - 1, np.searchsorted(numbers, high)
-        found.append(numbers[start : stop + 1])
-    return min(found, key=lambda numbers: abs(numbers.size - count))
+    decades = np.log10(high / low)
+    steps = next(numbers for most, numbers in _STEPS.items() if decades <= most)
+    found = np.asarray(ticker.LogLocator(subs=steps).tick_values(low, high))
+    return found[np.searchsorted(found, low, "right") - 1 : np.searchsorted(found, high) + 1]
 
 
 def _edges(along: Parameter) -> FloatArray:

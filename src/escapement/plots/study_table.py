@@ -35,12 +35,8 @@ _REASONS = {
 _WIDEST = 56  # characters of a note that fit above one column
 _HARD = "\N{NO-BREAK SPACE}"
 _LONGEST = 28  # a longer name is not used as an axis label
-STEPPED = {
-    "rise_time": "another extremum is the first within 2 %",
-    "settling_time": "another extremum is the last beyond 1 %",
-}
-"""Times of an extremum of the speed, and why they jump."""
-_LEAP = 0.25  # neighbours that differ by more than this share of a period have a jump
+STEPPED = "rise_time", "settling_time"
+"""Times of an extremum of the speed, which jump where another extremum takes its place."""
 _DECADE = 8.0  # an axis that spans this factor in equal ratios is logarithmic
 
 
@@ -73,7 +69,6 @@ class StudyTable(NamedTuple):
     x, lines : parameters along the second and third, ascending; `lines` has one value where
         only one parameter varies.
     values : the results in one unit, not finite where there is none.
-    periods : of the same shape, times that may jump in periods of their own; 0 for other results.
     name, unit : of the first result, as printed.
     note : the fixed axes with their values, and the cases that failed; "" if there are none.
     """
@@ -82,7 +77,6 @@ class StudyTable(NamedTuple):
     x: Parameter
     lines: Parameter
     values: FloatArray
-    periods: FloatArray
     name: str
     unit: str
     note: str
@@ -96,13 +90,6 @@ class StudyTable(NamedTuple):
     def first_values(self) -> FloatArray:
         """Values of the first result, over both parameters."""
         return np.asarray(self.values[0])
-
-    def jumps(self, axis: int) -> NDArray[np.bool_]:
-        """Whether values and their next along an axis of `values` are not to be joined.
-
-        A time that may jump is never joined if the study does not have the period.
-        """
-        return np.asarray(~(np.abs(np.diff(self.periods, axis=axis)) < _LEAP))
 
 
 def tabulate(study: Study, results: Sequence[str], x: str | None = None) -> StudyTable:
@@ -147,14 +134,7 @@ def tabulate(study: Study, results: Sequence[str], x: str | None = None) -> Stud
         found = np.moveaxis(found, 1 + [*kept].index(x), 1)
         return found.reshape(len(found), kept[x].size, -1)
 
-    period = arranged("period") if "period" in study.results else np.full(1, np.nan)
-    found = [arranged(name) for name in results]
-    in_periods = [
-        values / period if name in STEPPED else np.zeros(values.shape)
-        for name, values in zip(results, found, strict=True)
-    ]
-    values, periods = np.concatenate(found), np.concatenate(in_periods)
-    first = results[0]
+    values, first = np.concatenate([arranged(name) for name in results]), results[0]
     factor, unit = scaled(study.units.get(first, ""), values)
     shown = {name: parameter(study, name, study.axes[name][index]) for name, index in kept.items()}
     at = (_fixed(shown[name], study.axes[name].size) for name in kept if name not in (x, lines))
@@ -167,7 +147,6 @@ def tabulate(study: Study, results: Sequence[str], x: str | None = None) -> Stud
         x=shown[x],
         lines=Parameter("", "", np.zeros(1)) if lines is None else shown[lines],
         values=factor * values,
-        periods=periods,
         name=printed_name(study, first),
         unit=unit,
         note=note,

@@ -18,7 +18,6 @@ from typing import Any, NamedTuple
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure, SubFigure
-from matplotlib.patheffects import withStroke
 from numpy.typing import ArrayLike
 
 from escapement.base import validate
@@ -67,8 +66,8 @@ LOOKS = (
 Point = tuple[float, float]
 Named = tuple[str, str]
 """Name and unit of an axis."""
-HALO: Any = [withStroke(linewidth=2.2, foreground="white")]
-"""Halo that keeps a number on a curve readable."""
+BOX: dict[str, Any] = {"facecolor": "white", "edgecolor": "none", "pad": 0.8, "alpha": 0.8}
+"""Box that keeps a number on a curve readable."""
 ZERO: dict[str, Any] = {"color": BLACK, "lw": 0.6}
 """Style of the zero line."""
 SHADE: dict[str, Any] = {"color": SKY, "alpha": 0.3, "lw": 0}
@@ -176,10 +175,10 @@ def add_legend(
 def annotate(
     ax: Axes, text: str, point: Point, offset: Point = (0.0, 0.0), side: str = "center"
 ) -> None:
-    """Text beside a point of the data, in a halo; the offset is in points."""
+    """Text beside a point of the data, in a box; the offset is in points."""
     ax.annotate(
         text, point, offset, textcoords="offset points", ha=side, va="center", zorder=6,
-        fontsize=SMALL_SIZE, annotation_clip=False, path_effects=HALO,
+        fontsize=SMALL_SIZE, annotation_clip=False, bbox=BOX,
     )  # fmt: skip
 
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from escapement import __version__
 from escapement.base import validate
-from escapement.base.files import REPORTS, AnyPath, check_target, file_format, write_file
+from escapement.base.files import PAGES, AnyPath, check_target, file_format, write_file
 from escapement.base.status import Status
 from escapement.dynamics.figure_record import record_of
 from escapement.engines import simulate as simulation
@@ -64,7 +64,7 @@ def report(
     """
     if not isinstance(escapement, Escapement):
         raise validate.fail("escapement", "an Escapement", escapement, "see escapement.Escapement")
-    file_format(path, REPORTS)
+    file_format(path, PAGES)
     check_target(path, force)
     text = page(escapement, budget, title=title, initial_speed=initial_speed)
     write_file(path, [text.encode()], force)

@@ -195,29 +195,24 @@ class Journal:
                 _remove(self.path)
 
     def _open(self) -> None:
-        until = time.monotonic() + _PATIENCE
-        while True:
+        try:
             try:
                 self._database = _connect(self.path)
-                if self._begun or not self._over:
-                    # The previous owner may have removed the file while this process waited.
-                    self._inode = self.path.stat().st_ino
-                    return
-                self.remove()
-                self._begun = True
-            except FileNotFoundError:
-                self._database.close()
+                if self._over and not self._begun:
+                    self.remove()
             except Damaged:
                 self._refuse_damaged()
                 _remove(self.path)
-            except BlockingIOError:
-                if time.monotonic() > until:
-                    raise self._refusal("busy") from None
-                time.sleep(0.05)
-            except OSError:
-                if self._begun:
-                    _remove(self.path)
-                raise
+            if not self.path.exists():
+                self._begun = True
+                self._database = _connect(self.path)
+            self._inode = self.path.stat().st_ino
+        except BlockingIOError:
+            raise self._refusal("busy") from None
+        except OSError:
+            if self._begun:
+                _remove(self.path)
+            raise
 
     def _refuse_damaged(self) -> None:
         """Refuse a file that SQLite cannot open, unless it is ours and may be deleted."""
@@ -243,7 +238,9 @@ class Journal:
 def _connect(path: Path) -> sqlite3.Connection:
     """An open and locked database with our table; raises `Damaged` if there is another one."""
     with _os_errors(path):
-        database = sqlite3.connect(path, timeout=0.0, isolation_level=None, check_same_thread=False)
+        database = sqlite3.connect(
+            path, timeout=_PATIENCE, isolation_level=None, check_same_thread=False
+        )
         try:
             # The order matters: if the lock is held before the log is opened, no shared memory is
             # needed, so the log works on network mounts too.

@@ -394,14 +394,9 @@ class StudyPlan(Shown):
         if self.contact == "outlines":
             values["clearance"] = 1.0  # there always is some
         notes = [idle_settings(self.subject.owner, values)]
-        if self.subject is not ESCAPEMENT:
-            return notes[0]
-        named = "the torque behind the start" if self.curve else "spring_rate"
-        if RUN_TIME in self.results:
-            return notes[0]
-        if self.has_cycle:
-            return notes[0]
-        if self.curve or np.any(self.every("spring_rate")):
+        at_start = self.subject is ESCAPEMENT and RUN_TIME not in self.results
+        if at_start and not self.has_cycle and (self.curve or np.any(self.every("spring_rate"))):
+            named = "the torque behind the start" if self.curve else "spring_rate"
             notes.append(f"{named} has no effect on results, which are those of the first torque")
         return "; ".join(filter(None, notes))
 

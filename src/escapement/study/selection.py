@@ -1,6 +1,5 @@
 """Single cases of a study: one that is selected by its values, and a few of them to be shown."""
 
-import itertools
 import math
 from pathlib import Path
 from typing import Any
@@ -27,20 +26,21 @@ RESULTS_SHOWN = 5
 def some_cases(
     plan: "StudyPlan", path: Path, system: str
 ) -> tuple[list[dict[str, Any]], list[str]]:
-    """At most a dozen cases of a study file, spread evenly over every dimension.
+    """At most a dozen cases of a study file, evenly spread from the first to the last.
 
     Only these cases are read, and the first five of their results, so that a large file takes no
     longer. Numbers are in `system`; the unit of every column is returned as well.
     """
     along = [{name: values} | plan.varied[name] for name, values in plan.dimensions.items()]
-    indices = np.array(spread(plan.shape, ROWS))
-    columns = {n: x[indices[:, i]] for i, axes in enumerate(along) for n, x in axes.items()}
+    cases = np.unique(np.linspace(0, plan.cases - 1, ROWS).round().astype(int))
+    indices = np.unravel_index(cases, plan.shape)
+    columns = {n: x[i] for i, axes in zip(indices, along, strict=True) for n, x in axes.items()}
     shown = [*[name for name in plan.results if name != "status"][:RESULTS_SHOWN], "status"]
     if is_table(path):
-        found = read_rows(path, np.ravel_multi_index([*indices.T], plan.shape).tolist())
+        found = read_rows(path, cases.tolist())
     else:
         with open_hdf5(path) as hdf5:
-            found = {n: np.array([hdf5[n][tuple(at)] for at in indices]) for n in shown}
+            found = {n: np.array([hdf5[n][at] for at in zip(*indices, strict=True)]) for n in shown}
     columns |= {name: found[name] for name in shown}
     scaled = {name: in_system(unit_kind(name), plan.unit(name), system) for name in columns}
     cells = [(scaled[name][0] * column).tolist() for name, column in columns.items()]
@@ -54,26 +54,6 @@ def in_system(kind: str, unit: str, system: str) -> tuple[float, str]:
     wanted = unit_name(kind, system)
     scale = 1.0 if unit == wanted else ratio_of(unit, wanted)
     return 1 if scale == 1.0 else scale, wanted  # a whole number stays whole
-
-
-def spread(shape: tuple[int, ...], most: int) -> list[tuple[int, ...]]:
-    """At most `most` grid points: the ends of every axis, the middle, and points between them."""
-    counts = list(shape)
-    marked = [tuple(index) for index in zip(*((0, n // 2, n - 1) for n in shape), strict=True)]
-
-    def added() -> list[tuple[int, ...]]:
-        few = any(n < min(size, 3) for size, n in zip(shape, counts, strict=True))
-        return marked if few else []
-
-    while math.prod(counts) + len(added()) > most:
-        largest = max(counts)
-        # an odd number of points between two ends has the middle among them
-        counts[counts.index(largest)] -= 2 if largest > 3 and largest % 2 else 1
-    picks = [
-        [round(i * (size - 1) / (count - 1)) for i in range(count)] if count > 1 else [size // 2]
-        for size, count in zip(shape, counts, strict=True)
-    ]
-    return sorted({*itertools.product(*picks), *added()})
 
 
 def load_case(path: Path, selection: str | None) -> "tuple[StudyPlan, int]":
