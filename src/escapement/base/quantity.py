@@ -136,7 +136,6 @@ class Quantity(Setting):
 
     minimum, maximum, exclusive, below, whole, fraction : the rule. An exclusive minimum is not
         allowed itself, nor is the maximum if `below` is true; a fraction may be text, "1/2".
-    function : whether a function that gives the number is allowed.
     scene : field of `model.scene.Scene` that holds it, divided by the natural unit of its kind.
     """
 
@@ -147,7 +146,6 @@ class Quantity(Setting):
     whole: bool = False
     fraction: bool = False
     axis: bool = True
-    function: bool = False
     scene: str = ""
 
     def check(self, label: str, value: Any) -> Any:
@@ -161,8 +159,6 @@ class Quantity(Setting):
             return validate.integer(label, value, int(self.minimum), self.remedy, most)
         if self.fraction:
             return validate.rational(label, value, self.remedy, self.maximum)
-        if self.function and callable(value):
-            return value
         remedy = _with_unit(self.remedy, self.unit, self.system)
         number = validate.number(label, value, remedy)
         if not self._within(number):
