@@ -73,7 +73,8 @@ def test_without_a_loss_the_energy_is_the_work():
 def test_torque_at_constant_speed(efficiency):
     """The drive pays for what the mesh loses, and gets back less than the follower gives."""
     speed, load = 30.0, 2e-4
-    drive = esc.drive_torque(PAPER, speed, load, INERTIA.follower, efficiency=efficiency)
+    numbers = {"follower_inertia": INERTIA.follower, "efficiency": efficiency}
+    drive = esc.index(PAPER, speed, load, **numbers)
     theta = np.linspace(*PAPER.breaks, 4001)
     table = PAPER.transmission(theta)
     power = table.g * (load + INERTIA.follower * speed**2 * table.dg)

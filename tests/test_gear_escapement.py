@@ -6,7 +6,7 @@ import pytest
 from escapement import Escapement, GearDriven, Inertia, critical_friction, simulate, sweep
 from escapement.base.errors import InvalidValue
 from escapement.base.status import Status
-from escapement.constant_speed import drive_torque
+from escapement.constant_speed import index
 
 DRIVES = [
     GearDriven(12, 5, "epicycloid", pins=6),
@@ -35,12 +35,12 @@ def test_painleve_limit_of_a_pin_that_all_but_meets_the_axis(n, m):
 def test_constant_speed_has_a_closed_mean():
     """Without a loss the work over an engagement is that on the load."""
     for wheel in DRIVES:
-        result = drive_torque(wheel, 20.0, 0.3, 1e-3)
+        result = index(wheel, 20.0, 0.3, follower_inertia=1e-3)
         nodes, weights = np.polynomial.legendre.leggauss(80)
         half = wheel.breaks[-1]
         work = 2.0 * half * 0.5 * weights @ result.at(half * nodes).torque
         assert work == pytest.approx(0.3 * wheel.follower_step, rel=1e-12)
-        inertia_free = drive_torque(wheel, 20.0, 0.3, 1e-9)
+        inertia_free = index(wheel, 20.0, 0.3, follower_inertia=1e-9)
         assert inertia_free.zone == 1
         assert result.torque_max > inertia_free.torque_max
 

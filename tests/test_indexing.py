@@ -122,35 +122,6 @@ def test_two_reversals_that_nearly_meet_are_found(slots):
     assert len(esc.index(wheel, load_torque=(1.0 + 1e-9) * least, **numbers).reversals) == 0
 
 
-def random_drives(count):
-    rng = np.random.default_rng(44)
-    for _ in range(count):
-        wheel = esc.Geneva(int(rng.integers(3, 13)), 1, internal=bool(rng.random() < 0.3))
-        yield wheel, rng
-    for wheel in (
-        esc.GearDriven(8, 1, curve="epicycloid"), esc.EllipticalPlanetary(0.06, 0.04),
-    ):  # fmt: skip
-        yield wheel, rng
-
-
-@pytest.mark.parametrize("losses", ["none", "friction", "efficiency"])
-def test_torque_is_that_of_drive_torque(losses):
-    # Chebyshev series there, bisection and Gauss points here
-    for wheel, rng in random_drives(12):
-        friction = rng.uniform(0.05, 0.4) * (losses == "friction" and not wheel.meshed)
-        given = {"efficiency": 1.0 if losses == "none" else rng.uniform(0.6, 0.95)}
-        speed, inertia, load = rng.uniform(1, 20), 10.0 ** rng.uniform(-4, 0), rng.uniform(0, 5)
-        one = esc.drive_torque(wheel, speed, load, inertia, friction=friction, **given)
-        two = esc.index(wheel, speed, load, follower_inertia=inertia, friction=friction, **given)
-        scale = one.torque_max
-        assert two.torque_max == pytest.approx(one.torque_max, rel=1e-11)
-        assert two.torque_min == pytest.approx(one.torque_min, abs=1e-11 * scale)
-        assert two.torque_mean == pytest.approx(one.torque_mean, abs=1e-11 * scale)
-        assert two.reversals == pytest.approx(one.reversals, abs=1e-9)
-        theta = np.linspace(wheel.breaks[0], wheel.breaks[-1], 50)
-        assert two.at(theta).torque == pytest.approx(one.at(theta).torque, abs=1e-11 * scale)
-
-
 @pytest.mark.parametrize(
     "wheel", [{"pin_radius": 0.008}, {"pin_radius": 0.004, "roller_radius": 0.008}], ids=str
 )

@@ -11,12 +11,13 @@ import pytest
 import escapement as esc
 from escapement.base.units import INCH_POUND
 from escapement.sources import meyer
-from escapement.sources.meyer.disc_parts import RUNS, disc_inertia, own_parts
 from escapement.sources.meyer.slips import equations
 
 rows_of = cache(meyer.appendix_e)
-PARTS = own_parts()
-DISC = disc_inertia()
+RUNS = {3: (0.35, 0.09), 4: (0.35, 0.10), 6: (0.35, 0.14)}
+"""Friction and torque [in-lbf] of rows 16, 30 and 49 of Appendix E, by slots."""
+DISC = 0.5 * math.pi * 0.283 / 386.0 * 0.25**4 * 0.1
+"""Moment of inertia of his disc of steel, 0.5 in across and 0.1 in thick [in-lbf-s^2]."""
 PAGE = (Path(__file__).resolve().parents[1] / "docs" / "meyer.md").read_text("utf-8")
 
 
@@ -34,8 +35,6 @@ def true_of(place, printed=""):
 
 
 def test_his_disc_has_the_inertia_of_a_disc():
-    mass = math.pi * 0.25**2 * 0.1 * 0.283 / 386.0
-    assert pytest.approx(0.5 * mass * 0.25**2, rel=1e-14) == DISC
     assert f"{DISC:.2e}" == "4.50e-07"
     times = np.array(list(meyer.INERTIAS.values())) / DISC
     assert f"{times.min():.1f} to {times.max():.0f} times" in true_of("chapter II", "near 0.5e-6")
@@ -46,22 +45,22 @@ def test_his_disc_has_the_inertia_of_a_disc():
     [(4, 3.34, 11.3, 1.414), (3, 6.48, 11.9, 0.686), (6, 1.56, 13.2, 3.708)],
 )
 def test_with_his_disc_the_timers_are_fast(slots, period_ms, rise_ms, limit):
-    found = next(row["disc"] for row in PARTS if row["slots"] == slots)
-    assert round(1e3 * found["period"], 2) == period_ms
-    assert round(1e3 * found["rise_time"], 1) == rise_ms
-    assert round(found["critical_friction"], 3) == limit
+    found = esc.terminal(timer(slots, DISC, DISC))
+    assert round(1e3 * found.period, 2) == period_ms
+    assert round(1e3 * found.rise_time, 1) == rise_ms
+    assert round(found.critical_friction, 3) == limit
     # the limit by its definition, on a fine grid: rho is 1
     wheel = esc.Geneva(slots)
     table = wheel.transmission(np.linspace(wheel.breaks[0], 0.0, 200_001)[1:-1])
     least = np.min((1.0 + table.g**2) / np.abs(table.g * table.u))
-    assert found["critical_friction"] == pytest.approx(least, rel=1e-8)
+    assert found.critical_friction == pytest.approx(least, rel=1e-8)
 
 
 def test_the_judge_agrees_with_his_disc():
     found = esc.terminal(timer(4, DISC, DISC), solver=esc.Solver(engine="ivp"))
-    row = next(row["disc"] for row in PARTS if row["slots"] == 4)
-    assert row["period"] == pytest.approx(found.period, rel=1e-8)
-    assert row["rise_time"] == pytest.approx(found.rise_time, rel=1e-6)
+    fast = esc.terminal(timer(4, DISC, DISC))
+    assert fast.period == pytest.approx(found.period, rel=1e-8)
+    assert fast.rise_time == pytest.approx(found.rise_time, rel=1e-6)
 
 
 def test_runs_of_the_parts_are_rows_of_appendix_e():
@@ -137,11 +136,11 @@ def answer(place):
 
 
 def test_the_page_has_the_figures_of_his_parts():
-    for row in PARTS:
-        for name in ("tables", "disc"):
-            found = row[name]
-            times = [f"{1e3 * found[key]:.2f}" for key in ("period", "rise_time")]
-            assert " | ".join([*times, f"{found['critical_friction']:.3f}"]) in PAGE
+    for slots in RUNS:
+        for inertias in ((), (DISC, DISC)):
+            found = esc.terminal(timer(slots, *inertias))
+            times = [f"{1e3 * time:.2f}" for time in (found.period, found.rise_time)]
+            assert " | ".join([*times, f"{found.critical_friction:.3f}"]) in PAGE
 
 
 def test_the_table_has_the_numbers_of_its_rows():

@@ -75,7 +75,7 @@ def test_figures_and_studies_of_a_mechanism_of_ones_own_are_those_of_the_wheel()
     assert with_number(own, "friction", 0.1).friction == 0.1
     studies = [esc.sweep(one, torque=[0.01, 0.02]).results for one in (own, wheel)]
     np.testing.assert_array_equal(studies[0]["period"], studies[1]["period"])
-    drives = [esc.drive_torque(m, 10.0, 0.01, 5.65e-6) for m in (Own(), WHEEL)]
+    drives = [esc.index(m, 10.0, 0.01, follower_inertia=5.65e-6) for m in (Own(), WHEEL)]
     assert drives[0].torque_max == pytest.approx(drives[1].torque_max, rel=1e-9)
     assert drives[0].moment_deviation == 0.0
 
@@ -99,7 +99,7 @@ def test_what_a_mechanism_of_ones_own_lacks_is_refused_by_name():
 
 
 def test_a_class_that_is_not_derived_from_the_base_is_told_to_be():
-    for use in (timer, lambda it: esc.drive_torque(it, 10.0, 0.01, 5.65e-6)):
+    for use in (timer, lambda it: esc.index(it, 10.0, 0.01, follower_inertia=5.65e-6)):
         with pytest.raises(InvalidValue, match="a class of your own is derived from Mechanism"):
             use(Unrelated())
 

@@ -80,8 +80,9 @@ def test_a_table_of_a_drive_moves_like_the_drive():
 
 def test_everything_else_takes_a_table(tmp_path):
     table = exact(60)
-    drive = esc.drive_torque(table, 10.0, 0.01, 2e-5, efficiency=0.9)
-    same = esc.drive_torque(DRIVE, 10.0, 0.01, 2e-5, efficiency=0.9)
+    drive, same = (
+        esc.index(one, 10.0, 0.01, follower_inertia=2e-5, efficiency=0.9) for one in (table, DRIVE)
+    )
     assert drive.torque_max == pytest.approx(same.torque_max, rel=1e-5)
     extrema = esc.transmission_extrema(table)
     assert extrema.ratio_max.value == pytest.approx(DRIVE.ratio_max, rel=1e-6)

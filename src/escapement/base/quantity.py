@@ -137,7 +137,6 @@ class Quantity(Setting):
     minimum, maximum, exclusive, below, whole, fraction : the rule. An exclusive minimum is not
         allowed itself, nor is the maximum if `below` is true; a fraction may be text, "1/2".
     half : whether a search has to choose a whole number and a half.
-    function : whether a function that gives the number is allowed.
     scene : field of `model.scene.Scene` that holds it, divided by the natural unit of its kind.
     """
 
@@ -149,7 +148,6 @@ class Quantity(Setting):
     half: bool = False
     fraction: bool = False
     axis: bool = True
-    function: bool = False
     scene: str = ""
 
     def check(self, label: str, value: Any) -> Any:
@@ -163,8 +161,6 @@ class Quantity(Setting):
             return validate.integer(label, value, int(self.minimum), self.remedy, most)
         if self.fraction:
             return validate.rational(label, value, self.remedy, self.maximum)
-        if self.function and callable(value):
-            return value
         remedy = _with_unit(self.remedy, self.unit, self.system)
         number = validate.number(label, value, remedy)
         if not self._within(number):

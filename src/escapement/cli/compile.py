@@ -136,8 +136,6 @@ def _solve_drives() -> None:
     """Drives at constant speed, a study of them, and the printed program of 1973."""
     from escapement.sources.meyer.program import program_1973
 
-    for mechanism in (esc.Geneva(slots=4), esc.Geneva(slots=6, internal=True)):
-        esc.drive_torque(mechanism, 10.0, 0.1, 1e-4, friction=0.1)
     wheel = esc.Geneva(6, pins=1, crank_radius=0.05, clearance=1e-4)
     drive = esc.index(wheel, 6.0, follower_inertia=0.4, load_frequency=15.0)
     _ = drive.torque_max, drive.entry_impact_speed, drive.deflection_max, drive.at(0.0)

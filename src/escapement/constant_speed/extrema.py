@@ -1,31 +1,16 @@
-"""Extrema of the transmission, acceleration and jerk functions, and the limits that they set.
+"""Extrema of the transmission, acceleration and jerk functions."""
 
-The pin stays on its side of the slot as long as F = I_f omega^2/M_load does not exceed F12 of
-the mechanism: The limits of a drive without reversals follow from this condition.
-"""
-
-import math
-from bisect import bisect_left
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from escapement.base import validate
-from escapement.base.errors import InvalidValue
-from escapement.base.quantity import check_number
-from escapement.constant_speed import Case, geneva, tight
+from escapement.constant_speed import geneva
 from escapement.mechanisms import Geneva
-from escapement.mechanisms.geneva import MOST_SLOTS
 from escapement.mechanisms.path import smooth_intervals
-from escapement.mechanisms.protocol import FloatArray, Mechanism
+from escapement.mechanisms.protocol import FloatArray, Mechanism, checked
 from escapement.mechanisms.slotted import transmission
-from escapement.model.escapement import Escapement
 from escapement.numerics.chebyshev import Extremum, Function, Series, extremes, fit
-
-CONSTANT = 1e-12
-"""Greatest g'/g that rounding alone may cause [1/rad], as in a table with a constant ratio."""
-_NOTHING = 1e-11  # a deceleration at the exit this small, relatively, is rounding
 
 
 @dataclass(frozen=True)
@@ -47,19 +32,6 @@ class TransmissionExtrema:
     jerk_max: Extremum
     jerk_min: Extremum
 
-    @property
-    def reversal_limits(self) -> tuple[float, float]:
-        """F12 and F23, Filemon's (8) and (9) for any mechanism [-].
-
-        From F = I_f omega^2/M_load = F12 on the pin changes sides; from F23 on
-        it leaves on the side where the follower drives. Infinite where there is
-        no such F.
-        """
-        deepest, last = self.acceleration_min.value, self.acceleration_exit
-        if -deepest <= CONSTANT * abs(self.ratio_max.value):
-            return math.inf, math.inf
-        return -1.0 / deepest, -1.0 / last if last < _NOTHING * deepest else math.inf
-
 
 def transmission_extrema(mechanism: Mechanism) -> TransmissionExtrema:
     """Extrema of g, g' and g'' over one engagement, and where they are.
@@ -76,7 +48,7 @@ def transmission_extrema(mechanism: Mechanism) -> TransmissionExtrema:
 
     Source: Filemon (1960), eqs. 2 to 5 and Table I.
     """
-    points = edges(tight(mechanism))
+    points = edges(checked(mechanism))
     jerk = _jerk(mechanism)
     bent = extremes(jerk, jerk if isinstance(jerk, Series) else fit(jerk, points))
     if isinstance(mechanism, Geneva):
@@ -120,91 +92,3 @@ def _closed_forms(wheel: Geneva) -> tuple[Extremum, float, float, Extremum, Extr
 def _reader(mechanism: Mechanism, name: str) -> Function:
     path = mechanism.path
     return lambda theta: getattr(transmission(path, theta), name)
-
-
-def greatest_speed(mechanism: Mechanism, load_torque: float, follower_inertia: float) -> float:
-    """Greatest driver speed without a pin reversal, sqrt(F12 M_load/I_f) [rad/s].
-
-    Parameters
-    ----------
-    mechanism : Mechanism
-        Geometry.
-    load_torque : float
-        Constant torque opposing the follower [N m], >= 0.
-    follower_inertia : float
-        Follower and everything that turns with it [kg m^2], > 0.
-    """
-    inertia = check_number(Case, "follower_inertia", follower_inertia)
-    return math.sqrt(_greatest_inertia_torque(mechanism, load_torque) / inertia)
-
-
-def greatest_follower_inertia(mechanism: Mechanism, speed: float, load_torque: float) -> float:
-    """Greatest follower inertia without a pin reversal, F12 M_load/omega^2 [kg m^2].
-
-    Parameters
-    ----------
-    mechanism : Mechanism
-        Geometry.
-    speed : float
-        Driver speed [rad/s], > 0.
-    load_torque : float
-        Constant torque opposing the follower [N m], >= 0.
-    """
-    omega: float = check_number(Case, "speed", speed)
-    return _greatest_inertia_torque(mechanism, load_torque) / omega / omega
-
-
-def least_load_torque(mechanism: Mechanism, speed: float, follower_inertia: float) -> float:
-    """Least constant load without a pin reversal, I_f omega^2/F12 [N m].
-
-    A brake on the follower that adds up to it keeps the pin from knocking.
-
-    Parameters
-    ----------
-    mechanism : Mechanism
-        Geometry.
-    speed : float
-        Driver speed [rad/s], > 0.
-    follower_inertia : float
-        Follower and everything that turns with it [kg m^2], > 0.
-    """
-    omega: float = check_number(Case, "speed", speed)
-    inertia: float = check_number(Case, "follower_inertia", follower_inertia)
-    return inertia * omega * omega / transmission_extrema(mechanism).reversal_limits[0]
-
-
-def fewest_slots(inertia_ratio: float, internal: bool = False) -> int:
-    """Least number of slots of a Geneva wheel without a pin reversal at F.
-
-    Parameters
-    ----------
-    inertia_ratio : float
-        F = I_f omega^2/M_load [-], >= 0.
-    internal : bool
-        Whether the wheel is an internal one.
-
-    Raises
-    ------
-    InvalidValue
-        When F is below 0, or too great even for a million slots, the most that a
-        `Geneva` has.
-    """
-    remedy = "give F = I_f omega^2/M_load"
-    ratio = validate.non_negative("inertia_ratio", inertia_ratio, remedy)
-    # F12 grows with the number of slots, so bisection over the numbers finds the first
-    fewest = 3 + bisect_left(
-        range(3, MOST_SLOTS + 1), ratio, key=lambda n: float(geneva.reversal_limits(n, internal)[0])
-    )
-    if fewest > MOST_SLOTS:
-        raise InvalidValue(
-            f"inertia_ratio must be below the limit of all wheels with up to {MOST_SLOTS:,} "
-            f"slots, got {ratio!r}; lower the speed or the inertia, or brake the follower"
-        )
-    return fewest
-
-
-def _greatest_inertia_torque(mechanism: Mechanism, load_torque: float) -> float:
-    """I_f omega^2 without a pin reversal [N m]; no load is needed if there can be no reversal."""
-    load: float = check_number(Escapement, "load_torque", load_torque)
-    limit = transmission_extrema(mechanism).reversal_limits[0]
-    return limit if math.isinf(limit) else limit * load

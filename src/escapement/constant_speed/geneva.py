@@ -10,14 +10,17 @@ over |b| <= pi/2 + s pi/n. All functions take one number of slots or an array of
 them; angles are in rad.
 """
 
+from bisect import bisect_left
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from escapement.base import validate
+from escapement.base.errors import InvalidValue
 from escapement.base.text import Shown
 from escapement.mechanisms import Geneva
+from escapement.mechanisms.geneva import MOST_SLOTS
 from escapement.mechanisms.path import HALF_RATE, RATE_SUM, Path
 from escapement.mechanisms.protocol import FloatArray
 from escapement.mechanisms.slotted import transmission_at
@@ -111,6 +114,36 @@ def limit_angle(slots: ArrayLike) -> FloatArray:
     size = np.sqrt(-p / 3.0)
     turn = np.arccos(np.clip(-0.5 * q / size**3, -1.0, 1.0)) / 3.0
     return np.asarray(-np.arccos(2.0 * size * np.cos(turn) - a / 3.0))
+
+
+def fewest_slots(inertia_ratio: float, internal: bool = False) -> int:
+    """Least number of slots of a Geneva wheel without a pin reversal at F.
+
+    Parameters
+    ----------
+    inertia_ratio : float
+        F = I_f omega^2/M_load [-], >= 0.
+    internal : bool
+        Whether the wheel is an internal one.
+
+    Raises
+    ------
+    InvalidValue
+        When F is below 0, or too great even for a million slots, the most that a
+        `Geneva` has.
+    """
+    remedy = "give F = I_f omega^2/M_load"
+    ratio = validate.non_negative("inertia_ratio", inertia_ratio, remedy)
+    # F12 grows with the number of slots, so bisection over the numbers finds the first
+    fewest = 3 + bisect_left(
+        range(3, MOST_SLOTS + 1), ratio, key=lambda n: float(reversal_limits(n, internal)[0])
+    )
+    if fewest > MOST_SLOTS:
+        raise InvalidValue(
+            f"inertia_ratio must be below the limit of all wheels with up to {MOST_SLOTS:,} "
+            f"slots, got {ratio!r}; lower the speed or the inertia, or brake the follower"
+        )
+    return fewest
 
 
 @dataclass(frozen=True, repr=False)

@@ -10,7 +10,6 @@ from typing import Any
 import numpy as np
 
 from escapement.constant_speed.index_torque import NAN, IndexTorque, where
-from escapement.constant_speed.knock import NOWHERE
 from escapement.model.materials import contact_modulus, given, material, pin_stresses, radius_for
 
 
@@ -136,12 +135,6 @@ class IndexLoads(IndexTorque):
     def reversal_impact_energy(self: Any) -> Any:
         """Energy lost in that impact if it is plastic [J]."""
         return 0.5 * self.inertial * self.knock.reversal_speed**2
-
-    @property
-    def ends_in_flight(self: Any) -> Any:
-        """Whether the index ends before the pin meets a wall again."""
-        left = self.knock.lift_off
-        return (left == left) & (self.knock.wall == NOWHERE)
 
     # --- ringing of the load ----------------------------------------------------------------
 

@@ -1,6 +1,7 @@
 """What is told of an indexing drive, in the order in which the engineer of a machine reads it."""
 
 import math
+from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
 from escapement.base.records import Record
@@ -11,44 +12,24 @@ if TYPE_CHECKING:
     from escapement.constant_speed.indexing import IndexingDrive
 
 
-def _sized(drive: Any) -> bool:
-    return bool(drive.lengths["crank_radius"])
+def _has(*numbers: str, but: str = "") -> Callable[[Any], bool]:
+    """Whether a drive, or its mechanism, has all of these numbers, and not another one."""
+
+    def given(drive: Any, name: str) -> bool:
+        return bool(vars(drive).get(name) or drive.lengths.get(name))
+
+    return lambda drive: all(given(drive, x) for x in numbers) and not (but and given(drive, but))
 
 
-def _slotted(drive: Any) -> bool:
-    return not drive.mechanism.meshed
-
-
-def _stressed(drive: Any) -> bool:
-    return bool(drive.pin_length)
-
-
-def _loose(drive: Any) -> bool:
-    return bool(drive.lengths["clearance"])
-
-
-def _elastic(drive: Any) -> bool:
-    return bool(drive.load_frequency)
-
-
-def _locked(drive: Any) -> bool:
-    return bool(drive.locking_radius)
-
-
-def _slides(drive: Any) -> bool:
-    return _stressed(drive) and not drive.lengths["roller_radius"]
-
-
-def _runs(drive: Any) -> bool:
-    return bool(drive.running_time)
-
-
-def _limited(drive: Any) -> bool:
-    return _stressed(drive) and bool(drive.pressure_limit)
+_LOOSE, _ELASTIC, _STRESSED = _has("clearance"), _has("load_frequency"), _has("pin_length")
 
 
 def _constant(drive: Any) -> bool:
     return drive.load_curve is None
+
+
+def _slotted(drive: Any) -> bool:
+    return not drive.mechanism.meshed
 
 
 _NO_FORCE = "give the crank radius"
@@ -84,67 +65,70 @@ INDEX = {
         label="force on the pin max",
     ),
     "contact_force_max_deg": Result(
-        "degrees", "driver angle of the greatest force", exists=_sized,
+        "degrees", "driver angle of the greatest force", exists=_has("crank_radius"),
         label="force on the pin max at",
     ),
     "pressure_max": Result(
-        "pressure", "greatest pressure between pin and wall", exists=_stressed, missing=_NO_PIN
+        "pressure", "greatest pressure between pin and wall", exists=_STRESSED, missing=_NO_PIN
     ),
     "pin_diameter_needed": Result(
-        "length", "diameter of the pin at the permitted pressure", exists=_limited,
-        missing=_NO_FORCE,
+        "length", "diameter of the pin at the permitted pressure",
+        exists=_has("pin_length", "pressure_limit"), missing=_NO_FORCE,
     ),
     "pin_bending_max": Result(
-        "pressure", "greatest bending stress of the pin", exists=_stressed, missing=_NO_PIN
+        "pressure", "greatest bending stress of the pin", exists=_STRESSED, missing=_NO_PIN
     ),
     "pin_shear_max": Result(
-        "pressure", "greatest mean shear stress of the pin", exists=_stressed, missing=_NO_PIN
+        "pressure", "greatest mean shear stress of the pin", exists=_STRESSED, missing=_NO_PIN
     ),
     "rubbing_max": Result(
-        "power", "greatest product of force on the pin and sliding speed", exists=_stressed,
+        "power", "greatest product of force on the pin and sliding speed", exists=_STRESSED,
         missing=_NO_FORCE,
     ),
     "pressure_speed_max": Result(
-        "pressure_speed", "greatest mean pressure times sliding speed", exists=_slides,
-        missing=_NO_PIN,
+        "pressure_speed", "greatest mean pressure times sliding speed",
+        exists=_has("pin_length", but="roller_radius"), missing=_NO_PIN,
     ),
     "pin_load_frequency": Result(
-        "frequency", "load cycles of each pin in a second", exists=_stressed
+        "frequency", "load cycles of each pin in a second", exists=_STRESSED
     ),
-    "pin_loads": Result("ratio", "load cycles of each pin over the running time", exists=_runs),
+    "pin_loads": Result(
+        "ratio", "load cycles of each pin over the running time", exists=_has("running_time")
+    ),
     "entry_impact_deg": Result(
-        "degrees", "where the pin meets its slot", exists=_loose, label="entry impact at"
+        "degrees", "where the pin meets its slot", exists=_LOOSE, label="entry impact at"
     ),
-    "entry_impact_speed": Result("slip", "speed at which the pin meets its slot", exists=_loose),
+    "entry_impact_speed": Result("slip", "speed at which the pin meets its slot", exists=_LOOSE),
     "entry_impact_energy": Result(
-        "energy", "energy lost when the pin meets its slot", exists=_loose
+        "energy", "energy lost when the pin meets its slot", exists=_LOOSE
     ),
     "lift_off_deg": Result(
-        "degrees", "where the pin leaves the wall that it met", exists=_loose, label="lift off at"
+        "degrees", "where the pin leaves the wall that it met", exists=_LOOSE, label="lift off at"
     ),
     "reversal_flight_time": Result(
-        "time", "time until the pin meets a wall again", exists=_loose, missing=_NO_WALL
+        "time", "time until the pin meets a wall again", exists=_LOOSE, missing=_NO_WALL
     ),
     "reversal_impact_deg": Result(
-        "degrees", "where the pin meets a wall again", exists=_loose, label="reversal impact at"
+        "degrees", "where the pin meets a wall again", exists=_LOOSE, label="reversal impact at"
     ),
     "reversal_impact_speed": Result(
-        "slip", "speed at which the pin meets a wall again", exists=_loose
+        "slip", "speed at which the pin meets a wall again", exists=_LOOSE
     ),
     "reversal_impact_energy": Result(
-        "energy", "energy lost when the pin meets a wall again", exists=_loose
+        "energy", "energy lost when the pin meets a wall again", exists=_LOOSE
     ),
-    "deflection_max": Result("angle", "greatest angle of the load from the wheel", exists=_elastic),
-    "residual_amplitude": Result("angle", "amplitude left after the index", exists=_elastic),
+    "deflection_max": Result("angle", "greatest angle of the load from the wheel", exists=_ELASTIC),
+    "residual_amplitude": Result("angle", "amplitude left after the index", exists=_ELASTIC),
     "settling_time_load": Result(
-        "time", "time after the index until the load is within its tolerance", exists=_elastic,
+        "time", "time after the index until the load is within its tolerance", exists=_ELASTIC,
         missing="without damping the load rings on",
     ),
     "dwell_left": Result(
-        "time", "time of the dwell after that; below zero the load still rings", exists=_elastic
+        "time", "time of the dwell after that; below zero the load still rings", exists=_ELASTIC
     ),
     "locking_torque": Result(
-        "torque", "friction of the locking disc in the dwell", exists=_locked, missing=_NO_FORCE
+        "torque", "friction of the locking disc in the dwell", exists=_has("locking_radius"),
+        missing=_NO_FORCE,
     ),
     "inertia_ratio": Result(
         "ratio", "I_f omega^2 over the load", label="inertia ratio F", exists=_constant,

@@ -11,10 +11,10 @@ from functools import cached_property
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from escapement.base import validate
-from escapement.constant_speed.contact import within_cell
+from escapement.base.errors import InvalidValue
 from escapement.constant_speed.cycle_figures import (
     CycleFigures,
     contact_states,
@@ -54,6 +54,7 @@ class IndexState(NamedTuple):
     deflection: FloatArray
 
 
+_HAIR = 1e-12  # share of a cell by which rounding may put an angle beyond an end
 RESISTING = (
     *("driver_bearing_friction", "driver_bearing_radius", "follower_bearing_friction"),
     *("follower_bearing_radius", "driver_bearing_torque", "driver_drag", "follower_drag"),
@@ -215,7 +216,7 @@ class IndexingDrive(IndexLoads, IndexCase):
         number = np.floor((angles - wheel.breaks[0]) / wheel.cell_angle)
         number = np.clip(number, 0, self.indexes - 1).astype(int)
         within = angles - number * wheel.cell_angle
-        engaged, locked = within_cell(wheel, within)
+        engaged, locked = _within_cell(wheel, within)
         flat, which = np.ascontiguousarray(engaged).reshape(-1), number.reshape(-1)
         table = np.empty((flat.size, 5))
         for k, scene in enumerate(self._scenes):
@@ -272,8 +273,11 @@ def index(
         those of all `indexes` of the turn, and angles count from the first dead centre.
     follower_inertia : float
         Follower and everything that turns with it [kg m^2], > 0.
-    efficiency, friction : float
-        As for `drive_torque`.
+    efficiency : float
+        Efficiency of the drive [-], in (0, 1]. Torque is divided by it where the drive works and,
+        unlike in Filemon, multiplied where it is driven.
+    friction : float
+        Coefficient of friction between pin and slot [-], >= 0.
     **settings
         Bearings and drag as for `Escapement`; and `pressure_pin_radius`, `pin_length`, `pin_gap`
         [m], `pin_material`, `wheel_material` and `pressure_limit` [Pa] for the stresses of the
@@ -298,3 +302,21 @@ def index(
     return IndexingDrive(
         mechanism, speed, load_torque, follower_inertia, efficiency, friction, **settings
     )
+
+
+def _within_cell(mechanism: Mechanism, theta: FloatArray) -> tuple[FloatArray, NDArray[np.bool_]]:
+    """Driver angles, those of the dwell replaced by the exit, and whether each is one of these.
+
+    An angle outside the cell is an error; one that rounding puts beyond an end or the exit counts
+    as that.
+    """
+    entry, exit_ = mechanism.breaks[0], mechanism.breaks[-1]
+    end = max(exit_, entry + mechanism.cell_angle)
+    hair = _HAIR * (end - entry)
+    outside = ~((theta >= entry - hair) & (theta <= end + hair))
+    if outside.any():
+        raise InvalidValue(
+            f"theta must be between pin entry and the end of the cell, {entry!r} to {end!r} "
+            f"rad, got {float(theta[outside].flat[0])!r}; count angles from dead centre"
+        )
+    return np.clip(theta, entry, exit_), theta > exit_ + hair

@@ -11,7 +11,7 @@ Functions for one panel draw into given axes, or into a new figure; nothing is s
 - `study`, `study_panels`, `study_table`, `sample`, `budget_bars`, `designs`, `comparison_bars`:
   studies, budgets and designs
 - `measurement`, `beat_plots`, `timing`: readings and beats
-- `drive_torque_curve`, `index_figure`: drives at constant speed
+- `index_figure`: drives at constant speed
 """
 
 from escapement.explorer.widget import explore as explore
@@ -23,7 +23,6 @@ from escapement.plots.comparison_bars import plot_comparison as plot_comparison
 from escapement.plots.designs import plot_designs as plot_designs
 from escapement.plots.drawing import plot_mechanism as plot_mechanism
 from escapement.plots.drawing import plot_table as plot_table
-from escapement.plots.drive_torque_curve import plot_drive_torque as plot_drive_torque
 from escapement.plots.gear_driven import plot_gear_driven as plot_gear_driven
 from escapement.plots.geneva import plot_configurations as plot_configurations
 from escapement.plots.index_figure import plot_index as plot_index

@@ -14,12 +14,10 @@ from typing import Any
 
 import numpy as np
 
-from escapement.base.text import words
-from escapement.mechanisms import GearDriven, Geneva
+from escapement.mechanisms import GearDriven
 from escapement.mechanisms.protocol import FloatArray
 from escapement.sources import report
 from escapement.sources.report import Cell, Slip, gives, judge
-from escapement.synthesis import motion_peaks
 
 COLUMNS = {"alpha": "alpha", "V": "V", "MC": "MC/R0", "M0C": "M0C/R0"}
 """Printed proportions and their names in a table; alpha in degrees."""
@@ -98,25 +96,6 @@ def equations() -> list[Slip]:
     return report.read_slips("dijksman", deviations)
 
 
-def start_ratios(per_cycle: bool) -> tuple[float, float]:
-    """Least and greatest acceleration at the start, over an ordinary wheel's [-].
-
-    Parameters
-    ----------
-    per_cycle : bool
-        Whether the cycles take the same time, otherwise the motions. Epicycloids are compared
-        with external wheels, hypocycloids with internal ones.
-    """
-    ratios = []
-    for wheel in chart_mechanisms():
-        plain = Geneva(wheel.stations, pins=1, internal=wheel.curve == "hypocycloid")
-        peaks, other = motion_peaks(wheel), motion_peaks(plain)
-        if per_cycle:
-            peaks, other = peaks.per_cycle(), other.per_cycle()
-        ratios.append(peaks.acceleration_start / other.acceleration_start)
-    return min(ratios), max(ratios)
-
-
 def reproduce(units: str | None = None) -> report.Reproduction:
     """The captions recomputed: pure numbers and angles, independent of the units."""
     cells, slips = proportions(), equations()
@@ -129,18 +108,12 @@ def reproduce(units: str | None = None) -> report.Reproduction:
             "slots": wheel.slots, "slots_printed": int(caption["slots"]),
         }  # fmt: skip
     record = report.compare(cells, slips, heads, {"alpha": "alpha_deg", **_LENGTHS})
-    ratios = {name: start_ratios(name == "per_cycle") for name in ("per_cycle", "per_motion")}
-    record["start_ratios"] = ratios
 
     def show() -> None:
         print("Dijksman (1974), figures 6 to 9: printed, and below it true; * differs\n")
         report.print_side_by_side(_HEADS, COLUMNS, record["rows"], cells)
         tried = "all wheels of the design charts"
         report.print_errata(cells, "numbers", "figure {}, {}", COLUMNS, slips, tried)
-        print("\nAcceleration at the start over an ordinary wheel's of as many stations, extremes:")
-        for name, (least, greatest) in ratios.items():
-            text = f"{words(name).removeprefix('per ')}s of the same time"
-            print(f"  {text:<27}{least:.3f} to {greatest:.3f}")
 
     lines = report.as_table(cells, "figure")
     return report.Reproduction("dijksman_figures", record, lines, show, _panels)

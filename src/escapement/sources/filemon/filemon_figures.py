@@ -11,7 +11,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from escapement.constant_speed import drive_torque, geneva, reversal_study
+from escapement.constant_speed import geneva, index, reversal_study
 from escapement.mechanisms import Geneva
 from escapement.mechanisms.protocol import FloatArray
 from escapement.mechanisms.slotted import Transmission
@@ -96,8 +96,10 @@ def plot_zones(slots: int = 8) -> Figure:
     figure = style.new_figure(style.TWO_COLUMN, 2.7)
     panels = style.new_panels(figure, 1, 3)
     for ax, ratio, letter in zip(panels, (1.0, 1.9, 4.0), "abc", strict=True):
-        result = drive_torque(Geneva(slots, pins=1), 1.0, 1.0, ratio)
-        angle, torque = np.degrees(result.samples.theta), result.samples.torque
+        wheel = Geneva(slots, pins=1)
+        result = index(wheel, 1.0, 1.0, follower_inertia=ratio)
+        theta = np.linspace(wheel.breaks[0], wheel.breaks[-1], 721)
+        angle, torque = np.degrees(theta), result.at(theta).torque
         ax.axhline(0.0, color=style.BLACK, lw=0.6)
         ax.plot(angle, torque, color=style.BLUE, lw=1.4)
         # shaded is where the follower drives the pin

@@ -9,8 +9,7 @@ them the explanation of each difference.
 in-lbf-s^2.
 
 - `program`, `listing`: the program of 1973 as printed
-- `reasons`, `slips`, `disc_parts`: why printed figures differ, slips of the thesis, inertias of its
-  parts
+- `reasons`, `slips`: why printed figures differ, slips of the thesis
 - `meyer_figures`: its figures 9 to 11
 """
 
@@ -29,11 +28,12 @@ from escapement.mechanisms import Geneva
 from escapement.mechanisms.protocol import Mechanism
 from escapement.model.escapement import Escapement, Inertia
 from escapement.sources import report
-from escapement.sources.meyer.disc_parts import INERTIAS, disc_inertia, own_parts
 from escapement.sources.meyer.program import PublishedCell, program_1973, read_printout
 from escapement.sources.meyer.reasons import HALF_DIGIT, RunFigures, why
 from escapement.sources.meyer.slips import equations
 
+INERTIAS = {3: (6e-6, 10e-6), 4: (3e-6, 50e-6), 6: (3e-6, 40e-6)}
+"""Driver and follower inertia really used, by slots [in-lbf-s^2] (figures 9 to 11)."""
 HEADINGS = {3: (10e-6, 6e-6), 4: (3e-6, 50e-6), 6: (3e-6, 40e-6)}
 """The same as the headings of Appendix E give them."""
 UNITS = "in-lbf-s"
@@ -132,16 +132,15 @@ def reproduce(units: str | None = None) -> report.Reproduction:
     units = units or UNITS
     rows = appendix_e(units)
     agreeing = {name: agreement(rows, name)._asdict() for name in COLUMNS if name != "printed"}
-    parts, slips = own_parts(), equations()
+    slips = equations()
 
     def show() -> None:
         _print_rows(rows, units)
         _print_reasons(rows)
         _print_agreement(agreeing)
-        _print_parts(parts, units)
         report.print_slips(slips, "his three wheels, relative")
 
-    record = {"units": units, "rows": rows, "agreement": agreeing, "own_parts": parts}
+    record = {"units": units, "rows": rows, "agreement": agreeing}
     record |= {"equations": [vars(slip) for slip in slips], "message": report.WORDS}
     lines = [_as_line(row, units) for row in rows]
     table = [[*lines[0]], *([*line.values()] for line in lines)]
@@ -245,35 +244,6 @@ def _print_agreement(agreeing: Mapping[str, dict[str, Any]]) -> None:
         _, *counts, worst, rise = found.values()
         lines.append([COLUMNS[name][0], *counts, f"{100.0 * worst:.1f} %", rise])
     print_columns([header, below], lines)
-
-
-def _print_parts(rows: Sequence[Mapping[str, Any]], units: str) -> None:
-    """The runs with the inertias of the tables and with those of the thesis' own disc."""
-    torque_unit = INCH_POUND / factor("torque", units)
-    torque, inertia = (spelt(unit_name(kind, units)) for kind in ("torque", "inertia"))
-    times = [value / disc_inertia() for pair in INERTIAS.values() for value in pair]
-    print()
-    report.say(
-        "The steel disc of chapter II, 0.5 in across and 0.1 in thick, has "
-        f"{torque_unit * disc_inertia():.2e} {inertia}; the inertias of the tables are "
-        f"{min(times):.1f} to "
-        f"{max(times):.0f} times that. True figures with both:"
-    )
-    lines = []
-    for row in rows:
-        run = [row["slots"], f"{row['friction']:.2f}", f"{torque_unit * row['torque_inlbf']:.4g}"]
-        for name in ("tables", "disc"):
-            found = row[name]
-            bodies = (
-                f"{torque_unit * found[f'{body}_inertia']:.3g}" for body in ("driver", "follower")
-            )
-            period, rise = (f"{1e3 * found[key]:.2f}" for key in ("period", "rise_time"))
-            limit = f"{found['critical_friction']:.3f}"
-            lines.append([*run, name, *bodies, period, rise, limit])
-            run = [""] * len(run)
-    heads = ["slots", "friction", "torque", "", "driver", "follower", "period", "rise time"]
-    below = ["", "", torque, "", inertia, inertia, "ms", "ms"]
-    print_columns([[*heads, "limit of"], [*below, "friction"]], lines)
 
 
 def _as_line(row: Mapping[str, Any], units: str) -> dict[str, Any]:

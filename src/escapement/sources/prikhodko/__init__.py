@@ -9,8 +9,6 @@ from collections.abc import Iterator
 from functools import cache, partial
 from typing import Any
 
-import numpy as np
-
 from escapement.base.text import plain, print_columns, words
 from escapement.base.units import degrees
 from escapement.measurement import Encoder, Measurement, measure, sturges, synthetic_readings
@@ -62,38 +60,6 @@ def synthetic_measurement() -> Measurement:
     return measure(readings, mechanism, bins=int(_given("intervals")))
 
 
-def position_function_error() -> float:
-    """Greatest deviation of the closed position function from quadrature of (9) [rad].
-
-    Gauss-Legendre over each of three quarters of a cell, of the printed equation in R1, R2 and
-    rho, without the closed form.
-    """
-    mechanism = drive()
-    nodes, weights = np.polynomial.legendre.leggauss(60)
-    sun, planet = mechanism.sun_radius, mechanism.planet_radius
-    a, e = mechanism.semi_major_axis, mechanism.eccentricity
-    edges = np.linspace(0.0, 0.75 * mechanism.cell_angle, 13)
-    # partial sums over a dozen pieces give the angle at the end of each
-    half = 0.5 * np.diff(edges)
-    angle = edges[:-1, None] + half[:, None] * (1.0 + nodes)
-    rho = a * (1.0 - e * e) / (1.0 - e * np.cos(sun / planet * angle))
-    analogue = 1.0 - sun * rho / (planet * (sun + planet - rho))
-    integral = np.cumsum(half * (analogue @ weights))
-    return float(np.abs(integral + mechanism.follower_angle(edges[1:])).max())
-
-
-def pitch_curve_slip() -> float:
-    """Greatest mismatch of radii or arcs of the pitch curves over a cell, in centre distances."""
-    mechanism = drive()
-    theta = np.linspace(*mechanism.breaks, 361)
-    driving, driven = mechanism.pitch_ellipses
-    # turns of the planet and of the output as the carrier sees them
-    alpha, beta = mechanism.ratio * theta, theta + mechanism.follower_angle(theta)
-    apart = driving.radius(alpha) + driven.radius(beta) - mechanism.centre_distance
-    slip = driving.arc(alpha) - driven.arc(beta)
-    return float(max(np.abs(apart).max(), np.abs(slip).max()) / mechanism.centre_distance)
-
-
 def reproduce(units: str | None = None) -> report.Reproduction:
     """Recomputed numbers; lengths in millimetres as printed, independent of the units."""
     cells, slips, mechanism = table(), equations(), drive()
@@ -106,8 +72,6 @@ def reproduce(units: str | None = None) -> report.Reproduction:
         "stop_interval_deg": degrees(mechanism.cell_angle),
         "output_per_stop_deg": -degrees(mechanism.follower_step),
         "transmission_max": mechanism.ratio_max,
-        "position_function_error": position_function_error(),
-        "pitch_curve_slip": pitch_curve_slip(),
         "message": "true and value are null where a number follows from nothing printed",
     }
 
@@ -118,10 +82,7 @@ def reproduce(units: str | None = None) -> report.Reproduction:
         report.print_errata(cells, "numbers", "{1}", names, slips)
         print(
             f"\nOutput per stop {record['output_per_stop_deg']:g} degrees; greatest output speed "
-            f"{mechanism.ratio_max:.6g} times the input's, backwards\n"
-            "Closed position function against quadrature of (9): "
-            f"{record['position_function_error']:.1e} rad\n"
-            f"Slip of the pitch curves: {record['pitch_curve_slip']:.1e} centre distances"
+            f"{mechanism.ratio_max:.6g} times the input's, backwards"
         )
 
     header = ["quantity", "place", "unit", "printed", "true", "value", "reason"]
