@@ -17,7 +17,6 @@ from escapement.mechanisms.path import Pair, Path, one_pitch
 from escapement.mechanisms.protocol import FloatArray, Mechanism, checked
 from escapement.mechanisms.wheel_checks import check_lengths
 from escapement.model.checks import (
-    MOST_UNEQUAL,
     check_contact,
     check_load,
     check_losses,
@@ -30,7 +29,7 @@ from escapement.model.checks import (
 from escapement.model.load_curve import Load, LoadSetting, steps_of
 from escapement.model.materials import MATERIALS, MaterialSetting
 from escapement.model.motor import Motor
-from escapement.model.natural import natural, resistances
+from escapement.model.natural import natural
 from escapement.model.scene import Joint, Scene
 from escapement.model.torque_curve import MOST_KNOTS, Torque, TorqueCurve
 from escapement.model.train import (
@@ -380,11 +379,7 @@ class Escapement(Declared):
         if (drive := self.drive_curve) is not None:
             return drive if len(drive.angle) > 1 else None
         torque, rate = self.referred["torque"], self.referred["spring_rate"]
-        # a rate that changes no motion counts as 0
-        if rate > torque / MOST_UNEQUAL:
-            spent = max(torque / rate, 1.0 / MOST_UNEQUAL)
-            return TorqueCurve((0.0, spent), (torque, 0.0))
-        return None
+        return TorqueCurve((0.0, torque / rate), (torque, 0.0)) if rate > 0.0 else None
 
     @cached_property
     def referred(self) -> dict[str, Any]:
@@ -577,14 +572,6 @@ class Escapement(Declared):
     def scene(self) -> Scene:
         """The escapement as an engine sees it in the first of its `pairs`."""
         return self.scenes[0]
-
-    @cached_property
-    def too_unequal(self) -> bool:
-        """Whether the inertias and torques differ so much that kernels would overflow."""
-        # the square of the time unit is the ratio of inertia and torque
-        ratios = self.scene.rho, self.time_unit**2
-        greatest = max(*ratios, *(getattr(self.scene, name) for name in resistances()))
-        return min(ratios) <= 1.0 / MOST_UNEQUAL or greatest >= MOST_UNEQUAL
 
     @cached_property
     def kept(self) -> dict[str, Any]:
