@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field, fields, replace
 from fractions import Fraction
 from functools import cached_property
 from typing import Any, cast
@@ -580,19 +580,8 @@ class Escapement(Declared):
 
     def __getstate__(self) -> dict[str, Any]:
         """Another process computes the scene and everything that depends on it again."""
-        derived = (
-            "pairs",
-            "scenes",
-            "scene",
-            "joint",
-            "kept",
-            "whole_round",
-            "jump_works",
-            "_begins",
-            "_load_cells",
-            "referred",
-        )
-        return {key: value for key, value in vars(self).items() if key not in derived}
+        own = {entry.name for entry in fields(self)} | {"_cells"}
+        return {key: value for key, value in vars(self).items() if key in own}
 
     @cached_property
     def time_unit(self) -> float:
