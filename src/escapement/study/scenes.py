@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from escapement.base.errors import InvalidValue
 from escapement.base.quantity import quantities
 from escapement.base.status import Status
-from escapement.dynamics.figure_table import FIGURES, RUN_TIME, TRANSIENT
+from escapement.dynamics.figure_table import FIGURES, PEAKS, RUN_TIME, TRANSIENT
 from escapement.dynamics.figures_of_merit import Figures
 from escapement.engines import simulate as simulation
 from escapement.mechanisms.protocol import FloatArray
@@ -223,7 +223,6 @@ def _solve(
 ) -> SceneFigures:
     """Solve the scenes of one mechanism, shape (k, n), to which these cases belong."""
     from escapement.engines.energy import batch, cycle
-    from escapement.engines.energy.peaks import PEAKS
 
     errors = None if plan.perfect else _errors(plan, mechanism, cases)
     table, status = batch.solve(mechanism, scene, plan.solver.tolerance, _extent(plan), errors)
@@ -327,7 +326,6 @@ def si_unit(name: str, clock: Any, torque: Any, motor_torque: Any) -> Any:
 def cost_note(plan: StudyPlan) -> str:
     """Which results make a study long, since they are computed case by case; "" if none does."""
     from escapement.engines.energy.cycle import COLUMNS
-    from escapement.engines.energy.peaks import PEAKS
 
     fast = {*COLUMNS, *_FORMULAS, *(PEAKS if plan.perfect else ())}
     slow = [name for name in plan.solved if name not in fast]
