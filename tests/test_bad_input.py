@@ -4,7 +4,6 @@ What is refused follows from the declarations, wherever a value comes in.
 """
 
 import json
-import math
 
 import numpy as np
 import pytest
@@ -13,7 +12,6 @@ import escapement as esc
 from bad_calls import BAD, INERTIA, MACHINES, WHEEL, built, fault, ivp, maker, study, wheel
 from escapement.base.errors import InvalidValue
 from escapement.base.quantity import Quantity, Truth
-from escapement.base.status import Status
 from escapement.cli import main
 from escapement.cli._arguments import option, parser_of
 from escapement.engines.solver import Solver
@@ -111,28 +109,6 @@ def test_an_object_of_another_class_is_refused(call, name, value):
     with pytest.raises(InvalidValue) as caught:
         call(**{name: value})
     check_message(str(caught.value), name)
-
-
-UNEQUAL = {
-    "inertias": ({"inertia": esc.Inertia(1e-300, 1e300)}, 0.0),
-    "other inertias": ({"inertia": esc.Inertia(1e300, 1e-300)}, 0.0),
-    "torque": ({"torque": 1e-300}, 0.0),
-    "load": ({"load_torque": 1e300}, 0.0),
-    "speed": ({}, 1e300),
-}
-
-
-@pytest.mark.parametrize("engine", ["energy", "ivp"])
-@pytest.mark.parametrize(("changes", "speed"), UNEQUAL.values(), ids=UNEQUAL)
-def test_numbers_that_no_double_can_hold_end_in_a_status(changes, speed, engine):
-    timer = built(**changes)
-    motion = esc.simulate(timer, initial_speed=speed, engine=engine)
-    figures = esc.terminal(timer, initial_speed=speed, engine=engine)
-    assert motion.status is figures.status is Status.INVALID
-    assert motion.message == figures.message
-    assert "choose inertias, torques and a speed of similar size" in motion.message
-    assert motion.handoff_times.size == 0
-    assert math.isnan(figures.velocity_max)
 
 
 @pytest.mark.parametrize(("given", "told"), [

@@ -12,7 +12,7 @@ import pytest
 import escapement as esc
 from coinciding import counts, curve_scene, differences, spring_scene
 from escapement.base.status import Status
-from escapement.dynamics.energy_balance import judged
+from escapement.dynamics.energy_balance import JudgedResult
 
 CELL, TORQUE = np.pi / 2.0, 0.0113
 GENEVA, INERTIA = esc.Geneva(4), esc.Inertia(3.39e-7, 5.65e-6)
@@ -89,11 +89,18 @@ def test_a_motion_whose_balance_does_not_close_is_not_ok(engine):
     assert "not accounted for" in wrong.message
 
 
-def test_what_closes():
-    ok, stall = (Status.OK, "done"), (Status.STALL, "it stops")
-    assert judged(*ok, 2e-11, 1e-12) == ok
-    assert judged(*ok, -2e-6, 1e-4) == ok
-    assert judged(*stall, 1.0, 1e-12) == stall
-    for residual in (2e-6, -2e-6, np.nan, np.inf):
-        assert judged(*ok, residual, 1e-12)[0] is Status.NOT_CONVERGED
-        assert judged(Status.SPENT, "", residual, 1e-12)[0] is Status.NOT_CONVERGED
+class Told(JudgedResult):
+    def __init__(self, status, rtol):
+        vars(self).update(status=status, message="", _rtol=rtol)
+
+
+@pytest.mark.parametrize(("residual", "rtol", "closes"), [
+    (2e-11, 1e-12, True), (-2e-6, 1e-4, True),
+    *((residual, 1e-12, False) for residual in (2e-6, -2e-6, np.nan, np.inf)),
+])  # fmt: skip
+def test_what_closes(residual, rtol, closes):
+    for status in (Status.OK, Status.SPENT, Status.STALL):
+        result = Told(status, rtol)
+        result.judge_by(residual)
+        assert (result.outcome is status) == (closes or status is Status.STALL)
+        assert result.outcome in (status, Status.NOT_CONVERGED)

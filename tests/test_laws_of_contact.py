@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 import escapement as esc
 from escapement.base.status import Status
-from escapement.dynamics.painleve import critical_angle
+from escapement.dynamics.painleve import first_beyond
 from escapement.mechanisms.gear_equation import CURVES
 from random_drives import close, contacts, dense, drives, few, speeds, wheels
 
@@ -93,14 +93,21 @@ def test_at_the_limit_and_beyond_nothing_is_integrated(wheel, exponent, factor, 
 @given(wheels(), st.floats(-6.0, 6.0), st.floats(1.0, 3.0))
 def test_the_limit_is_met_where_it_is_said_to_be(wheel, exponent, factor):
     rho = 10.0**exponent
-    mu = factor * esc.critical_friction(wheel, esc.Inertia(rho, 1.0))
-    angle = critical_angle(wheel, esc.Inertia(rho, 1.0), mu)
+    inertia = esc.Inertia(rho, 1.0)
+    limit = esc.critical_friction(wheel, inertia)
+    mu = 1.0001 * factor * limit
+
+    def first(friction):
+        scene = esc.Escapement(wheel, inertia, 1.0, friction).scene
+        return first_beyond(scene, 0.0, scene.edges[-1])
+
+    angle = first(mu)
     found = wheel.transmission(angle)
     reduced = rho + found.g**2 - mu * abs(found.g * found.u)
     assert abs(reduced) <= 1e-7 * (rho + found.g**2)
-    before = wheel.transmission(angle - (angle - wheel.breaks[0]) * np.linspace(1e-6, 1.0, 500))
+    before = wheel.transmission(angle * np.linspace(0.0, 1.0 - 1e-6, 500))
     assert np.all(rho + before.g**2 - mu * np.abs(before.g * before.u) > 0.0)
-    assert math.isnan(critical_angle(wheel, esc.Inertia(rho, 1.0), 0.999 * mu / factor))
+    assert math.isnan(first(0.999 * limit))
 
 
 @st.composite

@@ -71,10 +71,19 @@ class JudgedResult:
             self.judge_by(residual)
 
     def judge_by(self, residual: float) -> None:
-        """Change the status if this residual of the energy balance shows a wrong motion."""
-        stated: Any = self
-        status, message = judged(self.outcome, vars(self)["message"], residual, stated._rtol)
-        vars(self).update(status=status, message=message)
+        """Change the status if this residual of the energy balance shows a wrong motion.
+
+        A result whose balance does not close within `TOLERATED`, or within a coarser rtol that was
+        asked for, has not converged; NaN does not close.
+        """
+        result: Any = self
+        if self.outcome.failed or abs(residual) <= max(TOLERATED, result._rtol):
+            return
+        missing = f"{abs(residual):.2g} of the work is not accounted for"
+        if residual != residual:
+            missing = "no balance of energy exists"
+        message = f"the result is not reliable: {missing}; try the other engine"
+        vars(self).update(status=Status.NOT_CONVERGED, message=message)
 
     def _residual(self) -> float:
         """Residual of the energy balance that decides."""
@@ -149,19 +158,3 @@ def ledger_of(motion: Any, progress: Callable[[int, int, int], None] | None = No
     scale = max(abs(x) for x in (work, energies[0], kinetic, load, *parts.values()))
     residual = float(missing / scale) if scale > 0.0 else 0.0
     return Ledger(float(work), kinetic, float(load), **parts, residual=residual)
-
-
-def judged(status: Status, message: str, residual: float, rtol: float) -> tuple[Status, str]:
-    """Status and message of a result with this residual of its energy balance.
-
-    A result whose balance does not close within `TOLERATED`, or within a coarser `rtol` that was
-    asked for, has not converged; NaN does not close.
-    """
-    if status.failed or abs(residual) <= max(TOLERATED, rtol):
-        return status, message
-    missing = (
-        "no balance of energy exists"
-        if residual != residual
-        else (f"{abs(residual):.2g} of the work is not accounted for")
-    )
-    return Status.NOT_CONVERGED, f"the result is not reliable: {missing}; try the other engine"

@@ -99,6 +99,11 @@ FIGURES = {
     "energy_residual": Result("ratio", "energy unaccounted for, as a share of the work"),
 }  # fmt: skip
 """Scalar figures of merit in the order in which they are reported."""
+PEAKS = (
+    *("acceleration_max", "follower_acceleration_max", "contact_moment_max", "contact_force_max"),
+    "rubbing_max",
+)
+"""Greatest magnitudes over a motion, in the order in which engines and `find_peaks` give them."""
 OF_MOTOR = ("speed_dip", "motor_torque_max", "motor_torque_rms", "motor_stall_share")
 """Figures of a motor."""
 TRANSIENT = ("rise_time", "rise_time_63", "rise_time_98", "settling_time")

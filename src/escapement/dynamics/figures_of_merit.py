@@ -19,7 +19,7 @@ from escapement.base.text import Shown
 from escapement.base.units import printed
 from escapement.dynamics.batch_spread import BatchSpread
 from escapement.dynamics.energy_balance import Judged, JudgedResult
-from escapement.dynamics.figure_table import FIGURES, OF_MOTOR, TRANSIENT
+from escapement.dynamics.figure_table import FIGURES, OF_MOTOR, PEAKS, TRANSIENT
 from escapement.dynamics.motion import Motion
 from escapement.dynamics.motor_figures import motor_figures
 from escapement.dynamics.trajectory import Extrema
@@ -47,25 +47,11 @@ _NEAREST = 1e-9
 """The search for a peak begins this close to the ends of a piece, relative to its length."""
 
 
-def _peak(index: int, meaning: str) -> cached_property[float]:
-    """A figure that is a peak value of the terminal engagement."""
-    peak = cached_property(lambda figures: float(figures._peaks[index]))
-    peak.__doc__ = meaning
-    return peak
-
-
-def _stress(name: str, meaning: str) -> cached_property[float]:
-    """A stress of the pin."""
-    found = cached_property(lambda figures: float(figures._stresses[name]))
-    found.__doc__ = meaning
-    return found
-
-
-def _of_motor(name: str, meaning: str) -> cached_property[float]:
-    """A figure of a motor over the terminal cycle."""
-    found = cached_property(lambda figures: figures._motor[name])
-    found.__doc__ = meaning
-    return found
+def _part(of: str, meaning: str) -> cached_property[float]:
+    """A figure that is computed together with others, which an attribute holds by their names."""
+    part = cached_property(lambda figures: float(getattr(figures, of)[part.attrname]))
+    part.__doc__ = meaning
+    return part
 
 
 class _OfApproach:
@@ -185,14 +171,15 @@ class Figures(JudgedResult, Shown):
         return (self.velocity_max + self.velocity_min) / 2.0
 
     @cached_property
-    def _peaks(self) -> list[float]:
-        return [_NAN] * 5 if self.motion is None else find_peaks(self.motion)
+    def _peaks(self) -> dict[str, float]:
+        found = [_NAN] * len(PEAKS) if self.motion is None else find_peaks(self.motion)
+        return dict(zip(PEAKS, found, strict=True))
 
-    acceleration_max = _peak(0, "Greatest driver acceleration [rad/s^2].")
-    follower_acceleration_max = _peak(1, "Greatest follower acceleration [rad/s^2].")
-    contact_moment_max = _peak(2, "Greatest moment on the follower [N m].")
-    contact_force_max = _peak(3, "Greatest force on the pin [N].")
-    rubbing_max = _peak(4, "Greatest product of force on the pin and sliding speed [W].")
+    acceleration_max = _part("_peaks", "Greatest driver acceleration [rad/s^2].")
+    follower_acceleration_max = _part("_peaks", "Greatest follower acceleration [rad/s^2].")
+    contact_moment_max = _part("_peaks", "Greatest moment on the follower [N m].")
+    contact_force_max = _part("_peaks", "Greatest force on the pin [N].")
+    rubbing_max = _part("_peaks", "Greatest product of force on the pin and sliding speed [W].")
 
     @cached_property
     def _stresses(self) -> dict[str, float]:
@@ -202,10 +189,10 @@ class Figures(JudgedResult, Shown):
         numbers = owner.settings | owner.mechanism.lengths
         return pin_stresses(self.contact_force_max, self.rubbing_max, numbers)
 
-    pressure_max = _stress("pressure_max", "Greatest pressure between pin and wall [Pa].")
-    pin_bending_max = _stress("pin_bending_max", "Greatest bending stress of the pin [Pa].")
-    pin_shear_max = _stress("pin_shear_max", "Greatest mean shear stress of the pin [Pa].")
-    pressure_speed_max = _stress("pressure_speed_max", "Greatest pressure times speed [W/m^2].")
+    pressure_max = _part("_stresses", "Greatest pressure between pin and wall [Pa].")
+    pin_bending_max = _part("_stresses", "Greatest bending stress of the pin [Pa].")
+    pin_shear_max = _part("_stresses", "Greatest mean shear stress of the pin [Pa].")
+    pressure_speed_max = _part("_stresses", "Greatest pressure times speed [W/m^2].")
 
     @property
     def pin_load_frequency(self) -> float:
@@ -220,10 +207,10 @@ class Figures(JudgedResult, Shown):
         none = dict.fromkeys(OF_MOTOR, _NAN)
         return none if self.motion is None else motor_figures(self.motion)
 
-    speed_dip = _of_motor("speed_dip", "Greatest less least driver speed, over the greatest [-].")
-    motor_torque_max = _of_motor("motor_torque_max", "Greatest torque of the motor [N m].")
-    motor_torque_rms = _of_motor("motor_torque_rms", "Effective torque of the motor [N m].")
-    motor_stall_share = _of_motor("motor_stall_share", "Greatest torque over that at rest [-].")
+    speed_dip = _part("_motor", "Greatest less least driver speed, over the greatest [-].")
+    motor_torque_max = _part("_motor", "Greatest torque of the motor [N m].")
+    motor_torque_rms = _part("_motor", "Effective torque of the motor [N m].")
+    motor_stall_share = _part("_motor", "Greatest torque over that at rest [-].")
 
     @property
     def beats(self) -> tuple[float, ...]:

@@ -16,20 +16,18 @@ from escapement.dynamics.law import grip, is_ideal, sign_of, slide_at
 from escapement.dynamics.power_flow import FLOWS
 from escapement.dynamics.train_losses import in_flow, is_lossy, scene_in_flow
 from escapement.mechanisms.path import G0, G1, HALF_RATE, L0, L1
-from escapement.mechanisms.protocol import FloatArray, Mechanism
+from escapement.mechanisms.protocol import Mechanism
 from escapement.mechanisms.slotted import (
     circle,
     is_meshed,
     offset_of,
     pose_at,
     slide_change,
-    transmission,
     transmission_at,
 )
 from escapement.model.escapement import Escapement, Inertia
 from escapement.model.natural import slid
 from escapement.model.scene import Scene
-from escapement.numerics.chebyshev import zeros
 from escapement.numerics.jit import as_python, inner_jit, jit
 from escapement.numerics.roots import golden_point, golden_step, golden_trial, newton_in_bracket
 
@@ -386,46 +384,16 @@ def _limit(escapement: Escapement, before: bool) -> float:
     return slid(escapement.mechanism.lengths, float(min(limits)))
 
 
-def critical_angle(mechanism: Mechanism, inertia: Inertia, friction: float) -> float:
-    """First driver angle of a cell where `friction` meets the Painleve limit.
-
-    Returns
-    -------
-    float
-        Angle from dead centre [rad]; NaN when friction is below the limit.
-    """
-    rho = inertia.driver / inertia.follower
-    path, breaks = mechanism.path, mechanism.breaks
-    limit, angle = painleve_limit(path, rho, breaks[0], breaks[-1])
-    if friction < limit:
-        return float("nan")
-    if painleve_ratio(path, breaks[0], rho) <= friction:
-        return float(breaks[0])
-
-    def reduced_inertia(theta: FloatArray) -> FloatArray:
-        found = transmission(path, theta)
-        # J is divided by the friction, which may be so great that mu |g u| would overflow
-        return np.asarray((rho + found.g**2) / friction - np.abs(found.g * found.u))
-
-    # if the function only touches zero, rounding may leave no root
-    return float(min(zeros(reduced_inertia, breaks), default=angle))
-
-
 def painleve_message(escapement: Escapement) -> str | None:
     """Why no motion can be computed, or None below the limit."""
     limit, friction = friction_limits(escapement)[0], escapement.friction
     if friction < limit:
         return None
     scenes, count = _flows_of(escapement), len(escapement.scenes)
-    if len(scenes) == 1 and _is_closed(scenes[0]):
-        angle, k = (
-            critical_angle(escapement.mechanism, escapement.without_trains.inertia, friction),
-            0,
-        )
-    else:
-        found = [(first_beyond(scene, 0.0, scene.edges[-1]), k) for k, scene in enumerate(scenes)]
-        # x == x leaves out NaN; at the limit itself rounding may leave no angle at all
-        angle, k = next(((x, k) for x, k in found if x == x), (0.0, 0))
+    found = [(first_beyond(scene, 0.0, scene.edges[-1]), k) for k, scene in enumerate(scenes)]
+    # x == x leaves out NaN; at the limit itself rounding may leave no angle but that of the limit
+    nearest = friction_limit(scenes[0], 0.0, scenes[0].edges[-1])[1]
+    angle, k = next(((x, k) for x, k in found if x == x), (nearest, 0))
     wheel: Any = escapement.mechanism
     where = f" of pin {k % wheel.pins} in slot {k % wheel.slots}" if count > 1 else ""
     return (

@@ -23,7 +23,6 @@ from escapement.engines.solver import (
     solver_for,
 )
 from escapement.mechanisms.slotted import transmission_at
-from escapement.model.checks import MOST_UNEQUAL
 from escapement.model.escapement import Escapement, Run
 from escapement.numerics.jit import as_python
 
@@ -43,10 +42,6 @@ _AT_START = "the figures are those of the torque at the start of the motion"
 _NO_START = "the torque curve begins with no torque, which has no cycle"
 ROUNDING = 1e-9
 """A speed may exceed the last one of a torque curve by this share, which rounding explains."""
-_TOO_UNEQUAL = (
-    f"the numbers differ by a factor of more than {MOST_UNEQUAL:g}, whose square no double holds; "
-    "choose inertias, torques and a speed of similar size"
-)
 
 
 def simulate(
@@ -107,7 +102,7 @@ def simulate(
         When an argument breaks its rule.
     """
     solver = choose_solver(solver, engine, rtol, atol, method, max_step)
-    engine, settings, why = _settings(escapement, solver, initial_speed)
+    engine, settings = _settings(escapement, solver, initial_speed)
     if engagements is not None and duration is not None:
         raise InvalidValue(
             "engagements and duration must not both be given, got "
@@ -121,8 +116,8 @@ def simulate(
             engagements = validate.integer("engagements", wanted, 1, count.remedy, most)
     else:
         duration = check_number(Run, "duration", duration)
-    if why:
-        return no_motion(escapement, engine, settings["rtol"], why)
+    if misfit := escapement.mechanism.misfit:
+        return no_motion(escapement, engine, settings["rtol"], misfit)
     run = _engine(engine, escapement.contact, "simulate")
     motion: Motion = run(escapement, engagements=engagements, duration=duration, **settings)
     drive = escapement.drive_curve
@@ -158,10 +153,8 @@ def _engine(name: str, contact: str, task: str) -> Any:
 
 def _settings(
     escapement: Escapement, solver: Solver, initial_speed: float
-) -> tuple[str, dict[str, Any], str]:
-    """The engine, keyword arguments that both of its functions take, and why nothing can be
-    computed, or "".
-    """
+) -> tuple[str, dict[str, Any]]:
+    """The engine, and keyword arguments that both of its functions take."""
     if not isinstance(escapement, Escapement):
         raise validate.fail("escapement", "an Escapement", escapement, "see escapement.Escapement")
     # the usual start, from rest, needs no check; its settings are kept for the next call
@@ -172,18 +165,9 @@ def _settings(
         speed = 0.0 if rests else check_number(Run, "initial_speed", initial_speed)
         settings = {**solver.arguments, "initial_speed": speed}
         engine = solver.engine or DEFAULT_ENGINE
-        kept[_SETTINGS] = engine, settings, _impossible(escapement, speed)
-    found: tuple[str, dict[str, Any], str] = kept[_SETTINGS]
+        kept[_SETTINGS] = engine, settings
+    found: tuple[str, dict[str, Any]] = kept[_SETTINGS]
     return found
-
-
-def _impossible(escapement: Escapement, speed: float) -> str:
-    """Why nothing can be computed: a pin misses its slot, or kernels would overflow; or ""."""
-    if misfit := escapement.mechanism.misfit:
-        return str(misfit)
-    # by the ratios of inertias, torques and speed
-    unequal = escapement.too_unequal or speed * escapement.time_unit >= MOST_UNEQUAL
-    return _TOO_UNEQUAL if unequal else ""
 
 
 def terminal(
@@ -216,7 +200,7 @@ def terminal(
         first torque, as the message says.
     """
     solver = choose_solver(solver, engine, rtol, atol, method, max_step)
-    engine, settings, _why = _settings(escapement, solver, initial_speed)
+    engine, settings = _settings(escapement, solver, initial_speed)
     found = _terminal(escapement, engine, settings)
     if escapement.notes or found.outcome is not _OK:
         found.add_notes(_stalled(escapement, found.outcome), escapement.notes)
@@ -225,8 +209,8 @@ def terminal(
 
 def _terminal(escapement: Escapement, engine: str, settings: dict[str, Any]) -> Figures:
     """As `terminal`, without notes on settings that have no effect or are not given."""
-    if why := _impossible(escapement, settings["initial_speed"]):
-        return Figures(status=Status.INVALID, message=why)
+    if misfit := escapement.mechanism.misfit:
+        return Figures(status=Status.INVALID, message=misfit)
     base, curve = limits(escapement), escapement.curve
     if curve is not None and not escapement.torque_cells:
         if curve.at_rest[0] == 0.0:

@@ -14,11 +14,6 @@ from escapement.mechanisms.kind import CELL, ArrayLike, Engaging, Kind, np, tabl
 from escapement.mechanisms.path import Path
 from escapement.mechanisms.protocol import FloatArray
 
-_SINE = 4.0 * math.pi**2 / (4.0 + math.pi)
-"""Greatest y'' of the modified sine."""
-_TRAPEZOID = 8.0 * math.pi / (2.0 + math.pi)
-"""Greatest y'' of the modified trapezoid."""
-_QUARTER = 4.0 * math.pi
 _ABOVE = 1e-15  # share of the greatest g, more than the rounding error of its series
 
 
@@ -34,64 +29,42 @@ class Law(NamedTuple):
     slope: Callable[[FloatArray], FloatArray]
 
 
-def _cycloidal(s: FloatArray) -> FloatArray:
-    return s - np.sin(2.0 * math.pi * s) / (2.0 * math.pi)
+def _of_quarters(rise: float, even: float, fall: float, *corners: float) -> Law:
+    """A law whose y'' rises as a quarter of a sine, stays, and falls as a quarter of a cosine.
 
+    It does so over half of each of these shares of s, which add up to 1.
+    """
+    rising, falling = rise / math.pi, fall / math.pi
 
-def _cycloidal_slope(s: FloatArray) -> FloatArray:
-    return 2.0 * np.sin(math.pi * s) ** 2
+    def parts(s: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+        last = np.maximum(s - 0.5 * (rise + even), 0.0)
+        return np.minimum(s, 0.5 * rise), np.clip(s - 0.5 * rise, 0.0, 0.5 * even), last
 
+    def turned(begun: FloatArray, flat: FloatArray, last: FloatArray) -> FloatArray:
+        start = rising * (begun - rising * np.sin(begun / rising)) + (rising + 0.5 * flat) * flat
+        return start + (rising + flat) * last + falling**2 * (1.0 - np.cos(last / falling))
 
-def _polynomial(s: FloatArray) -> FloatArray:
-    return s**3 * (10.0 + s * (-15.0 + 6.0 * s))
+    # y is 1/2 at the middle
+    middle = rising * (0.5 * rise - rising) + 0.5 * (rising + 0.25 * even) * even
+    most = 0.5 / (middle + 0.5 * (rising + 0.5 * even) * fall + falling**2)
 
+    def slope(s: FloatArray) -> FloatArray:
+        begun, flat, last = parts(s)
+        start = 2.0 * rising * np.sin(0.5 * begun / rising) ** 2
+        return np.asarray(most * (start + flat + falling * np.sin(last / falling)))
 
-def _polynomial_slope(s: FloatArray) -> FloatArray:
-    return 30.0 * (s * (1.0 - s)) ** 2
-
-
-def _start(s: FloatArray, most: float) -> FloatArray:
-    """y where y'' is a quarter of a sine, most sin(4 pi s), up to s = 1/8."""
-    return most / _QUARTER * (s - np.sin(_QUARTER * s) / _QUARTER)
-
-
-def _start_slope(s: FloatArray, most: float) -> FloatArray:
-    return 2.0 * most / _QUARTER * np.sin(0.5 * _QUARTER * s) ** 2
-
-
-def _modified_sine(s: FloatArray) -> FloatArray:
-    begun, after = _start(np.minimum(s, 0.125), _SINE), np.maximum(s - 0.125, 0.0)
-    slow = _QUARTER / 3.0
-    # y'' is most cos(slow after), so y' grows from that at 1/8 by its integral
-    speed = _SINE / _QUARTER
-    return begun + speed * after + _SINE / slow**2 * (1.0 - np.cos(slow * after))
-
-
-def _modified_sine_slope(s: FloatArray) -> FloatArray:
-    begun, after = _start_slope(np.minimum(s, 0.125), _SINE), np.maximum(s - 0.125, 0.0)
-    slow = _QUARTER / 3.0
-    return begun + _SINE / slow * np.sin(slow * after)
-
-
-def _modified_trapezoid(s: FloatArray) -> FloatArray:
-    even, last = np.clip(s - 0.125, 0.0, 0.25), np.maximum(s - 0.375, 0.0)
-    speed = _TRAPEZOID / _QUARTER
-    begun = _start(np.minimum(s, 0.125), _TRAPEZOID) + (speed + 0.5 * _TRAPEZOID * even) * even
-    swing = speed / _QUARTER * (1.0 - np.cos(_QUARTER * last))
-    return begun + (speed + 0.25 * _TRAPEZOID) * last + swing
-
-
-def _modified_trapezoid_slope(s: FloatArray) -> FloatArray:
-    even, last = np.clip(s - 0.125, 0.0, 0.25), np.maximum(s - 0.375, 0.0)
-    begun = _start_slope(np.minimum(s, 0.125), _TRAPEZOID) + _TRAPEZOID * even
-    return begun + _TRAPEZOID / _QUARTER * np.sin(_QUARTER * last)
+    return Law(corners, lambda s: most * turned(*parts(s)), slope)
 
 
 LAWS = {
-    "cycloidal": Law((), _cycloidal, _cycloidal_slope),
-    "modified-sine": Law((0.125,), _modified_sine, _modified_sine_slope),
-    "modified-trapezoid": Law((0.125, 0.375), _modified_trapezoid, _modified_trapezoid_slope),
-    "polynomial-345": Law((), _polynomial, _polynomial_slope),
+    "cycloidal": _of_quarters(0.5, 0.0, 0.5),
+    "modified-sine": _of_quarters(0.25, 0.0, 0.75, 0.125),
+    "modified-trapezoid": _of_quarters(0.25, 0.5, 0.25, 0.125, 0.375),
+    "polynomial-345": Law(
+        (),
+        lambda s: s**3 * (10.0 + s * (-15.0 + 6.0 * s)),
+        lambda s: 30.0 * (s * (1.0 - s)) ** 2,
+    ),
 }
 """Laws of motion by name."""
 

@@ -4,28 +4,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from escapement.base import validate
 from escapement.base.errors import InvalidValue
-from escapement.base.lazy import Lazy
 from escapement.base.quantity import Declared, Quantity, Setting, declared, per_class, quantities
 from escapement.model.load_curve import steps_of
-
-if TYPE_CHECKING:
-    import numpy as np
-    from numpy.typing import ArrayLike, NDArray
-else:
-    np = Lazy("numpy")
-
-MOST_UNEQUAL = 1e100
-"""Beyond this ratio of two numbers of a model the squares and products of kernels overflow."""
-
-
-def ratio_in_range(ratio: ArrayLike) -> NDArray[np.bool_]:
-    """Whether ratios of numbers of a model can be computed with."""
-    values = np.asarray(ratio)
-    return (values > 1.0 / MOST_UNEQUAL) & (values < MOST_UNEQUAL)
 
 
 def check_contact(contact: str, mechanism: Any, values: Mapping[str, Any]) -> None:

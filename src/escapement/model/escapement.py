@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field, fields, replace
 from fractions import Fraction
 from functools import cached_property
 from typing import Any, cast
@@ -17,7 +17,6 @@ from escapement.mechanisms.path import Pair, Path, one_pitch
 from escapement.mechanisms.protocol import FloatArray, Mechanism, checked
 from escapement.mechanisms.wheel_checks import check_lengths
 from escapement.model.checks import (
-    MOST_UNEQUAL,
     check_contact,
     check_load,
     check_losses,
@@ -30,7 +29,7 @@ from escapement.model.checks import (
 from escapement.model.load_curve import Load, LoadSetting, steps_of
 from escapement.model.materials import MATERIALS, MaterialSetting
 from escapement.model.motor import Motor
-from escapement.model.natural import natural, resistances
+from escapement.model.natural import natural
 from escapement.model.scene import Joint, Scene
 from escapement.model.torque_curve import MOST_KNOTS, Torque, TorqueCurve
 from escapement.model.train import (
@@ -380,11 +379,7 @@ class Escapement(Declared):
         if (drive := self.drive_curve) is not None:
             return drive if len(drive.angle) > 1 else None
         torque, rate = self.referred["torque"], self.referred["spring_rate"]
-        # a rate that changes no motion counts as 0
-        if rate > torque / MOST_UNEQUAL:
-            spent = max(torque / rate, 1.0 / MOST_UNEQUAL)
-            return TorqueCurve((0.0, spent), (torque, 0.0))
-        return None
+        return TorqueCurve((0.0, torque / rate), (torque, 0.0)) if rate > 0.0 else None
 
     @cached_property
     def referred(self) -> dict[str, Any]:
@@ -579,33 +574,14 @@ class Escapement(Declared):
         return self.scenes[0]
 
     @cached_property
-    def too_unequal(self) -> bool:
-        """Whether the inertias and torques differ so much that kernels would overflow."""
-        # the square of the time unit is the ratio of inertia and torque
-        ratios = self.scene.rho, self.time_unit**2
-        greatest = max(*ratios, *(getattr(self.scene, name) for name in resistances()))
-        return min(ratios) <= 1.0 / MOST_UNEQUAL or greatest >= MOST_UNEQUAL
-
-    @cached_property
     def kept(self) -> dict[str, Any]:
         """What engines derive from the scene and keep for their next call."""
         return {}
 
     def __getstate__(self) -> dict[str, Any]:
         """Another process computes the scene and everything that depends on it again."""
-        derived = (
-            "pairs",
-            "scenes",
-            "scene",
-            "joint",
-            "kept",
-            "whole_round",
-            "jump_works",
-            "_begins",
-            "_load_cells",
-            "referred",
-        )
-        return {key: value for key, value in vars(self).items() if key not in derived}
+        own = {entry.name for entry in fields(self)} | {"_cells"}
+        return {key: value for key, value in vars(self).items() if key in own}
 
     @cached_property
     def time_unit(self) -> float:

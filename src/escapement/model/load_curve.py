@@ -174,19 +174,8 @@ class LoadCurve(Shown):
         """Angles from the first one, and torques."""
         return np.array(self.angle) - self.angle[0], np.array(self.torque)
 
-    @cached_property
-    def _work(self) -> FloatArray:
-        """Work up to each point [J]."""
-        angle, torque = self._line
-        steps = 0.5 * np.diff(angle) * (torque[1:] + torque[:-1])
-        return np.concatenate([[0.0], np.cumsum(steps)])
-
     def _up_to(self, phi: Any) -> Any:
-        laps, rest = np.divmod(np.asarray(phi) - self.angle[0], self.period)
-        angle, torque = self._line
-        last = np.clip(np.searchsorted(angle, rest, side="right") - 1, 0, angle.size - 1)
-        mean = 0.5 * (torque[last] + np.interp(rest, angle, torque))
-        return laps * self._work[-1] + self._work[last] + (rest - angle[last]) * mean
+        return work_up_to(np.asarray(phi) - self.angle[0], *self._line, self.period)
 
     def work(self, begin: Any, end: Any) -> Any:
         """Work against it from one follower angle to another [J]."""
@@ -199,6 +188,19 @@ class LoadCurve(Shown):
         laps = np.arange(first, last + 1)[:, None] * self.period
         knots = (laps + np.array(self.angle[:-1])).reshape(-1)
         return [float(knot) for knot in knots if begin < knot < end]
+
+
+def work_up_to(turned: Any, angle: FloatArray, torque: FloatArray, period: float) -> Any:
+    """Work of a torque that is linear between angles from 0 on, over the angles turned [J].
+
+    period : angle after which it repeats; 0 where the last torque holds beyond.
+    """
+    laps, rest = np.divmod(turned, period) if period else (0.0, turned)
+    steps = 0.5 * np.diff(angle) * (torque[1:] + torque[:-1])
+    work = np.concatenate([[0.0], np.cumsum(steps)])
+    last = np.clip(np.searchsorted(angle, rest, side="right") - 1, 0, angle.size - 1)
+    mean = 0.5 * (torque[last] + np.interp(rest, angle, torque))
+    return laps * work[-1] + work[last] + (rest - angle[last]) * mean
 
 
 Load = LoadCurve | Unbalance

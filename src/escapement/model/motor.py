@@ -2,17 +2,16 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Any
 
-from escapement.base import units, validate
+from escapement.base import units
 from escapement.base.errors import InvalidValue
-from escapement.base.quantity import Numbers, Quantity
-from escapement.base.text import Shown
+from escapement.base.quantity import Declared, Numbers, quantities, quantity
 
 
 @dataclass(frozen=True, repr=False)
-class Motor(Shown):
+class Motor(Declared):
     """A motor with a straight line of torque over speed.
 
     At the speed W it gives stall_torque (1 - W/no_load_speed). Beyond the no-load speed it brakes.
@@ -37,62 +36,40 @@ class Motor(Shown):
     stall_torque/no_load_speed.
     """
 
-    stall_torque: float
-    no_load_speed: float
-
-    _units = {"stall_torque": "N m", "no_load_speed": "rad/s"}  # noqa: RUF012
+    stall_torque: float = field(metadata=quantity(
+        "stall torque", "torque", exclusive=True, remedy="give the torque at rest"
+    ))  # fmt: skip
+    no_load_speed: float = field(metadata=quantity(
+        "no-load speed", "speed", exclusive=True, remedy="give the speed without a load"
+    ))  # fmt: skip
 
     def __post_init__(self) -> None:
-        for name, remedy in (
-            ("stall_torque", "give the torque at rest in N m"),
-            ("no_load_speed", "give the speed without a load in rad/s"),
-        ):
-            vars(self)[name] = validate.positive(name, getattr(self, name), remedy)
+        self.check_fields()
 
     def torque(self, speed: float) -> float:
         """Torque at a speed of the motor [N m]."""
         return self.stall_torque * (1.0 - speed / self.no_load_speed)
 
 
-_NUMBERS = (
-    Quantity(
-        long_name="stall torque", unit="torque", exclusive=True, remedy="give the torque at rest"
-    ),
-    Quantity(
-        long_name="no-load speed", unit="speed", exclusive=True,
-        remedy="give the speed without a load",
-    ),
-)  # fmt: skip
-
-
 class MotorSetting(Numbers):
     """A `Motor`, which files and the command line give by its two numbers."""
 
-    def check(self, label: str, value: Any) -> Motor:
-        """`value` as the motor that it is."""
-        if not isinstance(value, Motor):
-            raise validate.fail(label, "a Motor", value, "give Motor(stall_torque, no_load_speed)")
-        return value
-
     def read(self, label: str, value: Any) -> tuple[float, ...]:
         """Stall torque and no-load speed, in the units of the system."""
-        if isinstance(value, str) or not hasattr(value, "__len__") or len(value) != len(_NUMBERS):
+        entries = quantities(Motor).values()
+        if isinstance(value, str) or not hasattr(value, "__len__") or len(value) != len(entries):
             shown = ",".join(map(str, value)) if isinstance(value, list) else value
             rule = "stall torque and no-load speed, with a comma between them"
             raise InvalidValue(f"{label} must be {rule}, got {shown}; give for example 2,300")
-        pairs = zip(_NUMBERS, value, strict=True)
         return tuple(
             replace(entry, system=self.system).read(f"{label}, {entry.long_name},", item)
-            for entry, item in pairs
+            for entry, item in zip(entries, value, strict=True)
         )
 
     def to_si(self, values: Any) -> Motor:
         """The motor with these numbers."""
-        torque, speed = (
-            value * units.factor(entry.unit, self.system)
-            for value, entry in zip(values, _NUMBERS, strict=True)
-        )
-        return Motor(torque, speed)
+        pairs = zip(values, quantities(Motor).values(), strict=True)
+        return Motor(*(value * units.factor(entry.unit, self.system) for value, entry in pairs))
 
 
 MOTOR = MotorSetting(

@@ -34,12 +34,6 @@ def resisting() -> tuple[Quantity, ...]:
     return tuple(entry for entry in quantities(Escapement).values() if entry.scene)
 
 
-@cache
-def resistances() -> tuple[str, ...]:
-    """Fields of a `Scene` that resist the motion, besides friction in the slot."""
-    return (*(entry.scene for entry in resisting()), *_JOURNALS)
-
-
 def natural(values: Mapping[str, Any], meshed: bool) -> dict[str, Any]:
     """Numbers of a `Scene` by their names, from numbers or arrays in SI.
 

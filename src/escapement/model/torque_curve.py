@@ -14,6 +14,7 @@ from escapement.base.errors import InputFileError, InvalidValue
 from escapement.base.lazy import Lazy
 from escapement.base.quantity import Quantity
 from escapement.base.text import Shown
+from escapement.model.load_curve import work_up_to
 
 if TYPE_CHECKING:
     import numpy as np
@@ -227,20 +228,9 @@ class TorqueCurve(Shown):
         )
         return before + share * (after - before)
 
-    @cached_property
-    def _work(self) -> FloatArray:
-        """Work up to each point [J]."""
-        angle, torque = np.array(self.angle), self.table[:, 0]
-        steps = 0.5 * np.diff(angle) * (torque[1:] + torque[:-1])
-        return np.concatenate([[0.0], np.cumsum(steps)])
-
     def work(self, driver_angle: Any) -> Any:
         """Work of the torque at rest over the angles turned [J]."""
-        laps, rest = np.divmod(driver_angle, self.period) if self.periodic else (0.0, driver_angle)
-        last = np.searchsorted(self.angle, rest, side="right") - 1
-        since = rest - np.array(self.angle)[last]
-        mean = 0.5 * (self.table[last, 0] + self(rest))
-        return laps * self._work[-1] + self._work[last] + since * mean
+        return work_up_to(driver_angle, np.array(self.angle), self.table[:, 0], self.period)
 
     def knots(self) -> FloatArray:
         """Period, angles and torques over the greatest one, as `Scene.torque` has them."""

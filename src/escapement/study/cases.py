@@ -16,7 +16,6 @@ from escapement.dynamics.figures_of_merit import Figures
 from escapement.engines import simulate as simulation
 from escapement.engines.run_down import ROUNDING, rundown
 from escapement.mechanisms.protocol import FloatArray
-from escapement.model.checks import ratio_in_range
 from escapement.model.escapement import Escapement
 from escapement.model.materials import NEEDED, pin_stresses
 from escapement.model.train import referred
@@ -50,13 +49,7 @@ def _on_their_clocks(
     """Figures of scenes in SI: the unit of time is the root of I_f / torque."""
     given = plan.fixed_si | plan.columns(cases)
     values = referred(given)
-    with np.errstate(all="ignore"):
-        square = np.divide(values[scenes.FOLLOWER], values[scenes.TORQUE])
-    bad = np.broadcast_to(~ratio_in_range(square), cases.shape)
-    if bad.any():
-        figures[:, bad], status[bad] = np.nan, Status.INVALID
-        square = np.where(bad, 1.0, square)
-    clock = np.sqrt(square)
+    clock = np.sqrt(np.divide(values[scenes.FOLLOWER], values[scenes.TORQUE]))
     torques = values[scenes.TORQUE], given[scenes.TORQUE]
     found = {
         name: line * scenes.si_unit(name, clock, *torques)

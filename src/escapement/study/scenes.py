@@ -18,14 +18,14 @@ from numpy.typing import NDArray
 from escapement.base.errors import InvalidValue
 from escapement.base.quantity import quantities
 from escapement.base.status import Status
-from escapement.dynamics.figure_table import FIGURES, RUN_TIME, TRANSIENT
+from escapement.dynamics.figure_table import FIGURES, PEAKS, RUN_TIME, TRANSIENT
 from escapement.dynamics.figures_of_merit import Figures
 from escapement.engines import simulate as simulation
 from escapement.mechanisms.protocol import FloatArray
 from escapement.mechanisms.wheel_checks import IMPERFECT, LENGTHS
-from escapement.model.checks import MOST_UNEQUAL, is_given, ratio_in_range
+from escapement.model.checks import is_given
 from escapement.model.escapement import Escapement, Inertia
-from escapement.model.natural import natural, resistances, resisting
+from escapement.model.natural import natural, resisting
 from escapement.model.numbers import full_torque
 from escapement.model.scene import Scene
 from escapement.model.train import referred, train_numbers
@@ -193,28 +193,23 @@ def _in_natural_units(
     plan: StudyPlan, cases: NDArray[np.int64], shape: tuple[int, ...]
 ) -> tuple[Any, ...]:
     """What varies over the scenes of some cases [SI], the numbers of these scenes, the squared
-    speed at the first entry, and whether these are in range.
+    speed at the first entry, and whether their rollers fit on their pins.
     """
     columns = plan.columns(cases)
     for along, given, size in zip(plan.varied.values(), plan.shape, shape, strict=True):
         if size < given:  # any of its values will do
             columns |= {name: columns[name][0] for name in along}
-    # NumPy's numbers, since those of Python raise an error instead of giving infinity
     fixed = {
-        name: np.float64(value)
+        name: value
         for name, value in (plan.fixed_si | plan.lengths).items()
         if name in DECIDING and value is not None and name not in columns
     }
     numbers = referred(fixed | {name: columns[name] for name in columns if name in DECIDING})
-    with np.errstate(all="ignore"):  # the status reports numbers out of range
-        ratios = natural(numbers, plan.meshed)
-        w = numbers[SPEED] ** 2 * (numbers[FOLLOWER] / numbers[TORQUE])
-        sound = ratio_in_range(ratios["rho"]) & (w <= MOST_UNEQUAL**2)
-        for name in resistances():
-            sound &= ratios[name] < MOST_UNEQUAL
-        if "roller_radius" in numbers:
-            pin, roller = numbers["pin_radius"], numbers["roller_radius"]
-            sound &= (roller == 0.0) | ((pin > 0.0) & (pin < roller))
+    ratios, sound = natural(numbers, plan.meshed), np.True_
+    w = numbers[SPEED] ** 2 * (numbers[FOLLOWER] / numbers[TORQUE])
+    if "roller_radius" in numbers:
+        pin, roller = numbers["pin_radius"], numbers["roller_radius"]
+        sound = (roller == 0.0) | ((pin > 0.0) & (pin < roller))
     return columns, ratios, w, np.broadcast_to(sound, cases.shape)
 
 
@@ -223,7 +218,6 @@ def _solve(
 ) -> SceneFigures:
     """Solve the scenes of one mechanism, shape (k, n), to which these cases belong."""
     from escapement.engines.energy import batch, cycle
-    from escapement.engines.energy.peaks import PEAKS
 
     errors = None if plan.perfect else _errors(plan, mechanism, cases)
     table, status = batch.solve(mechanism, scene, plan.solver.tolerance, _extent(plan), errors)

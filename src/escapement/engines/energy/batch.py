@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from escapement.base.status import Status
+from escapement.dynamics.figure_table import PEAKS
 from escapement.dynamics.law import scene_of, scene_with
 from escapement.dynamics.needs import CONSTANT, NO_CURVE, NUMBERS, Kind, kind_of
 from escapement.dynamics.painleve import (
@@ -22,7 +23,6 @@ from escapement.engines.energy.cycle import FIGURES
 from escapement.engines.energy.march import OK, PAINLEVE
 from escapement.engines.energy.pairs import new_case, prepare, scene_of_pair
 from escapement.engines.energy.peak_rows import peak_rows
-from escapement.engines.energy.peaks import PEAKS
 from escapement.mechanisms.path import smooth_intervals, writeable
 from escapement.mechanisms.pattern import PAIR, POSSIBLE, lay_pattern
 from escapement.mechanisms.protocol import FloatArray, Mechanism, dwell_angle
@@ -191,7 +191,7 @@ def peaks(
     speeds : ndarray, shape (n,)
         Driver speeds at the terminal handoff, NaN where there is none; natural units.
     wanted : collection of str
-        Some of `peaks.PEAKS`.
+        Some of `PEAKS`.
 
     Returns
     -------

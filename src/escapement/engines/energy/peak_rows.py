@@ -31,7 +31,7 @@ _LOST = len(LOSSES)
 
 @jit(allocates=True)
 def peak_rows(addresses, packed, cells, pattern, numbers, speeds, rtol, table):
-    """Raise table[i] to `peaks.PEAKS` of the terminal engagement of scene i, in natural units.
+    """Raise table[i] to `PEAKS` of the terminal engagement of scene i, in natural units.
 
     Parameters
     ----------

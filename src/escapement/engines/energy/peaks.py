@@ -18,11 +18,6 @@ from escapement.numerics.gauss import POINTS, N, dot
 from escapement.numerics.jit import inner_jit
 from escapement.numerics.roots import golden_point, golden_step, golden_trial
 
-PEAKS = (
-    *("acceleration_max", "follower_acceleration_max", "contact_moment_max", "contact_force_max"),
-    "rubbing_max",
-)
-"""Names of the peaks, in their order."""
 # Golden section ends at this width of x: the error of a peak is in proportion to its square.
 CLOSE = 1e-6
 # A point may be next to the greatest value where its own is at least this share of it.

@@ -187,7 +187,7 @@ def states_of(scene, pattern, pieces, counts, times, rtol, theta, squares, losse
     theta, squares : results, angles and w, as long as `times`; NaN where a piece cannot be
         solved on a bounded number of panels.
     losses : result, a row for each piece: the work lost in each of `dynamics.law.LOSSES`.
-    peaks : rows as well, which are raised to the greatest magnitude of each of `peaks.PEAKS`; of
+    peaks : rows as well, which are raised to the greatest magnitude of each of `PEAKS`; of
         length 0 where they are not wanted.
     """
     first, store, ends = 0, panels.new_store(1), np.empty(HALVINGS)

@@ -12,10 +12,10 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from escapement.dynamics.codes import Event
+from escapement.dynamics.figure_table import PEAKS
 from escapement.dynamics.law import LOSSES
 from escapement.dynamics.trajectory import Events, Extrema, Trajectory
 from escapement.engines.energy.calls import prepared, scene_and_pattern
-from escapement.engines.energy.peaks import PEAKS
 from escapement.engines.energy.pieces import MOTION_EVENT, events_of, follow, states_of
 from escapement.mechanisms.protocol import FloatArray
 from escapement.model.escapement import Escapement
@@ -173,7 +173,7 @@ class EnergyTrajectory(Trajectory):
 
     @cached_property
     def peaks(self) -> FloatArray:
-        """Greatest magnitudes over each piece, as `peaks.PEAKS` names them, in SI; shape (5, n).
+        """Greatest magnitudes over each piece, as `PEAKS` names them, in SI; shape (5, n).
 
         The force is that of a crank of 1 m.
         """

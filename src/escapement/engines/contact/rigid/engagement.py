@@ -26,12 +26,13 @@ from escapement.dynamics.torque import REST, is_undriven
 from escapement.engines.contact.rigid.arrival import arrival, pin_offset
 from escapement.engines.contact.rigid.flight import is_calm, launch, state_after
 from escapement.engines.contact.rigid.impact import strike
-from escapement.engines.contact.rigid.instant import RigidState, instant_with, on_wall
+from escapement.engines.contact.rigid.instant import RigidState, on_wall
 from escapement.engines.contact.rigid.notes import follow_trend, last_row, note, takes_too_many
 from escapement.engines.contact.rigid.touching import stopped, thrown_out, touch
 from escapement.engines.contact.rigid.walls import wall_scene
 from escapement.engines.contact.slot import frame_of
 from escapement.mechanisms.slotted import pose_at
+from escapement.numerics.altered import altered
 from escapement.numerics.jit import inner_jit
 
 MOST_PIECES = 20_000
@@ -71,7 +72,7 @@ def engage(work, notes, walls, now, end_time, tail):
         if ending == Ending.DONE:
             # the next pin starts at the wall of this side if this pin touches it here
             wall = now.wall if abs(_gap(walls, now)) < 1e-12 else 0.0
-            return instant_with(now, wall=wall), ending
+            return altered(now, "wall", wall), ending
         if has_ended(ending):
             return now, ending
     return now, Ending.RESTLESS
@@ -129,7 +130,7 @@ def _behind_impact(notes, walls, now):
     before = now.speed, now.turning
     if notes.wanted:
         now = follow_trend(notes, now, np.sign(impact.speed - now.speed))
-    now = instant_with(now, speed=impact.speed, turning=impact.turning)
+    now = altered(now, "speed", impact.speed, "turning", impact.turning)
     if notes.wanted:
         _note_impact(notes, walls, now, before, impact)
     # a pin that rebounds flies on, whatever the force at the wall would be
@@ -191,16 +192,16 @@ def turn_on(work, notes, walls, now, end_time):
     """
     scene, ending = walls.plus, Ending.DONE
     if scene.dwell > 0.0:
-        locked = instant_with(now, turning=0.0, wall=0.0)
+        locked = altered(now, "turning", 0.0, "wall", 0.0)
         if notes.wanted and now.turning != 0.0:
             _note_lock(notes, scene, now, locked)
         if notes.wanted:
             note(notes, Event.DWELL, locked)
         end = scene.edges[-1] + scene.dwell
         locked, ending = fly(work, notes, walls, locked, end, True, end_time)
-        now = instant_with(locked, wall=now.wall)
+        now = altered(locked, "wall", now.wall)
     if ending == Ending.DONE:
-        now = instant_with(now, theta=scene.edges[0], phi=now.phi - walls.clearance.step)
+        now = altered(now, "theta", scene.edges[0], "phi", now.phi - walls.clearance.step)
     return now, ending
 
 

@@ -25,20 +25,6 @@ class RigidState(NamedTuple):
 
 
 @inner_jit
-def instant_with(now, theta=None, speed=None, phi=None, turning=None, wall=None, trend=None):
-    """The instant with other values of the fields that are given by their names."""
-    return RigidState(
-        theta=now.theta if theta is None else theta,
-        speed=now.speed if speed is None else speed,
-        phi=now.phi if phi is None else phi,
-        turning=now.turning if turning is None else turning,
-        time=now.time,
-        wall=now.wall if wall is None else wall,
-        trend=now.trend if trend is None else trend,
-    )
-
-
-@inner_jit
 def follower_on(walls, side, theta):
     """Follower angle, and g, while the pin touches a wall."""
     frame = frame_of(walls.plus)

@@ -9,8 +9,9 @@ from escapement.dynamics.torque import cell_after, cell_of, is_constant
 from escapement.engines.contact.rigid.engagement import MOST_STEPS, engage, turn_on
 from escapement.engines.contact.rigid.instant import RigidState
 from escapement.engines.contact.rigid.notes import Notes
-from escapement.engines.contact.rigid.walls import Clearance, Walls, walls_of
+from escapement.engines.contact.rigid.walls import Clearance, walls_of
 from escapement.engines.contact.rigid.workspace import workspace
+from escapement.numerics.altered import altered
 from escapement.numerics.jit import inner_jit, jit
 
 STATE = 5
@@ -30,11 +31,8 @@ def tail_for(rtol):
 @inner_jit(allocates=True)
 def walls_after(walls, driver_angle):
     """The walls with the torque of the cell that begins after a driver angle turned."""
-    return Walls(
-        plus=cell_after(driver_angle, walls.plus), minus=cell_after(driver_angle, walls.minus),
-        plus_breaks=walls.plus_breaks, minus_breaks=walls.minus_breaks, clearance=walls.clearance,
-        rtol=walls.rtol,
-    )  # fmt: skip
+    plus, minus = cell_after(driver_angle, walls.plus), cell_after(driver_angle, walls.minus)
+    return altered(walls, "plus", plus, "minus", minus)
 
 
 @inner_jit

@@ -6,7 +6,7 @@ import numpy as np
 
 from escapement.dynamics.codes import Event
 from escapement.dynamics.event_rows import EVENT
-from escapement.engines.contact.rigid.instant import instant_with
+from escapement.numerics.altered import altered
 from escapement.numerics.jit import inner_jit
 from escapement.numerics.records import record_dtype
 
@@ -53,7 +53,7 @@ def follow_trend(notes, now, trend):
     """
     if trend * now.trend < 0.0:
         note(notes, Event.MAXIMUM if now.trend > 0.0 else Event.MINIMUM, now)
-    return instant_with(now, trend=trend if trend != 0.0 else now.trend)
+    return altered(now, "trend", trend if trend != 0.0 else now.trend)
 
 
 @inner_jit

@@ -7,10 +7,11 @@ from escapement.dynamics.law import is_viscous, wall_state
 from escapement.dynamics.torque import is_spent, is_undriven
 from escapement.engines.contact.rigid.along_wall import ahead, behind, set_off
 from escapement.engines.contact.rigid.flight import is_calm
-from escapement.engines.contact.rigid.instant import RigidState, instant_with, on_wall
+from escapement.engines.contact.rigid.instant import RigidState, on_wall
 from escapement.engines.contact.rigid.notes import follow_trend, note, takes_too_many
 from escapement.engines.contact.rigid.panel import next_panel, slowed, solve_panel
 from escapement.engines.contact.rigid.walls import breaks_of
+from escapement.numerics.altered import altered
 from escapement.numerics.gauss import first_change, root_between, to_powers
 from escapement.numerics.jit import inner_jit
 
@@ -107,7 +108,7 @@ def _note_extrema(work, notes, walls, panel, now, scene, sense):
         part = solve_panel(work, scene, side, left, width, w)
         left, rest, w, time = left + width, rest - width, part.w, time + part.time
         there = on_wall(walls, now, left, sense * np.sqrt(w), time)
-        follow_trend(notes, instant_with(there, trend=trend), -trend)
+        follow_trend(notes, altered(there, "trend", trend), -trend)
         trend = -trend
         # the rows hold the rest of the panel, where another one may be
         solve_panel(work, scene, side, left, rest, w)

@@ -146,12 +146,6 @@ class RigidTrajectory(NotedTrajectory):
         """Work that the load takes over each piece [J]."""
         return np.asarray(self._work[:, -1])
 
-    def state(self, piece: int, t: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Driver angle in the cell [rad] and speed [rad/s] at times within a piece."""
-        found = self.states_at(np.full(t.shape, piece), t)
-        cell = self.escapement.mechanism.cell_angle
-        return found.theta - self.engagement[piece] * cell, found.theta_dot
-
     def states_at(self, pieces: np.ndarray, t: FloatArray) -> State:
         """State at times [s] within pieces of these indices."""
         owners, times = pieces.reshape(-1), t.reshape(-1)
