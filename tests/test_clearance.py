@@ -211,23 +211,6 @@ def test_impulse_and_momentum_with_friction():
     assert blows_seen > 300
 
 
-def test_impulse_of_a_plastic_impact_is_that_of_the_formula():
-    # of the theory: P = I_d I_f v / (R h J), for a pin without a radius that slides as it moves
-    drive = timer()
-    impacts = esc.terminal(drive).motion.impacts
-    own, far = drive.inertia.driver, drive.inertia.follower
-    arm, c = RADIUS * np.exp(-1j * impacts.theta), drive.joint.half_clearance * RADIUS
-    path, s = RADIUS * math.sqrt(2.0) - arm, impacts.wall
-    q, lever = 1j * arm / path, np.sqrt(np.abs(path) ** 2 - c**2)
-    g, slide = q.imag + s * c * q.real / lever, np.abs(path) ** 2 * q.real / lever
-    f = drive.friction * np.sign(slide)
-    h = lever - f * c
-    reduced = own * h + far * g * (g * h + s * f * slide)  # h J
-    expected = own * far * impacts.approach_speed / (lever * reduced)
-    assert impacts.impulse.size == 2
-    assert_allclose(impacts.impulse, expected, rtol=1e-10)
-
-
 def smooth_blow(drive, wall, q, v):
     """Speeds behind an impact whose friction, along the wall and in both journals, is smooth."""
     bodies, e = TwoBodies(drive), drive.restitution
@@ -270,14 +253,6 @@ def test_journals_hold_what_they_can_in_a_blow():
             turned += (found[k] * v[k] < 0.0).any()
     assert held > 3
     assert turned > 3
-
-
-def test_drag_takes_as_much_where_a_blow_throws_the_driver_back():
-    # a driver that goes back turns within the flight
-    drive = timer(7.5e-3, 0.3, restitution=0.37, driver_viscous=1.5e-6, driver_drag=2e-8)
-    motion = esc.simulate(drive, 3)
-    assert (motion.impacts.theta_dot < 0.0).any()
-    assert abs(motion.ledger.residual) < 1e-14
 
 
 def test_a_bounce_ends_below_the_speed_that_the_docs_say():

@@ -227,15 +227,6 @@ number = st.floats(0.0, 1e6, allow_subnormal=False)
 
 
 @settings(deadline=None)
-@given(st.lists(number, min_size=1, max_size=20))
-def test_a_list_is_its_values(values):
-    for form in (values, tuple(values), np.array(values), np.array(values, dtype=object)):
-        plan = plan_from(TIMER, {"friction": form})
-        assert plan.dimensions["friction"].tolist() == values
-        assert plan.dimensions["friction"].dtype == np.float64
-
-
-@settings(deadline=None)
 @given(st.floats(1e-9, 1e9), st.floats(1e-9, 1e9), st.integers(2, 50), st.booleans())
 def test_even_steps_reach_both_ends(start, stop, num, log):
     form = {"start": start, "stop": stop, "num": num, "log": log}

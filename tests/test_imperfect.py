@@ -181,14 +181,6 @@ def test_a_stall_is_told_with_its_place():
     assert math.isnan(cycle.velocity_max)
 
 
-def test_errors_of_zero_leave_every_bit():
-    zeros = dict.fromkeys(NAMES, (0.0,) * 4) | {"centre_distance_error": 0.0}
-    one, two = (esc.simulate(timer(**wheel), engagements=9) for wheel in ({}, zeros))
-    np.testing.assert_array_equal(one.handoff_times, two.handoff_times)
-    assert two.handoffs.kind.tolist() == ["overlap"] * 9
-    assert two.impacts.time.size == two.handoffs.energy.any() == two.handoffs.jump.any() == 0
-
-
 def test_a_motion_tells_of_its_handoffs():
     wheel = imperfect(np.random.default_rng(0), 4, 1e-3, centre_distance_error=0.0)
     drive = esc.Escapement(wheel, INERTIA, 0.10 * INCH_POUND, 0.3, load_torque=0.002 * INCH_POUND)

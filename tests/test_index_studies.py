@@ -10,7 +10,7 @@ from scipy.integrate import quad
 
 import escapement as esc
 from escapement.base.errors import InvalidValue
-from escapement.constant_speed.index_record import INDEX, record_of
+from escapement.constant_speed.index_record import record_of
 from escapement.study.subject import DRIVE
 
 WHEEL = {"slots": 6, "pins": 1, "crank_radius": 0.05, "clearance": 1e-4}
@@ -259,17 +259,6 @@ def test_two_columns_on_the_command_line(command, report, tmp_path, monkeypatch)
     assert line.split()[2:] == [f"{record['torque_rms']:.6g}", f"{other.torque_rms:.6g}", "N", "m"]
 
 
-def test_two_reversals_are_found_however_close():
-    for slots in (4, 6, 9):
-        wheel = esc.Geneva(slots, pins=1)
-        limit = esc.transmission_extrema(wheel).reversal_limits[0]
-        for excess in (1e-3, 1e-6, 1e-9):
-            found = esc.index(wheel, 1.0, 1.0, follower_inertia=limit * (1.0 + excess))
-            assert (found.reversals.size, found.zone) == (2, 2)
-            less = esc.index(wheel, 1.0, 1.0, follower_inertia=limit * (1.0 - excess))
-            assert (less.reversals.size, less.zone) == (0, 1)
-
-
 def test_a_textbook_example():
     """Hibbeler, Engineering Mechanics: Statics and Dynamics, 14th edition, problem 16-152.
 
@@ -279,8 +268,3 @@ def test_a_textbook_example():
     found = esc.index(esc.Geneva(6, pins=1), 4.0, follower_inertia=1.0).at([-math.pi / 3.0])
     assert found.phi_dot == pytest.approx(0.0, abs=1e-12)
     assert 4.0 * found.phi_ddot == pytest.approx(36.96, abs=0.01)
-
-
-def test_figures_have_descriptions_of_their_own():
-    names = [result.long_name for result in INDEX.values()]
-    assert len({*names}) == len(names)

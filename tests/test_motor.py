@@ -57,17 +57,6 @@ def test_the_torque_falls_in_a_straight_line():
     np.testing.assert_allclose(needed, STALL * (1.0 - state.theta_dot / NO_LOAD), atol=1e-9)
 
 
-def test_a_gearbox_without_losses_is_a_change_of_numbers():
-    mine = geared(esc.Train(0.1, inertia=1e-4))
-    by_hand = machine(5.0, driver_viscous=5.0 / 9.0)
-    by_hand = replace(by_hand, inertia=esc.Inertia(0.02 + 0.01, 0.1))
-    for engine in ("energy", "ivp"):
-        times = [esc.simulate(one, 4, engine=engine).handoff_times for one in (mine, by_hand)]
-        np.testing.assert_allclose(*times, rtol=1e-12)
-    alone = mine.without_trains
-    assert (alone.torque, alone.no_load_speed, alone.driver_viscous) == (5.0, 9.0, 0.0)
-
-
 def test_a_gearbox_takes_its_share_of_the_power_either_way():
     """The motor's torque less that of its rotor passes with its efficiency, or against it."""
     motion = esc.simulate(geared(), 4)

@@ -196,17 +196,6 @@ def test_a_file_of_someone_else_is_not_taken_for_partial_results(tmp_path, make)
     assert list(tmp_path.iterdir()) == [partial]
 
 
-def test_files_with_names_like_those_of_partial_results_are_not_touched(tmp_path):
-    for name in ("a.h5.unfinished", "a.unfinished", ".escapement-0123456789abcdef.partial"):
-        (tmp_path / name).write_text("my own notes")
-    (tmp_path / "b.h5.unfinished").symlink_to("a.unfinished")
-    before = {path: path.read_text() for path in tmp_path.iterdir()}
-    for name in ("a.h5", "b.h5"):
-        tools.write(tmp_path / name, tools.small_study())
-        (tmp_path / name).unlink()
-    assert {path: path.read_text() for path in tmp_path.iterdir()} == before
-
-
 @pytest.mark.slow
 def test_the_second_of_two_is_told_so(tmp_path):
     path = tmp_path / "a.h5"

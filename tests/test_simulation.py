@@ -8,7 +8,7 @@ import pytest
 from scipy.optimize import brentq
 
 import escapement as esc
-from any_path import Plain, plain
+from any_path import Plain
 from escapement.base.errors import InvalidValue
 from escapement.base.status import Status
 from escapement.dynamics.motion import Motion
@@ -88,15 +88,6 @@ def test_pieces_may_be_given_one_by_one_or_together(engine):
         for name in ("t", "theta", "theta_dot", "theta_ddot", "phi_ddot", "contact_force"):
             row = getattr(together, name)[pieces.size - 1 - piece]
             np.testing.assert_array_equal(row, getattr(alone, name))
-
-
-def test_states_ask_each_piece_once(monkeypatch):
-    motion = esc.simulate(drive(), 30, engine="ivp")
-    asked, kind = [], type(motion.trajectory)
-    state = kind.state
-    monkeypatch.setattr(kind, "state", lambda it, *args: asked.append(args[0]) or state(it, *args))
-    motion.at(np.random.default_rng(1).permutation(np.linspace(0.0, motion.end_time, 3000)))
-    assert sorted(asked) == list(range(motion.trajectory.start.size))
 
 
 def test_states_have_the_shape_of_their_times(engine):
@@ -289,20 +280,6 @@ def test_the_limit_itself_is_beyond_the_limit(n):
         assert study.results["status"].tolist() == [Status.PAINLEVE]
     below = replace(scene, friction=float(mu * (1.0 - 1e-6)))
     assert esc.simulate(below, 1).status is Status.OK
-
-
-def test_a_mechanism_of_ones_own_may_keep_its_path_in_any_array(engine):
-    wheel = esc.Geneva(4, pins=1)
-    gaps = np.repeat(wheel.path.numbers, 2)[::2]
-    fixed = wheel.path.numbers.copy()
-    fixed.setflags(write=False)
-    for numbers in (fixed, gaps):
-        mine = Plain(wheel.path._replace(numbers=numbers), wheel.breaks[-1])
-        found, expected = (
-            esc.simulate(esc.Escapement(mechanism, INERTIA, 0.01, 0.3), 2, engine=engine)
-            for mechanism in (mine, plain(wheel))
-        )
-        assert np.array_equal(found.handoff_times, expected.handoff_times)
 
 
 @pytest.mark.parametrize("path", [[1.0, 2.0], np.ones(9)])

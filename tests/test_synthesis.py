@@ -54,29 +54,6 @@ def test_peaks_are_those_of_the_transmission(wheel):
     assert cycle.jerk_max * found.motion_ratio**3 == pytest.approx(found.jerk_max)
 
 
-@pytest.mark.parametrize(
-    ("n", "m"), [(12, "399/100"), (12, "3999/1000"), (50, "22999/1000"), (72, "33999/1000")]
-)
-def test_a_pin_that_all_but_meets_the_axis(n, m):
-    """Nothing is left of the difference of its path's two vectors squared."""
-    wheel = GearDriven(n, m)
-    found, at_start = motion_peaks(wheel), follower_motion(wheel, 0.0)
-    step, angle, end = wheel.follower_step, wheel.alpha, wheel.breaks[-1]
-    start = abs(float(wheel.transmission(end).dg)) * angle**2 / step
-    assert found.acceleration_start == pytest.approx(start, rel=1e-9)
-    near = wheel.transmission(end * (1.0 - np.geomspace(1e-9, 1.0, 4000))).dg
-    assert found.acceleration_max == pytest.approx(np.abs(near).max() * angle**2 / step, rel=1e-5)
-    # g' is zero at dead centre: jerk by its slope there and at the start
-    h = 1e-7
-    ways = wheel.transmission(h * end * np.array([-2.0, -1.0, 1.0, 2.0])).dg
-    slope = float(ways @ [1.0, -8.0, 8.0, -1.0]) / (12.0 * h * end)
-    assert float(wheel.jerk(0.0)) == pytest.approx(slope, rel=1e-6)
-    scale = wheel.motion_ratio**3
-    assert float(at_start.jerk) * scale == pytest.approx(found.jerk_start, rel=1e-8)
-    jerk = float(wheel.jerk(-end)) * angle**3 / step
-    assert found.jerk_start == pytest.approx(jerk, rel=1e-8)
-
-
 @each_wheel
 def test_motion_over_a_cycle(wheel):
     """Each is the derivative of the one before; the follower rests in the dwell."""
@@ -107,24 +84,6 @@ def test_uniform_motion_has_no_acceleration():
         follower_motion("wheel", 0.0)
     with pytest.raises(InvalidValue, match="time must be finite"):
         follower_motion(WHEELS[0], [0.0, math.nan])
-
-
-def test_the_jerk_at_the_start_stays():
-    """The wheel is still taken along at once: Dijksman's aim is met in V alone.
-
-    In a cycle of the same time no gear-driven wheel begins with less acceleration
-    than the ordinary ones, which begin alike, external and internal.
-    """
-    for n in range(4, 25):
-        start = [
-            motion_peaks(Geneva(n, pins=1, internal=inside)).per_cycle().acceleration_start
-            for inside in (False, True)
-        ]
-        assert start[0] == pytest.approx(start[1], rel=1e-12)
-        inward = [GearDriven(n, m, "epicycloid") for m in range(12)]
-        outward = [GearDriven(n, Fraction(m, 2)) for m in range(n - 4)]
-        for wheel in inward + outward:
-            assert motion_peaks(wheel).per_cycle().acceleration_start > 1.05 * start[0]
 
 
 def test_charts_are_read_both_ways():

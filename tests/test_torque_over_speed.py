@@ -70,12 +70,6 @@ def test_engines_agree_on_random_tables(seed):
     agree(random_timer(seed))
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("seed", range(4, 54))
-def test_engines_agree_on_many_random_tables(seed):
-    agree(random_timer(seed))
-
-
 @pytest.mark.parametrize(
     "other", [{}, {"load_torque": 0.001, "driver_viscous": 1e-6}, {"barrel": 3.0}]
 )

@@ -86,37 +86,6 @@ def _arc(start, end, middle, share):
     return start + (end - start) * (centre - centre * np.exp(1j * turn * share))
 
 
-def random_part(random):
-    """A part of a random wheel, and its fits."""
-    while True:
-        size = 10.0 ** random.uniform(-2.3, -1.5)
-        given = {"crank_radius": size, "pin_radius": size * random.uniform(0.03, 0.15)}
-        given["clearance"] = size * random.uniform(0.0, 0.02)
-        given["internal"] = bool(random.random() < 0.25)
-        fits = {
-            "follower_shaft_radius": size * random.choice([0.0, random.uniform(0.05, 0.25)]),
-            "driver_shaft_radius": size * random.uniform(0.05, 0.2),
-            "locking_radius": size * random.choice([0.0, random.uniform(0.5, 0.85)]),
-        }
-        try:
-            parts = esc.parts_of(
-                esc.Geneva(int(random.integers(3, 13)), 1, **given), esc.Fits(**fits)
-            )
-        except InvalidValue:
-            continue
-        part = parts[random.integers(len(parts))]
-        if not (given["internal"] and part.name == "locking-disc"):
-            return part
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("seed", range(12))
-def test_walls_of_random_wheels_are_those_of_dense_samples(seed):
-    part = random_part(np.random.default_rng([40, seed]))
-    edges = (part.edge, *part.holes)
-    assert abs(sampled_wall(edges, _STEP) - part.wall.width) < 1e-6
-
-
 def test_the_wall_of_a_crescent_is_its_width_in_the_middle():
     wheel = esc.Geneva(5, internal=True, crank_radius=0.02, pin_radius=1.5e-3, clearance=2e-4)
     disc = {p.name: p for p in esc.parts_of(wheel)}["locking-disc"]
