@@ -114,7 +114,7 @@ def test_what_is_cut_turns_without_touching(tmp_path):
     assert crank == pytest.approx(-30.0, abs=3.2e-5)
     pin, apart = 2.0 * np.exp(1j * np.linspace(0.0, 2.0 * math.pi, 361)), 30.0 / np.sin(0.2 * np.pi)
     wheel, lock = wheel - axes[2], lock - axes[1]
-    for theta in np.linspace(-math.pi, math.pi, 361):
+    for theta in np.linspace(-math.pi, math.pi, 91):
         turn = np.exp(-1j * theta)
         phi = np.angle(apart - 30.0 * turn)
         if abs(theta) > 0.3 * math.pi:

@@ -77,9 +77,8 @@ def random_case(seed):
     return drive, rng.uniform(2.0, 4.0) / drive.time_unit
 
 
-@pytest.mark.parametrize("block", range(4))
-def test_both_bodies_in_time_hand_over_alike(block):
-    for seed in range(10 * block, 10 * block + 10):
+def test_both_bodies_in_time_hand_over_alike():
+    for seed in range(15):
         drive, speed = random_case(seed)
         motion = esc.simulate(drive, engagements=2, initial_speed=speed)
         assert motion.status is Status.OK
@@ -305,7 +304,7 @@ def test_a_study_scales_errors_by_a_factor(drawn, tmp_path):
     np.testing.assert_array_equal(more, study.results["period"])
 
 
-@pytest.mark.parametrize("seed", range(4))
+@pytest.mark.parametrize("seed", range(2))
 def test_both_engines_agree_on_springs_and_curves(seed):
     """The ledger takes the work of the drive from the way, whose parts are unequal."""
     rng = np.random.default_rng(seed)

@@ -1,7 +1,5 @@
 """Loads with jumps and kinks, and wrong ones: the figures agree with a dense scan."""
 
-import math
-
 import numpy as np
 import pytest
 from scipy.optimize import brentq
@@ -57,24 +55,6 @@ def test_a_rough_table_is_resolved(count):
 _GRID = np.linspace(*WHEEL.breaks[::2], 100_001)
 
 
-@pytest.mark.parametrize("slots", [3, 8])
-def test_what_is_narrow_is_seen_wherever_it_is(slots):
-    wheel = esc.Geneva(slots)
-    step = 2.0 * math.pi / slots
-    random = np.random.default_rng(slots)
-    theta = np.linspace(*wheel.breaks[::2], 400_001)
-    for place in random.uniform(-0.49, 0.49, 10) * step:
-        half = step / 6000.0
-        found = esc.drive_torque(
-            wheel, 10.0, lambda x, p=place, h=half: np.where(abs(x - p) < h, -90.0, 1.0), 0.01
-        )
-        scan = found.at(theta)
-        assert found.torque_min == pytest.approx(scan.torque.min(), rel=1e-3)
-        # against it the inertia of half a step is little: the pin turns into it and out of it
-        sides = np.sign(scan.contact_moment)
-        assert len(found.reversals) == np.count_nonzero(np.diff(sides[sides != 0.0]))
-
-
 @pytest.mark.parametrize(
     "mechanism", [esc.Geneva(6), esc.Geneva(8, internal=True), esc.EllipticalPlanetary(2.0, 1.0)]
 )
@@ -108,12 +88,3 @@ def test_a_contact_moment_is_that_of_the_drive():
     moment = contact_moment(WHEEL, theta, 10.0, 0.0, load, 0.019)
     np.testing.assert_allclose(moment, found.at(theta).contact_moment, rtol=0.0, atol=1e-14)
     assert (moment[theta > WHEEL.breaks[-1]] == 0.0).all()
-
-
-def test_the_ends_of_the_cell_may_be_off_by_a_last_digit():
-    for slots in range(3, 60):
-        wheel = esc.Geneva(slots, pins=1)
-        drive = esc.drive_torque(wheel, 10.0, 1.0, 0.01)
-        entry = np.radians(-(90.0 - 180.0 / slots))
-        assert float(drive.at(entry).torque) == pytest.approx(0.0, abs=1e-12)
-        assert float(drive.at(entry + 2.0 * np.pi).torque) == 0.0

@@ -75,6 +75,7 @@ def test_states_do_not_depend_on_what_else_is_asked(both):
     np.testing.assert_array_equal(alone, long.at(times).theta_dot[:20])
 
 
+@pytest.mark.parametrize("both", ["cam", "blows"], indirect=True)
 def test_a_file_of_many_parts_holds_the_same(both, tmp_path):
     long, whole = both
     write_motion(long, tmp_path / "long.h5")

@@ -145,12 +145,6 @@ def test_an_even_turn_is_measured_all_round():
     assert math.isnan(shown(short, "input").p_value)
 
 
-def test_angles_far_from_zero_do_not_shorten_the_periodogram():
-    readings = read(samples=60, turns=3.2, noise=0.1 * DEG)
-    result = esc.measure(esc.Readings(readings.input + 1e10, readings.output), PRIKHODKO)
-    assert "periodogram" not in result.message
-
-
 def test_many_turns_are_cut_for_the_periodogram_alone():
     result = esc.measure(read(samples=60_000, turns=1500.0, noise=0.1 * DEG), PRIKHODKO)
     assert "the periodogram covers the first 1000 turns" in result.message

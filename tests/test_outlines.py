@@ -119,7 +119,7 @@ ERROR = 0.02e-3 / SIZED["crank_radius"]
 GAP = 0.5 * SIZED["clearance"] / SIZED["crank_radius"]
 
 
-@pytest.mark.parametrize("slots", range(3, 13))
+@pytest.mark.parametrize("slots", [3, 4, 6, 12])
 def test_nominal_designs_pass(slots):
     for pins in (None, 1):
         found = least_gaps(GenevaOutline(esc.Geneva(slots, pins, **SIZED)), 181)

@@ -8,7 +8,6 @@ import pytest
 from escapement import plots
 from escapement.base.errors import InvalidValue
 from escapement.base.status import Status
-from escapement.plots import style
 from escapement.study.result import Study
 from escapement.study.subject import model_numbers
 from figure_tools import legend_of
@@ -111,24 +110,6 @@ def test_map_hatches_holes():
         assert sum(path.contains_point(point) for path in ax.collections[0].get_paths()) == covered
 
 
-@pytest.mark.parametrize("result", ["period", "rise_time"])
-def test_numbers_of_a_colour_bar_stand_where_colours_change(result):
-    study = synthetic({"torque": np.geomspace(0.01, 0.2, 9), "friction": FRICTION})
-    bar = plots.plot_map(study, result).collections[0].colorbar
-    assert bar.get_ticks().size >= 3
-    assert np.isin(bar.get_ticks(), bar._boundaries).all()
-
-
-@pytest.mark.parametrize("power", [-0.5, 0.5, 2.0])
-def test_contours_of_a_power_law_are_evenly_spread(power):
-    study = synthetic({"torque": np.geomspace(0.03, 0.9, 40), "friction": FRICTION})
-    study.results["velocity_mean"][:] = 40.0 * study.axes["torque"][:, None] ** power
-    levels = plots.plot_map(study, "velocity_mean").collections[1].levels
-    assert 4 <= levels.size <= 10
-    steps = np.abs(np.diff(np.log(levels)))
-    assert steps.max() < 2.0 * steps.min()
-
-
 def test_times_that_jump_are_drawn_point_by_point():
     study = synthetic({"torque": np.geomspace(0.1, 1.0, 5), "friction": FRICTION})
     study.results["rise_time"][4, 2] = np.nan
@@ -167,16 +148,6 @@ def test_cases_without_answer_are_counted_in_the_figure():
     note = "2 of 3 cases leave gaps: 1 no terminal velocity,\n1 beyond the Painlevé limit"
     assert plots.plot_study(study).get_suptitle() == note
     assert plots.plot_lines(study, "rise_time").get_title() == note
-
-
-def test_legends_show_the_markers_and_dashes_of_the_lines():
-    study = synthetic({"friction": np.linspace(0.1, 0.4, 6), "torque": np.linspace(0.1, 0.2, 40)})
-    figure = plots.plot_study(study)
-    (legend,) = figure.subfigs[0].legends
-    assert {line.get_marker() for line in legend.get_lines()} == {""}
-    size = legend.handlelength * legend._fontsize
-    for look in style.LOOKS[1:]:
-        assert 1.2 * 2 * sum(look.linestyle[1]) <= size + 1.2 * look.linestyle[1][-1]
 
 
 def test_study_with_one_axis_shows_times_and_velocities():

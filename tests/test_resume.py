@@ -1,6 +1,5 @@
 """Continuing a study: which blocks are reused, when it is refused, and who may write."""
 
-import os
 import re
 import sqlite3
 import time
@@ -62,21 +61,6 @@ def test_only_what_is_missing_is_computed(tmp_path, solved):
     assert not partial_path(path).exists()
     write_plan(plan(), tmp_path / "b.h5")
     assert without_date(path) == without_date(tmp_path / "b.h5")
-
-
-def test_the_file_is_dated_when_it_was_begun(tmp_path, solved, monkeypatch):
-    path = tmp_path / "a.h5"
-    interrupted(path)
-    begun = running.frame_of
-
-    def later(study):
-        frame = begun(study)
-        frame.attributes["created"] = "2999-01-01T00:00:00+00:00"
-        return frame
-
-    monkeypatch.setattr(running, "frame_of", later)
-    write_plan(plan(), path, resume=True)
-    assert read_study(path).attributes["created"] < "2999"
 
 
 @pytest.mark.usefixtures("solved")
@@ -222,16 +206,6 @@ def test_a_link_and_its_file_are_one_output(tmp_path):
         with pytest.raises(CannotCreate, match="is writing it"):
             tools.write(tmp_path / "link.h5", tools.small_study())
         first.kill()
-
-
-@pytest.mark.skipif(os.geteuid() == 0, reason="root may write anywhere")
-def test_a_folder_that_became_read_only(tmp_path):
-    tools.leave_half(tmp_path / "a.h5")
-    tmp_path.chmod(0o500)
-    with pytest.raises(CannotCreate, match="Permission denied"):
-        tools.write(tmp_path / "a.h5", tools.small_study(), resume=True)
-    tmp_path.chmod(0o700)
-    assert len(tools.missing(tmp_path / "a.h5")) <= 5
 
 
 def test_resume_on_the_command_line(tmp_path, solved, monkeypatch, capsys):

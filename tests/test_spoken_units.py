@@ -46,7 +46,8 @@ TRIED = [
     (name, kind, units)
     for units in SYSTEMS[1:]
     for name, kind in COMMAND_KINDS
-    if (name in FILES or scenes_of(name, kind)) and (kind == DEFAULT_KIND or name in DRAWN)
+    if (name in FILES or scenes_of(name, kind))
+    if kind == DEFAULT_KIND or (name in DRAWN and units == SYSTEMS[1])
 ]
 """A unit that is always the same is one of the others in one of these."""
 

@@ -25,7 +25,6 @@ from escapement.study.pool import in_threads
 from escapement.study.reader import read_study
 from escapement.study.result import RESULTS
 from escapement.study.running import Tally, run_plan, sweep, write_plan
-from escapement.study.solving import mixed
 
 TIMER = Escapement(
     Geneva(slots=4), Inertia(3e-6 * INCH_POUND, 50e-6 * INCH_POUND), 0.1 * INCH_POUND, 0.35
@@ -226,15 +225,6 @@ def test_compiling_is_told_apart_from_solving(show, monkeypatch):
     assert lines[-1].endswith("4 of 4 cases, 0.4/s, took 10 s, and compiling 40 s, 2 failed")
 
 
-def test_any_beginning_of_the_blocks_is_spread_over_all():
-    for size in (1, 10, 640):
-        order = mixed(range(size))
-        assert sorted(order) == [*range(size)]
-        for share in (0.1, 0.3):
-            first = np.sort(order[: max(1, round(share * size))])
-            assert abs(first.mean() - 0.5 * size) <= 0.05 * size + 5
-
-
 def test_a_terminal_gets_one_line_that_is_drawn_again(show):
     text = show(Terminal(), [0.05, 0.15, 0.2, 0.3, 0.31])
     assert text.count("\r") == 3
@@ -264,13 +254,6 @@ def test_quiet_is_silent_and_a_closed_stream_no_trouble(show):
 )
 def test_durations_read_well(seconds, text):
     assert duration(seconds).startswith(text)
-
-
-def test_nothing_done_yet_promises_nothing():
-    stream = io.StringIO()
-    with Progress(stream) as bar:
-        bar(0, 10, 0)
-    assert stream.getvalue() == "  0 % 0 of 10 cases, 0/s, starting\n"
 
 
 def test_leaving_waits_for_nothing_that_is_being_solved():

@@ -27,10 +27,10 @@ def error(table):
 # --- both ends of the cell ----------------------------------------------------------------
 
 
-@pytest.mark.parametrize("rows", [13, 25, 61])
+@pytest.mark.parametrize("rows", [13, 61])
 def test_both_ends_of_the_cell_may_be_given_with_its_angle(rows):
     """They miss the cell by rounding; the table is that without the options."""
-    for start in (2, 107, *range(-360, 361, 31)):
+    for start in (2, 107, *range(-360, 361, 93)):
         theta = np.radians(np.linspace(start, start + 360, rows))
         alone, told = esc.Tabulated(theta, wavy(theta)), esc.Tabulated(theta, wavy(theta), **CELL)
         np.testing.assert_allclose(
@@ -52,7 +52,7 @@ def test_an_exact_table_has_one_row_an_angle(off):
 # --- repeated angles ----------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("seed", range(8))
+@pytest.mark.parametrize("seed", range(3))
 def test_readings_on_one_grid_of_angles_over_several_turns(seed):
     """Turns or none, the same readings make the same table."""
     random = np.random.default_rng(seed)
@@ -70,11 +70,11 @@ def test_readings_on_one_grid_of_angles_over_several_turns(seed):
     assert error(far) < 0.02
 
 
-@pytest.mark.parametrize("jitter", [1e-12, 1e-8, 1e-6, 1e-4])
+@pytest.mark.parametrize("jitter", [1e-12, 1e-4])
 def test_readings_at_angles_nearly_the_same(jitter):
     """However near: g is what it is without jitter, and so is what it says of itself."""
     errors, doubts = [], []
-    for seed in range(6):
+    for seed in range(3):
         random = np.random.default_rng(seed)
         theta = np.tile(np.linspace(0.0, TURN, 80, endpoint=False), 4)
         theta += jitter * random.uniform(0.0, 1.0, theta.size)
@@ -97,7 +97,7 @@ def test_readings_at_a_few_places_make_no_table(places):
 
 
 @pytest.mark.parametrize("sense", [-1.0, 1.0])
-@pytest.mark.parametrize("swing", [0.0, 0.3, 0.6])
+@pytest.mark.parametrize("swing", [0.0, 0.6])
 @pytest.mark.parametrize("cells", [1, 3])
 def test_a_follower_that_turns_back_keeps_its_sense(sense, swing, cells):
     theta = np.arange(60) / 60 * TURN + TURN * (np.arange(60) % cells)
@@ -109,7 +109,7 @@ def test_a_follower_that_turns_back_keeps_its_sense(sense, swing, cells):
 
 
 @pytest.mark.parametrize("sense", [-1.0, 1.0])
-@pytest.mark.parametrize("cells", [1, 2, 5])
+@pytest.mark.parametrize("cells", [1, 5])
 @settings(deadline=None, max_examples=20)
 @given(st.floats(0.3, 0.6), st.integers(200, 800), st.integers(0, 1000))
 def test_the_sense_of_measured_rows_in_any_order(sense, cells, swing, rows, seed):

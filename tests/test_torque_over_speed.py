@@ -127,14 +127,22 @@ def test_the_motion_obeys_the_torque_that_the_curve_tells():
 
 
 @pytest.mark.parametrize(
-    ("torque", "cells"),
+    ("torque", "cells", "engine"),
     [
-        (esc.TorqueCurve(TURN, TORQUE * np.array([1.0, 0.6, 0.9, 1.0]), periodic=True), 4),
-        (every_turn(1.0, 0.6, 0.9, 1.0), 4),
-        (esc.TorqueCurve([0, 1, 0.75 * math.pi], [TORQUE, 0.5 * TORQUE, TORQUE], True), 3),
+        (
+            esc.TorqueCurve(TURN, TORQUE * np.array([1.0, 0.6, 0.9, 1.0]), periodic=True),
+            4,
+            "energy",
+        ),
+        (every_turn(1.0, 0.6, 0.9, 1.0), 4, "energy"),
+        (every_turn(1.0, 0.6, 0.9, 1.0), 4, "ivp"),
+        (
+            esc.TorqueCurve([0, 1, 0.75 * math.pi], [TORQUE, 0.5 * TORQUE, TORQUE], True),
+            3,
+            "energy",
+        ),
     ],
 )
-@pytest.mark.parametrize("engine", ["energy", "ivp"])
 def test_a_torque_that_repeats_has_a_cycle_over_whole_rounds(torque, cells, engine):
     timer = replace(TIMER, torque=torque, load_torque=0.02 * TORQUE)
     found = esc.terminal(timer, engine=engine)

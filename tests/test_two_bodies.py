@@ -25,7 +25,6 @@ from escapement.mechanisms.features import CONVEX, HOLLOW, LINE
 from escapement.outlines.gaps import gap, segments_of
 from escapement.outlines.touching import edges_of
 from outlined_bodies import features, followed, geneva
-from stepped_bodies import cores, marks
 
 
 def pins(**changes):
@@ -375,32 +374,6 @@ def test_momentum_of_a_blow_closes_over_all_its_contacts(restitution):
     assert most <= 1e-11 * blows["impulse"].max()
     assert together > 3
     assert abs(motion.ledger.residual) < 1e-11
-
-
-FLAT = {"span": 3.5, "lead": math.radians(-5.0), "back": math.radians(30.0), "tip": 0.01}
-PINS = {"span": 2.5, "lead": math.radians(45.0), "back": math.radians(15.0), "tip": 0.01}
-BESIDE = {
-    "flat pallets that rebound": (flat, (1.0, 0.1), 0.3, 0.25, 1e-4),
-    "pins that rebound": (pins, (1.0, 0.3), 0.15, 0.25, 1e-4),
-    "more friction": (pins, (1.0, 0.3), 0.3, 0.25, 1e-4),
-    "a heavy verge": (pins, (0.06, 1.0), 0.3, 0.0, 1e-3),
-}  # fmt: skip
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("name", BESIDE)
-def test_cycle_is_that_of_small_steps_between_cores(name):
-    wheel, inertias, friction, restitution, accuracy = BESIDE[name]
-    teeth, start = (20, 0.14) if wheel is flat else (12, 0.05)
-    face = math.radians(45.0), 0.2, 0.08, 0.01
-    shape = (
-        cores(teeth, **FLAT, pallet_radius=0.95, face=face)
-        if wheel is flat
-        else cores(teeth, **PINS, pallet_radius=1.02, pin=0.05)
-    )
-    stepped = marks(shape, teeth, np.array(inertias), friction, restitution, start, 8, 2e-5)
-    timer = runaway(wheel(), inertias, friction, restitution=restitution)
-    assert esc.terminal(timer).period == pytest.approx(np.diff(stepped)[-1], rel=accuracy)
 
 
 def any_runaway(seed):

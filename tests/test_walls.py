@@ -130,7 +130,7 @@ WHEEL = ["--slots", "4", "--pins", "1", "--crank-radius", "12 mm", "--pin-radius
          "--clearance", "0.2 mm"]  # fmt: skip
 
 
-def test_thin_walls_are_told_and_warned_of(capsys):
+def test_thin_walls_are_told_and_warned_of(few_angles, capsys):
     found, err = told(capsys, *WHEEL, "--follower-shaft-radius", "3.3 mm")
     walls = {part["part"]: part["wall"] for part in found["parts"]}
     # a slot ends where the pin is at dead centre
@@ -155,7 +155,7 @@ def test_thin_walls_are_told_and_warned_of(capsys):
     assert "walls of 0.0118 in or less" in err
 
 
-def test_parts_of_an_unlikely_size_are_warned_of_with_the_unit(capsys):
+def test_parts_of_an_unlikely_size_are_warned_of_with_the_unit(few_angles, capsys):
     sizes = ["--slots", "4", "--pins", "1", "--pin-radius", "1.5", "--clearance", "0.2"]
     _, err = told(capsys, *sizes, "--crank-radius", "30")
     assert "driver is 67.2 m across; a length without a unit is in m" in err
