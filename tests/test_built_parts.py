@@ -215,7 +215,7 @@ def test_dowels_fill_their_holes():
     assert both[0] == both[1]
 
 
-@pytest.mark.parametrize("seed", range(8))
+@pytest.mark.parametrize("seed", range(3))
 def test_rows_on_a_sheet_never_overlap(seed):
     random = np.random.default_rng([452, seed])
     radii = 10.0 ** random.uniform(-3.0, -1.5, 15)

@@ -1,7 +1,6 @@
 """Clearance with rigid impact: an example, an independent integration in time, and laws."""
 
 import math
-import threading
 from dataclasses import replace
 
 import numpy as np
@@ -301,20 +300,12 @@ def test_extrema_are_those_of_the_states():
 
 
 def test_a_flight_ends_where_rounding_leaves_its_piece_longer():
-    def every_ledger():
-        for friction in (0.02, 0.14):
-            wheel = esc.Geneva(4, 1, crank_radius=RADIUS, clearance=1e-4)
-            inertia = esc.Inertia(1e-6, 5e-6)
-            drive = esc.Escapement(wheel, inertia, 0.01, friction, driver_drag=5e-8)
-            found.append(esc.simulate(drive, 1500).ledger.residual)
-
-    found = []
-    thread = threading.Thread(target=every_ledger, daemon=True)
-    thread.start()
-    # without an end the kernel runs for ever, and lets this thread go on
-    thread.join(timeout=60.0)
-    assert len(found) == 2
-    assert_allclose(found, 0.0, atol=1e-10)
+    """Without an end the kernel would run for ever."""
+    for friction in (0.02, 0.14):
+        wheel = esc.Geneva(4, 1, crank_radius=RADIUS, clearance=1e-4)
+        inertia = esc.Inertia(1e-6, 5e-6)
+        drive = esc.Escapement(wheel, inertia, 0.01, friction, driver_drag=5e-8)
+        assert abs(esc.simulate(drive, 1500).ledger.residual) < 1e-10
 
 
 def test_a_million_engagements_do_not_drift():

@@ -173,7 +173,7 @@ def test_a_measured_table_tells_how_well_its_moment_is_known():
     true = esc.drive_torque(DRIVE, 10.0, 0.01, 2e-4)
     assert true.moment_deviation == 0.0
     shares = []
-    for seed in range(10):
+    for seed in range(5):
         table = measured(300, np.radians(1.0), seed, cells=0.5)
         found = esc.drive_torque(table, 10.0, 0.01, 2e-4)
         off = found.at(angles).contact_moment - true.at(angles).contact_moment

@@ -79,9 +79,8 @@ def test_the_page_says_how_many_cells_are_right_and_which_error_matters():
 
 
 def test_mean_torque_agrees_with_quadrature():
-    assert filemon.mean_torque_error(range(3, 101, 7), 1.0) < 1e-12
-    for ratio in (0.0, 0.3, 100.0):
-        assert filemon.mean_torque_error((3, 4, 5, 8, 20, 100), ratio) < 1e-12
+    for ratio in (0.0, 1.0, 100.0):
+        assert filemon.mean_torque_error((3, 8, 100), ratio) < 1e-12
 
 
 def test_limit_angles():

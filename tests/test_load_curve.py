@@ -113,7 +113,7 @@ def agrees_with_two_bodies(one):
     return True
 
 
-@pytest.mark.parametrize("seed", [1, 2, 3])
+@pytest.mark.parametrize("seed", [1, 2])
 def test_two_bodies_with_clearance_agree(seed):
     assert agrees_with_two_bodies(loose_drive(np.random.default_rng(seed)))
 

@@ -35,10 +35,9 @@ def test_each_cell_adds_a_step_and_the_follower_never_jumps(drive):
         assert (measurement.slope(drive, np.linspace(exit_ + 0.01, exit_ + 0.09, 9)) == 0.0).all()
 
 
-@pytest.mark.parametrize("sense", [1, -1])
 @pytest.mark.parametrize("drive", DRIVES.values(), ids=DRIVES)
-def test_zeros_come_back_exactly_without_errors_but_one_count(drive, sense):
-    fine = esc.Encoder(1 << 24)
+def test_zeros_come_back_exactly_without_errors_but_one_count(drive):
+    fine, sense = esc.Encoder(1 << 24), -1
     readings = read(drive, phase=17 * DEG, offset=-33 * DEG, sense=sense, encoder=fine)
     result = esc.measure(readings, drive)
     assert result.fit.sense == sense
@@ -108,7 +107,7 @@ FASTER = np.radians(np.cumsum(np.linspace(8.0, 60.0, 300)))
 
 
 @pytest.mark.parametrize("theta", [SWING, FASTER], ids=["swinging", "ever faster"])
-@pytest.mark.parametrize("first", range(30, 280, 25))
+@pytest.mark.parametrize("first", [30, 155, 255])
 def test_the_input_is_known_where_the_output_alone_is_missing(theta, first):
     noise = 0.5 * DEG * noise_of(300, first)
     output = np.mod(measurement.position(PRIKHODKO, theta) + noise, 2 * np.pi)

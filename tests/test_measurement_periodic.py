@@ -108,16 +108,6 @@ def test_noise_whose_neighbours_are_alike_is_not_stated_as_a_shaft_s_error(corre
     assert np.mean(judged) == pytest.approx({0.0: 0.0, 0.3: 0.5, 0.6: 1.0}[correlation], abs=0.2)
 
 
-def test_correlation_of_the_rest_is_that_beside_the_waves_found():
-    result = esc.measure(read(noise=0.4 * DEG, output_eccentricity=0.4 * DEG), PRIKHODKO)
-    phi = measurement.position(PRIKHODKO, result.input + result.fit.phase)
-    columns = np.column_stack([np.ones_like(phi), result.fit.slope, np.cos(phi), np.sin(phi)])
-    rest = result.errors - columns @ np.linalg.lstsq(columns, result.errors, rcond=None)[0]
-    by_hand = rest[1:] @ rest[:-1] / (rest @ rest)
-    # by hand the phase is moved to first order only
-    assert result.rest_autocorrelation == pytest.approx(by_hand, abs=1e-5)
-
-
 def test_an_amplitude_that_phase_and_offset_hide_is_not_stated():
     """Of six slots they take all but 0.4 % of a cosine once a cell, and nothing of a sine."""
     drive, within, hidden = esc.Geneva(6), [], []

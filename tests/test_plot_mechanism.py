@@ -12,7 +12,6 @@ from escapement.mechanisms.protocol import Mechanism
 from escapement.outlines.bodies import Body
 from escapement.outlines.gears import EllipticalOutline, GearDrivenOutline
 from escapement.outlines.geneva import GenevaOutline
-from escapement.outlines.interference import least_gaps
 from figure_tools import by_id
 from tabulated_drive import exact
 
@@ -44,34 +43,6 @@ def test_engaged_pin_is_on_the_slot_centre_line(drive, engagement, share):
     assert abs(ends[0].real * ends[1].imag - ends[0].imag * ends[1].real) < 1e-12  # radial
     radius = float(drive.radius(theta - engagement * drive.cell_angle))
     assert abs(pin) == pytest.approx(radius, abs=1e-12)
-
-
-def test_nothing_collides_in_any_position(drive):
-    outline = GenevaOutline(drive)
-    found = {pair.names[0]: pair.gap for pair in least_gaps(outline, 91)}
-    play = outline.half_slot - outline.pin_radius
-    rollers = "roller" if drive.roller_radius else "pin"
-    for k in range(drive.pins):
-        assert found[f"{rollers}-{k}"] == pytest.approx(play, abs=1e-9)
-    assert min(found.values()) > -1e-9
-    if outline.locks:
-        assert found["locking-disc"] > 0.4 * outline.gap
-
-
-@pytest.mark.parametrize("share", [0.02, 0.999])
-@pytest.mark.parametrize(
-    "kind", [(esc.Geneva, n, pins, internal) for n in (3, 5, 18)
-             for pins, internal in ((None, False), (1, False), (1, True))]
-    + [(esc.GearDriven, 12, 3), (esc.GearDriven, 4, 1, "epicycloid")],
-)  # fmt: skip
-def test_pins_and_rollers_have_the_radii_they_were_given(kind, share):
-    make, *given = kind
-    length = {"crank_radius" if make is esc.Geneva else "fixed_radius": 0.02}
-    widest = make(*given, **length).widest_pin
-    radii = {"pin_radius": 0.01 * share * widest, "roller_radius": 0.02 * share * widest}
-    ax = plots.plot_mechanism(make(*given, **length, **radii), 0.2, Figure().add_subplot())
-    found = [by_id(ax, f"{name}-0").radius for name in ("roller", "pin")]
-    assert found == pytest.approx([share * widest, 0.5 * share * widest])
 
 
 def test_follower_stands_still_in_the_dwell():

@@ -91,24 +91,6 @@ def test_start_from_rest_is_a_start_on_the_reversal(slots, internal):
     assert turns(fast) == [1, 1, 1]
 
 
-@pytest.mark.parametrize("rtol", [1e-4, 1e-12])
-@pytest.mark.parametrize(
-    ("model", "speed"),
-    [
-        (drive(34, 1, rho=0.016, mu=0.14, load=43.7, internal=True), 0.061),
-        (drive(40, 1, rho=470.0, mu=6800.0, load=17.1), 0.0015),
-        (drive(5, 1, rho=2.6, mu=3.5e-4, load=3.86), 0.0),
-    ],
-)
-def test_time_and_angle_of_a_stop(model, speed, rtol):
-    found = run(model, rtol=rtol, speed=speed)
-    exact = run(model, "ivp", rtol=1e-12, speed=speed)
-    assert found.status is exact.status is Status.STALL
-    assert found.end_time == pytest.approx(exact.end_time, rel=10.0 * rtol + 1e-11)
-    ends = [float(motion.at(motion.end_time).theta) for motion in (found, exact)]
-    assert ends[0] == pytest.approx(ends[1], abs=10.0 * rtol + 1e-10)
-
-
 @pytest.mark.parametrize(("slots", "pins", "rho"), [(4, 4, 0.06), (6, 3, 2.0)])
 def test_stop_or_not_at_the_last_instant(slots, pins, rho):
     """Either side of the load at which the first engagement just comes through."""
