@@ -136,15 +136,3 @@ CHANGES = {
 @pytest.mark.parametrize("change", CHANGES.values(), ids=CHANGES)
 def test_an_end_or_a_configuration_that_is_none_is_refused(written, tmp_path, change):
     check_refused(written, tmp_path, change)
-
-
-def test_memory_that_ends_ends_before_hdf5_has_a_file(tmp_path, monkeypatch):
-    """It may crash in closing one then."""
-    opened = []
-    monkeypatch.setattr(h5py, "File", lambda *args: opened.append(args))
-    motion = esc.simulate(SCENES["meyer"], 2)
-    monkeypatch.setattr(np, "unique", lambda _: np.empty(1 << 58))
-    with pytest.raises(MemoryError):
-        write_motion(motion, tmp_path / "motion.h5")
-    assert opened == []
-    assert list(tmp_path.iterdir()) == []

@@ -4,8 +4,6 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
 
 import escapement as esc
 from escapement.base.errors import InvalidValue
@@ -106,17 +104,3 @@ def test_a_follower_that_turns_back_keeps_its_sense(sense, swing, cells):
     assert table.sense == sense
     truth = 0.5 / TURN + swing * np.cos(ANGLES)
     np.testing.assert_allclose(table.transmission(ANGLES).g, truth, rtol=0.0, atol=1e-7)
-
-
-@pytest.mark.parametrize("sense", [-1.0, 1.0])
-@pytest.mark.parametrize("cells", [1, 5])
-@settings(deadline=None, max_examples=20)
-@given(st.floats(0.3, 0.6), st.integers(200, 800), st.integers(0, 1000))
-def test_the_sense_of_measured_rows_in_any_order(sense, cells, swing, rows, seed):
-    """Random angles, and noise of a tenth of the step."""
-    random = np.random.default_rng(seed)
-    theta = random.uniform(0.0, TURN * cells, rows)
-    phi = sense * (0.5 * theta / TURN + swing * np.sin(theta))
-    phi += 0.05 * random.standard_normal(rows)
-    table = esc.Tabulated(theta, phi, measured=True, cell_angle=TURN, follower_step=0.5)
-    assert table.sense == sense
