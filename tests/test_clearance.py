@@ -252,21 +252,6 @@ def test_journals_hold_what_they_can_in_a_blow():
     assert turned > 3
 
 
-def test_a_bounce_ends_below_the_speed_that_the_docs_say():
-    """1e-5 crank radii over sqrt(I_f/torque): only slower rebounds are neglected."""
-    slowest, e = [], 0.8
-    for play in (1e-3, 2e-3, 5e-3):
-        drive = timer(play, restitution=e)
-        motion, bodies = esc.simulate(drive, 6), TwoBodies(drive)
-        blows, (_, behind, q, _, v) = motion.impacts, at_blows(motion)
-        for k in np.flatnonzero((behind.contact_moment == 0.0) & (blows.wall != 0.0)):
-            slowest.append(bodies.directions(blows.wall[k], q[k], v[k])[0] @ v[k])
-    slowest = np.sort(np.array(slowest)[np.array(slowest) > 1e-12])
-    # where bounces add up, each one is about e times as fast as the one before
-    assert slowest[0] > 1e-5
-    assert slowest[0] < 1e-5 / e
-
-
 def test_a_torque_curve_does_the_work_that_its_knots_say():
     # flights over knots, of which one is in the middle of a flight that goes back
     angle = np.linspace(0.0, 5.0, 40)

@@ -12,10 +12,7 @@ import pytest
 
 import escapement
 from escapement.engines.energy import panels
-from escapement.engines.energy.cells import CELL
-from escapement.engines.energy.located_events import EVENT
 from escapement.numerics import jit
-from escapement.numerics.records import VECTOR
 
 pytestmark = pytest.mark.slow
 
@@ -310,14 +307,6 @@ print(f(np.array([1.0, 2.0, 4.0]), np.array([3.0, -5.0, 7.0])))
     assert run(call, **cached, NUMBA_DISABLE_JIT="1") == "40.0"
 
 
-@pytest.mark.parametrize("kind", [panels.PANEL, panels.SOLUTION, panels.WORKSPACE, CELL, EVENT])
-def test_a_vector_of_a_row_lies_in_one_line_of_the_cache(kind):
-    rows = [name for name in kind.names if kind[name].subdtype or kind[name] is panels.SOLUTION]
-    assert rows
-    assert all(kind.fields[name][1] % VECTOR == 0 for name in rows)
-    assert kind.itemsize % VECTOR == 0
-
-
 ANNOUNCED = """
 import io, multiprocessing, sys
 class Stream(io.StringIO):
@@ -369,13 +358,6 @@ def test_a_terminal_counts_what_is_compiled_and_is_left_clean(toy):
         f"escapement: compiling for this machine, once: {count} functions," for count in (0, 0, 1)
     ]
     assert last.strip() == ""
-
-
-@pytest.mark.skipif(sys.platform == "win32", reason="needs fork")
-def test_a_worker_of_a_cluster_compiles_in_silence(toy):
-    call = "multiprocessing.get_context('fork').Process(target=call).start()"
-    assert announced(toy, call=call) == ""
-    assert announced(toy) == ""  # it was compiled there
 
 
 def test_the_cache_is_kept_where_it_was_asked_for(toy, tmp_path):

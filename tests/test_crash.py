@@ -94,16 +94,3 @@ def test_one_wrong_bit_of_a_result_is_found(tmp_path):
         tools.write(path, tools.small_study())
     tools.write(path, tools.small_study(), force=True)
     assert [entry.name for entry in tmp_path.iterdir()] == ["a.h5"]
-
-
-@pytest.mark.parametrize("limit", [0, 100, 10_000, 30_000])
-def test_a_limit_on_the_size_of_files(tmp_path, limit):
-    path = tmp_path / "a.h5"
-    call = f"tools.write(tools.Path({str(path)!r}), tools.small_study(), resume=True)"
-    told = tools.run_limited(limit, call)
-    assert told.startswith(f"writing {path} failed: ")
-    assert tools.partial_path(path).exists() == (limit > 20_000)
-    assert ("are kept in a.h5.partial" in told) == (limit > 20_000)
-    assert ("nothing was left behind" in told) == (limit < 20_000)
-    tools.write(path, tools.small_study(), resume=True)
-    assert [entry.name for entry in tmp_path.iterdir()] == ["a.h5"]

@@ -82,16 +82,6 @@ def test_extremes_and_mean_are_those_of_the_torque(friction, efficiency):
         assert result.torque_mean == pytest.approx(mean / -theta[0], rel=1e-12)
 
 
-def test_power_that_flows_back_is_multiplied_by_the_efficiency():
-    """Also with friction, which can take more than the follower gives."""
-    wheel = esc.Geneva(4, pins=1)
-    results = [esc.drive_torque(wheel, 10.0, 0.1, 0.01, e, 0.1) for e in (1.0, 0.8)]
-    ideal, real = (r.at(np.linspace(*wheel.breaks[::2], 501)).torque for r in results)
-    held = (results[0].at(np.linspace(*wheel.breaks[::2], 501)).contact_moment < 0) & (ideal > 0)
-    assert held.any()
-    np.testing.assert_allclose(real, np.where(ideal > 0, ideal / 0.8, ideal * 0.8), rtol=1e-14)
-
-
 def test_dwell_needs_no_torque():
     result = esc.drive_torque(esc.Geneva(6, pins=1), 10.0, 1.0, 0.01)
     assert result.at(2.0).torque == 0.0

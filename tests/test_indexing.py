@@ -8,7 +8,7 @@ import math
 
 import numpy as np
 import pytest
-from scipy.integrate import quad, solve_ivp
+from scipy.integrate import solve_ivp
 from scipy.optimize import minimize_scalar
 
 import escapement as esc
@@ -186,22 +186,6 @@ def test_the_load_rings_as_an_integrator_says():
     assert drive.residual_amplitude == pytest.approx(left, rel=1e-9)
     assert np.abs(deflection).max() <= drive.deflection_max
     assert np.abs(deflection).max() == pytest.approx(drive.deflection_max, rel=1e-3)
-
-
-def test_without_damping_the_amplitude_is_a_fourier_integral():
-    drive = fast_drive()
-    ratio = 2.0 * math.pi * 20.0 / drive.speed
-    wheel = drive.mechanism
-    ends = wheel.breaks[0], wheel.breaks[-1]
-
-    def part(function):
-        return quad(
-            lambda x: wheel.transmission(x).dg * function(ratio * x), *ends,
-            epsabs=1e-13, epsrel=1e-13, limit=200,
-        )[0]  # fmt: skip
-
-    left = math.hypot(part(math.cos), part(math.sin)) / ratio
-    assert drive.residual_amplitude == pytest.approx(left, rel=1e-10)
 
 
 def test_stresses_by_hand():

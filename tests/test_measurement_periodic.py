@@ -72,14 +72,14 @@ def test_where_no_sinusoid_can_be_told_there_is_no_power(turns):
 @pytest.mark.parametrize(("samples", "turns"), [(60, 10.0), (40, 20.0), (24, 0.5), (20, 30.0)])
 def test_periodogram_of_few_samples_a_turn(samples, turns):
     alarms = []
-    for seed in range(40):
+    for seed in range(12):
         readings = read(seed=seed, samples=samples, turns=turns, noise=0.1 * DEG)
         found = esc.measure(readings, PRIKHODKO).periodogram
         highest = found.power[found.peak]
         assert 0.0 < highest < 0.99
         assert highest == np.nanmax(found.power)
         alarms.append(found.false_alarm_probability(highest) < 0.05)
-    assert np.mean(alarms) < 0.05 + 3 * math.sqrt(0.05 * 0.95 / 40)
+    assert np.mean(alarms) < 0.05 + 3 * math.sqrt(0.05 * 0.95 / 12)
 
 
 def test_correlated_errors_are_remarked_upon():
@@ -97,7 +97,7 @@ def test_correlated_errors_are_remarked_upon():
 def test_noise_whose_neighbours_are_alike_is_not_stated_as_a_shaft_s_error(correlation, most):
     stated, judged = [], []
     theta = np.linspace(0.0, 6.0 * math.pi, 148, endpoint=False)
-    for seed in range(60):
+    for seed in range(40):
         white = np.random.default_rng(seed).standard_normal(348)
         noise = lfilter([math.sqrt(1.0 - correlation**2)], [1.0, -correlation], white)[200:]
         output = measurement.position(PRIKHODKO, theta) + 0.9 * DEG * noise
@@ -136,7 +136,7 @@ def test_an_even_turn_is_measured_all_round():
 
 
 def test_many_turns_are_cut_for_the_periodogram_alone():
-    result = esc.measure(read(samples=60_000, turns=1500.0, noise=0.1 * DEG), PRIKHODKO)
+    result = esc.measure(read(samples=24_000, turns=1500.0, noise=0.1 * DEG), PRIKHODKO)
     assert "the periodogram covers the first 1000 turns" in result.message
-    assert result.periodogram.samples == pytest.approx(40_000, abs=2)
+    assert result.periodogram.samples == pytest.approx(16_000, abs=2)
     assert shown(result, "input").turns == pytest.approx(1500.0, abs=0.1)

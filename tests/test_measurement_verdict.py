@@ -54,8 +54,7 @@ def test_lost_steps_are_named_with_their_line_and_size():
     assert abs(abs(change.size) - 7.2 * DEG) < 3.0 * change.standard_error < 0.1 * DEG
 
 
-@pytest.mark.parametrize("way", [1.0, -1.0])
-@pytest.mark.parametrize("size", [0.1, 1.8, 20.0])
+@pytest.mark.parametrize(("way", "size"), [(1.0, 0.1), (-1.0, 1.8), (1.0, 20.0)])
 def test_sizes_of_slips(way, size):
     within = []
     for seed in range(8):
@@ -181,8 +180,7 @@ def test_given_zeros_that_are_wrong_are_not_good():
     assert "the mean error is 0.5" in found.text
 
 
-@pytest.mark.parametrize("slots", [3, 6])
-@pytest.mark.parametrize("way", [1.0, -1.0])
+@pytest.mark.parametrize(("slots", "way"), [(3, 1.0), (6, -1.0)])
 def test_good_drives_are_good(slots, way):
     """One in a hundred may be doubted."""
     wheel, good = esc.Geneva(slots, pins=1), []

@@ -15,9 +15,8 @@ from escapement.outlines.geneva import GenevaOutline
 from figure_tools import by_id
 from tabulated_drive import exact
 
-WHEELS = ((3, None), (4, None), (6, None), (3, 1), (4, 1), (5, 3), (8, 2), (18, None))
-DRIVES = [esc.Geneva(*wheel) for wheel in WHEELS]
-DRIVES += [esc.Geneva(slots, internal=True) for slots in (3, 4, 8)]
+DRIVES = [esc.Geneva(*wheel) for wheel in ((3, None), (4, None), (5, 3), (8, 2))]
+DRIVES += [esc.Geneva(slots, internal=True) for slots in (3, 8)]
 SIZED = {"crank_radius": 0.02, "pin_radius": 0.002}
 ROLLERS = {**SIZED, "roller_radius": 0.004}
 DRIVES += [esc.Geneva(3, **SIZED), esc.Geneva(6, 1, **ROLLERS), esc.Geneva(4, 1, True, **ROLLERS)]
@@ -126,7 +125,7 @@ BAD = esc.Geneva(
 
 
 @pytest.mark.parametrize("factor", [1.0, 20.0])
-@pytest.mark.parametrize("k", range(-2, 8))
+@pytest.mark.parametrize("k", range(-2, 4))
 def test_imperfect_pins_are_on_the_lines_of_their_slots(k, factor):
     theta = k * BAD.cell_angle + 0.2
     ax = plots.plot_mechanism(BAD, theta, Figure().add_subplot(), exaggerate=factor)

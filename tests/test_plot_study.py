@@ -184,13 +184,6 @@ def test_further_axes_stay_at_their_middle_and_the_title_says_so():
     assert "Load torque = 0.01 in-lbf" in legend.get_title().get_text()
 
 
-def test_study_leaves_out_a_result_that_nobody_has():
-    study = synthetic({"friction": FRICTION, "torque": TORQUE})
-    study.results["rise_time"][:] = np.nan
-    figure = plots.plot_study(study)
-    assert [ax.get_ylabel() for ax in figure.axes] == ["Period (ms)", MEAN]
-
-
 def test_study_without_anything_to_show_is_refused():
     empty = synthetic({"friction": FRICTION, "torque": TORQUE})
     for values in empty.results.values():

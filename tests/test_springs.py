@@ -121,14 +121,6 @@ def test_curves_that_say_the_same_give_the_same():
     np.testing.assert_allclose(found.handoff_times, constant.handoff_times, rtol=1e-13)
 
 
-def test_a_weak_spring_rate_is_no_spring_and_a_rate_of_zero_leaves_every_bit():
-    none = esc.simulate(timer(), 30)
-    weak = esc.simulate(timer(spring_rate=1e-13 * TORQUE), 30)
-    np.testing.assert_allclose(weak.handoff_times, none.handoff_times, rtol=1e-11)
-    zero = esc.simulate(timer(spring_rate=0.0), 30)
-    np.testing.assert_array_equal(zero.handoff_times, none.handoff_times)
-
-
 @pytest.mark.parametrize("torque", [CAM, esc.TorqueCurve([0.0, 2.0, 3.0], [1.0, 0.2, 0.4])])
 def test_without_losses_the_speed_follows_from_the_work(torque):
     wheel = esc.Geneva(5)

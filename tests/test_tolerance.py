@@ -14,7 +14,6 @@ from derivative_tools import errors_of_powers, worst_against_34_digits
 from escapement.base.errors import InvalidValue
 from escapement.cli import main
 from escapement.model.numbers import with_number
-from escapement.study.parse.sample import unit_cube
 from escapement.tolerance.differences import slopes_by
 from escapement.tolerance.indices import sobol_indices
 from escapement.tolerance.scatter import equal_factors
@@ -208,13 +207,6 @@ def test_indices_of_a_known_function():
     for told, true in zip([*first, *total], (0.314, 0.442, 0.0, 0.558, 0.442, 0.244), strict=True):
         assert told.value == pytest.approx(true, abs=0.05)
         assert told.low < told.value < told.high
-
-
-def test_hypercubes_each_fill_every_stratum():
-    shares = unit_cube("latin-hypercube", 60, 2, 1, 3)
-    for part in np.split(shares, 3, axis=1):
-        for row in part:
-            assert sorted((row * 20).astype(int)) == [*range(20)]
 
 
 CONFIG = """

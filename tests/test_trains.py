@@ -63,21 +63,6 @@ def test_a_lossless_train_is_a_change_of_numbers_with_clearance_too(walls):
     assert all(abs(motion.ledger.residual) < 1e-8 for motion in found)
 
 
-def test_every_shaft_obeys_newton():
-    """Moments on barrel, driver, follower and last shaft, with the forces of the meshes."""
-    mine = timer(friction=0.0)
-    motion = esc.simulate(mine, 3)
-    state = motion.at(np.linspace(0.1, 0.9, 41) * motion.end_time)
-    at_barrel = mine.torque - BARREL.inertia * state.theta_ddot / BARREL.ratio
-    at_last = mine.load_torque + LOAD.inertia * state.phi_ddot * LOAD.ratio
-    follower = state.contact_moment - LOAD.ratio * at_last
-    ratio = state.phi_dot / state.theta_dot
-    driver = at_barrel / BARREL.ratio - ratio * state.contact_moment
-    scale = mine.torque / BARREL.ratio
-    np.testing.assert_allclose(follower / scale, OWN.follower * state.phi_ddot / scale, atol=1e-9)
-    np.testing.assert_allclose(driver / scale, OWN.driver * state.theta_ddot / scale, atol=1e-9)
-
-
 def test_the_ledger_counts_what_the_barrel_gives():
     motion = esc.simulate(timer(), 5)
     ledger = esc.ledger_of(motion) if hasattr(esc, "ledger_of") else motion.ledger
