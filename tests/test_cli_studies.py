@@ -8,7 +8,7 @@ import pytest
 
 import escapement as esc
 from escapement.study.reader import read_study
-from escapement.study.selection import load_case, spread
+from escapement.study.selection import load_case
 from escapement.study.stored import SCHEMA_VERSION
 
 STUDY = """
@@ -65,28 +65,6 @@ def test_sweep_with_failed_cases(command, study):
     assert "4 of 8 cases failed" in err
     assert [case["status"] for case in record["some_cases"]] == ["ok"] * 4 + ["painleve"] * 4
     assert record["some_cases"][-1]["period"] is None
-
-
-@pytest.mark.parametrize(
-    ("shape", "cases"),
-    [
-        ((1,), 1),
-        ((7,), 7),
-        ((40,), 11),
-        ((4, 25), 12),
-        ((9, 9, 9), 9),
-        ((2, 2, 2, 2), 9),
-        ((3,) * 6, 11),
-    ],
-)
-def test_spread_covers_both_ends_and_the_middle(shape, cases):
-    places = spread(shape, 12)
-    assert len(places) == cases
-    assert len(set(places)) == cases
-    assert tuple(0 for _ in shape) in places
-    assert tuple(size - 1 for size in shape) in places
-    for axis, size in enumerate(shape):
-        assert any(abs(2 * place[axis] - size + 1) <= 1 for place in places)
 
 
 def test_plot_names_the_cases_that_leave_gaps(command, study):

@@ -223,9 +223,6 @@ def test_no_engine_is_loaded_to_read_a_configuration():
     subprocess.run([sys.executable, "-c", code], check=True)
 
 
-number = st.floats(0.0, 1e6, allow_subnormal=False)
-
-
 @settings(deadline=None)
 @given(st.floats(1e-9, 1e9), st.floats(1e-9, 1e9), st.integers(2, 50), st.booleans())
 def test_even_steps_reach_both_ends(start, stop, num, log):

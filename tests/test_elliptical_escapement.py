@@ -67,23 +67,3 @@ def test_without_a_loss_the_energy_is_the_work():
     # at a stop the follower rests, so all of it is the driver's
     work = TORQUE * PAPER.cell_angle * np.arange(1, 11)
     np.testing.assert_allclose(0.5 * INERTIA.driver * found.handoff_velocities**2, work, rtol=1e-12)
-
-
-@pytest.mark.parametrize("efficiency", [1.0, 0.8])
-def test_torque_at_constant_speed(efficiency):
-    """The drive pays for what the mesh loses, and gets back less than the follower gives."""
-    speed, load = 30.0, 2e-4
-    drive = esc.drive_torque(PAPER, speed, load, INERTIA.follower, efficiency=efficiency)
-    theta = np.linspace(*PAPER.breaks, 4001)
-    table = PAPER.transmission(theta)
-    power = table.g * (load + INERTIA.follower * speed**2 * table.dg)
-    torque = np.where(power > 0.0, power / efficiency, power * efficiency)
-    # kernels know g' of a table to 17^3 rounding errors of g over a piece
-    np.testing.assert_allclose(drive.at(theta).torque, torque, rtol=0.0, atol=1e-11 * torque.max())
-    assert drive.torque_max == pytest.approx(torque.max(), rel=1e-6)
-    assert drive.zone == 2
-    assert len(drive.reversals) == 2
-    # a mean over the whole cell: the load's work and what is lost
-    if efficiency == 1.0:
-        mean = np.trapezoid(drive.at(theta).torque, theta) / PAPER.cell_angle
-        assert mean == pytest.approx(load * PAPER.follower_step / PAPER.cell_angle, rel=1e-6)

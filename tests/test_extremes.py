@@ -9,7 +9,6 @@ import escapement as esc
 from bad_calls import TIMER, built, ivp, wheel
 from escapement.base.status import Status
 from escapement.engines.ivp import piece
-from random_drives import drive
 
 
 @pytest.fixture
@@ -74,29 +73,6 @@ def test_any_tolerance_that_is_allowed_ends(settings):
     best = esc.simulate(TIMER, 1)
     error = abs(motion.handoff_times[0] / best.handoff_times[0] - 1.0)
     assert error <= 10.0 * settings.get("rtol", 1e-10)
-
-
-# hardly any loss, a stop after many turns, no end at all; in natural units
-@pytest.mark.parametrize(
-    ("slots", "pins", "rho", "friction", "load"),
-    [
-        (7, 1, 981.539600105676, 0.28009345558399046, 0.0),
-        (3, 6, 1783041.2109403554, 7.75424409679428e-10, 6.334169734701668e-07),
-        (4, 4, 500.0, 1e-4, 0.0),
-    ],
-)
-def test_a_cycle_that_hardly_loses_loses_what_the_drive_gives(slots, pins, rho, friction, load):
-    """The speed is the root of what is lost, and one part in 1e4 to 1e14 of its energy is.
-
-    Loss is integrated over the contact moment, the work known in closed form.
-    """
-    timer = drive(slots, pins, rho, friction, load)
-    figures = esc.terminal(timer, rtol=1e-13)
-    assert 0.0 < 1.0 - figures.contraction < 1e-3
-    cycle = esc.simulate(timer, 1, initial_speed=figures.handoff_velocity, rtol=1e-13)
-    wheel = timer.mechanism
-    work = wheel.cell_angle - load * wheel.follower_step
-    assert cycle.trajectory.losses.sum() == pytest.approx(work, rel=1e-12)
 
 
 @pytest.mark.parametrize(("engine", "load"), [("energy", 0.0), ("energy", 0.25), ("ivp", 0.25)])

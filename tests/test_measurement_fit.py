@@ -4,12 +4,9 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
 
 import escapement as esc
 from escapement import measurement
-from escapement.base.errors import InvalidValue
 from measurement_tools import DEG, DRIVES, PRIKHODKO, read
 
 
@@ -139,33 +136,6 @@ def test_even_output_tells_no_phase(samples):
         assert result.standard_deviation < 1.1e-3
     else:
         assert "do not show the phase" in result.message
-
-
-@settings(deadline=None, max_examples=60)
-@given(
-    drive=st.sampled_from([*DRIVES.values()]),
-    seed=st.integers(0, 2**32 - 1),
-    samples=st.integers(20, 80),
-    spread=st.sampled_from([1e-9, 1e-3, 1.0, 30.0, 1e6]),
-    counts=st.booleans(),
-)
-def test_whatever_is_measured_the_figures_are_finite(drive, seed, samples, spread, counts):
-    random = np.random.default_rng(seed)
-    columns = spread * random.standard_normal((2, samples)).round(2)
-    if counts:
-        columns = np.cumsum(np.abs(columns), axis=1)
-    try:
-        result = esc.measure(esc.Readings(*columns), drive)
-    except InvalidValue:
-        return
-    assert np.isfinite(result.errors).all()
-    assert math.isfinite(result.fit.phase + result.fit.offset)
-    tests = (result.chi_squared_test, result.published_test, result.anderson_darling_test)
-    assert all(0.0 <= test.p_value <= 1.0 for test in tests)
-    assert all(not error.p_value < 0.0 for error in result.shaft_errors)
-    assert np.isfinite(result.periodogram.power[result.periodogram.peak])
-    assert 0.0 < result.periodogram.level(0.01) <= 1.0
-    assert "\n" not in result.message
 
 
 def test_a_mechanism_without_dynamics_is_measured():

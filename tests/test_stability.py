@@ -145,33 +145,6 @@ def test_just_below_the_painleve_limit(slots, rho):
 # what the drive can carry
 
 
-@pytest.mark.parametrize("share", [0.5, 1.0, 1.001, 10.0])
-@pytest.mark.parametrize(
-    ("slots", "pins", "mu", "internal"),
-    [(4, 4, 0.0, 0), (3, 2, 0.2, 0), (5, 1, 0.2, 1)],
-)
-def test_load_at_and_above_what_the_drive_can_carry(slots, pins, mu, internal, share):
-    """The work of the load over a cell against that of the drive."""
-    internal = bool(internal)
-    bare = drive(slots, pins, mu=mu, internal=internal).mechanism
-    load = share * bare.cell_angle / bare.follower_step
-    model = drive(slots, pins, mu=mu, load=load, internal=internal, rho=0.5)
-    fast, judge = both(model, engagements=6, speed=2.0)
-    assert fast.status is judge.status
-    np.testing.assert_allclose(numbers(fast), numbers(judge), rtol=1e-7)
-    if share > 1.001:
-        assert fast.status is Status.STALL
-    if fast.status is Status.STALL:
-        ends = [float(motion.at(motion.end_time).theta) for motion in (fast, judge)]
-        assert ends[0] == pytest.approx(ends[1], abs=1e-8)
-        for engine, motion in zip(BOTH, (fast, judge), strict=True):
-            assert "stalls" in motion.message
-            assert "degrees from dead centre" in motion.message
-            if share <= 10.0:  # a greater load stops the driver within the error of its time
-                assert motion.at(motion.end_time).theta_dot == pytest.approx(0.0, abs=4e-5)
-            assert esc.terminal(model, engine=engine, initial_speed=2.0).status is Status.STALL
-
-
 @pytest.mark.parametrize("engine", BOTH)
 def test_a_drive_that_cannot_start(engine):
     """From rest, with friction at entry times load above the torque: no time passes."""

@@ -5,8 +5,6 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
 
 import escapement as esc
 from escapement.base.errors import InvalidValue
@@ -15,12 +13,10 @@ from escapement.dynamics.codes import Event
 from escapement.dynamics.figures_of_merit import read_transient
 from escapement.engines.two_bodies import march as marching
 from escapement.engines.two_bodies import trajectory
-from escapement.engines.two_bodies.blow import strike
-from escapement.engines.two_bodies.law import Law
 from escapement.engines.two_bodies.march import SPEED, TIME
 from escapement.engines.two_bodies.pairs import pairs_of
 from escapement.engines.two_bodies.scene import prepared
-from escapement.engines.two_bodies.touch import Touch, place, touch_at
+from escapement.engines.two_bodies.touch import place, touch_at
 from escapement.mechanisms.features import CONVEX, HOLLOW, LINE
 from escapement.outlines.gaps import gap, segments_of
 from escapement.outlines.touching import edges_of
@@ -120,49 +116,6 @@ def test_rates_of_the_gap_are_its_differences(name, swapped):
     rate, bend = (after.gap - before.gap) / (2 * h), (after.gap - 2 * now.gap + before.gap) / h**2
     assert now.g0 * w[0] + now.g1 * w[1] == pytest.approx(rate, abs=1e-5)
     assert now.kappa + now.g0 * a[0] + now.g1 * a[1] == pytest.approx(bend, rel=1e-3)
-    # the slip is the speed of the contact point of the nose along the track
-    y = np.concatenate([q, w])
-    for i, factor in ((0, now.h0), (1, now.h1)):
-        slow = np.concatenate([q, np.eye(2)[i]])
-        place_now, still = (
-            place(pair, 1.4, slow, 0, 0),
-            place(pair, 1.4, np.append(q, [0, 0]), 0, 0),
-        )
-        assert still.v == 0.0
-        normal = np.array([now.g0, now.g1])
-        across = normal[i]
-        own = 1.0 if i == pair.nose else 0.0
-        # rotation about the nose's centre adds its radius times the angular speed of the nose
-        turning = (1.0 if i == pair.nose else -1.0) * pair.rho
-        along = math.sqrt(max(abs(place_now.v) ** 2 - across**2, 0.0))
-        assert abs(factor + turning) == pytest.approx(along, abs=1e-9), own
-    assert y.size == 4
-
-
-speeds = st.floats(-2.0, 2.0)
-factors = st.floats(-1.5, 1.5)
-
-
-@settings(deadline=None, max_examples=300)
-@given(factors, factors, factors, factors, speeds, speeds, st.floats(0.0, 0.5), st.floats(0.0, 0.9))
-def test_blow_keeps_momentum_and_takes_energy(g0, g1, h0, h1, w0, w1, mu, restitution):
-    if min(math.hypot(g0, g1), math.hypot(h0, h1)) < 0.1 or g0 * w0 + g1 * w1 > -1e-3:
-        return
-    rho = 2.0
-    law = Law(**dict.fromkeys(Law._fields, 0.0) | {"rho": rho, "mu_plus": mu})
-    touch, y = Touch(0.0, g0, g1, h0, h1, 0.0, 1.0, 1.0), np.array([0.0, 0.0, w0, w1])
-    impulse = strike(law, touch, y, restitution)
-    if impulse != impulse:
-        return
-    change = np.array([rho * (y[2] - w0), y[3] - w1])
-    # the impulse is normal and tangential: momentum of both bodies is that of two numbers
-    along = change - impulse * np.array([g0, g1])
-    assert abs(along[0] * h1 - along[1] * h0) <= 1e-12 * (1.0 + impulse)
-    sliding = along @ [h0, h1] / max(h0 * h0 + h1 * h1, 1e-30)
-    assert abs(sliding) <= mu * impulse * (1.0 + 1e-9) + 1e-12
-    lost = 0.5 * (rho * w0**2 + w1**2 - rho * y[2] ** 2 - y[3] ** 2)
-    assert lost >= -1e-12
-    assert g0 * y[2] + g1 * y[3] >= -1e-12
 
 
 def test_losses_of_every_kind_balance():
