@@ -1,7 +1,6 @@
 """Two bodies whose outlines yield: rigid limit, balances, the slot engine, refusals."""
 
 import math
-from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -120,30 +119,6 @@ def test_the_energy_balance_closes(numbers):
     lost = np.trapezoid(state.power_lost["friction"], t)
     assert lost == pytest.approx(ledger.friction, rel=0.01)
     assert (state.contact_force >= -1e-6).all()
-
-
-def test_bounces_give_back_the_share_that_the_damping_leaves():
-    # without friction a linear contact of damping ratio z gives back this share of the speed
-    stiffness, z = 1e8, 0.3
-    timer = runaway(friction=0.0, stiffness=stiffness, damping=1.0)
-    touch = esc.simulate(timer, 1).impacts.time[0]
-    root = math.sqrt(1.0 - z * z)
-    angle = math.atan2(2.0 * z * root, 2.0 * z * z - 1.0)
-    share = math.exp(-z / root * angle)
-    lightness = _lightness(timer, touch)
-    own = replace(timer, damping=2.0 * z * math.sqrt(stiffness / lightness))
-    blow = esc.simulate(own, duration=touch + 2e-3, rtol=1e-10).impacts
-    kinetic = 0.5 * blow.approach_speed[0] ** 2 / lightness
-    assert blow.energy[0] == pytest.approx((1.0 - share**2) * kinetic, rel=2e-3)
-
-
-def _lightness(timer, time):
-    """Acceleration that a unit of force gives the gap, from those just behind a touch."""
-    state = esc.simulate(timer, duration=time + 1e-6, rtol=1e-10).at(time + 1e-6)
-    force = float(state.contact_force)
-    driver = (float(state.theta_ddot) - 1.0) / force
-    follower = float(state.phi_ddot) / force
-    return driver**2 * timer.inertia.driver + follower**2 * timer.inertia.follower
 
 
 def test_terminal_is_the_cycle_that_a_long_motion_reaches():

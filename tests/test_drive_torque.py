@@ -1,7 +1,6 @@
 """Torque of a drive at constant speed against independent computations."""
 
 import math
-from dataclasses import dataclass
 
 import numpy as np
 import pytest
@@ -9,7 +8,7 @@ from scipy.integrate import quad
 from scipy.optimize import brentq
 
 import escapement as esc
-from any_path import Plain, each_wheel
+from any_path import each_wheel
 from escapement.base.errors import InvalidValue
 from escapement.constant_speed import contact_moment, geneva
 from escapement.mechanisms.slotted import radius
@@ -128,24 +127,6 @@ def test_load_that_varies_with_the_follower_angle():
     assert result.zone == 2
     for angle, low, high in zip(result.reversals, (0.0, 0.55), (0.55, 1.17), strict=True):
         assert angle == pytest.approx(brentq(moment, low, high, xtol=1e-15), rel=1e-12)
-
-
-def test_a_mechanism_that_counts_from_its_entry():
-    """Half the engagement is the middle; a load that helps leaves no mean to compare with."""
-
-    @dataclass(frozen=True)
-    class Shifted(Plain):
-        @property
-        def breaks(self):
-            return 0.1, self.half
-
-    drive = Shifted(esc.Geneva(6).path, 0.9)
-    result = esc.drive_torque(drive, 1.0, 1.0, 0.1)
-    mean = quad(lambda x: float(result.at(x).torque), 0.1, 0.5)[0] / 0.4
-    assert result.torque_mean == pytest.approx(mean, rel=1e-12)
-    helped = esc.drive_torque(esc.Geneva(6), 1.0, lambda phi: phi - 10.0, 0.1)
-    assert helped.torque_mean < 0.0
-    assert math.isnan(helped.peak_to_mean)
 
 
 @pytest.mark.parametrize("start_deg", [-200.0, 30.0])

@@ -10,7 +10,6 @@ import pytest
 
 import escapement as esc
 from escapement.base.errors import InvalidValue
-from escapement.base.units import INCH_POUND
 from escapement.constant_speed import geneva
 from escapement.plots import plot_drive_torque
 from escapement.sources import filemon
@@ -142,21 +141,6 @@ def test_torque_figure_writes_within_its_axes_and_keeps_numbers_apart(wheel, dri
     assert all(frame.x0 <= place.x0 and place.x1 <= frame.x1 for place in places)
     assert len(places) > numbers
     assert not any(one.overlaps(two) for one, two in combinations(places[1:], 2))
-
-
-def test_torque_figure_is_in_the_units_asked_for():
-    drive = esc.drive_torque(esc.Geneva(8), 10.0, INCH_POUND, 0.019 * INCH_POUND)
-    ax = plot_drive_torque(drive, units="in-lbf-s")
-    assert ax.get_ylabel() == "Torque (in-lbf)"
-    by_label = {line.get_label(): line for line in ax.lines}
-    for name, value in (
-        ("greatest torque", "torque_max"),
-        ("mean of the first half", "torque_mean"),
-    ):
-        expected = getattr(drive, value) / INCH_POUND
-        assert by_label[name].get_ydata()[0] == pytest.approx(expected, rel=1e-12)
-    highest = by_label["drive torque"].get_ydata().max()
-    assert highest == pytest.approx(drive.torque_max / INCH_POUND, rel=1e-3)
 
 
 # --- command line -------------------------------------------------------------------------

@@ -54,21 +54,6 @@ def test_periodogram_is_a_least_squares_fit_of_a_sinusoid():
         assert found.amplitude[i] == pytest.approx(amplitude, rel=5e-3, abs=1e-3)
 
 
-@pytest.mark.parametrize("turns", [2.33, 17.0])
-def test_where_no_sinusoid_can_be_told_there_is_no_power(turns):
-    random = np.random.default_rng(3)
-    angle = np.sort(random.uniform(0.0, 2.0 * np.pi * turns, 57))
-    errors = random.standard_normal(57)
-    found = measurement.periodic.periodogram(angle, errors)
-    cycles = found.frequency * found.turns
-    for value in (found.power, found.amplitude):
-        assert np.isnan(value[cycles < 0.17]).all()
-        assert np.isfinite(value[cycles > 0.33]).all()
-        assert (value[np.isfinite(value)] > 0.0).all()
-    assert np.isnan(found.power[0])
-    assert found.power[found.peak] == np.nanmax(found.power)
-
-
 @pytest.mark.parametrize(("samples", "turns"), [(60, 10.0), (40, 20.0), (24, 0.5), (20, 30.0)])
 def test_periodogram_of_few_samples_a_turn(samples, turns):
     alarms = []

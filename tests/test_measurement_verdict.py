@@ -222,27 +222,6 @@ def test_readings_far_out_are_found_as_often_as_said():
     assert sorted(far_out(errors, 1e-3)[0]) == [3, 50, 70]
 
 
-@pytest.mark.parametrize("start", [0.4, 2.2])
-@pytest.mark.parametrize("seed", range(3))
-def test_what_may_be_rounding_cannot_say(start, seed):
-    """Positions that return every turn, read in counts of ten times the noise, of a good drive."""
-    theta, step = start + 2.0 * math.pi * np.arange(1200) / 40, 2.0 * math.pi / 360
-    noise = 0.1 * step * np.random.default_rng(seed).standard_normal(1200)
-
-    def judged(size):
-        output = follower(theta) + size * np.sin(follower(theta)) + noise
-        return verdict(esc.Readings(theta - theta[0], step * np.round(output / step)))
-
-    good = judged(0.0)
-    assert good.good is None
-    assert "or this is the rounding of the encoders" in good.text
-    assert "cannot be told from their rounding" in good.text
-    # an error of one and a half counts is none of rounding
-    wrong = judged(1.5 * step)
-    assert wrong.good is False
-    assert "repeats once a turn of the output" in wrong.text
-
-
 def test_the_report_has_all_that_was_found(command, tmp_path):
     slip = 7.2 * DEG * (np.arange(1200) > 600)
     far = np.zeros(1200)

@@ -72,19 +72,6 @@ def test_axes_in_any_order_are_drawn_ascending():
     np.testing.assert_array_equal([x, y], [TORQUE, 1e3 * study.results["period"][::-1, 0]])
 
 
-def test_many_lines_are_thinned_evenly_and_points_unmarked_but_lone_ones():
-    study = synthetic({"friction": np.linspace(0.1, 0.4, 25), "torque": np.linspace(0.1, 0.2, 40)})
-    ax = plots.plot_lines(study, "period")
-    assert legend_of(ax) == ["0.1", "0.175", "0.25", "0.325", "0.4"]
-    assert "5 of 25" in ax.get_legend().get_title().get_text()
-    assert ax.lines[0].get_markevery() == []
-    study = synthetic({"torque": np.linspace(0.1, 0.2, 30)})
-    study.results["period"][[3, 5, 20]] = np.nan
-    line = plots.plot_lines(study, "period").lines[0]
-    assert np.isnan(line.get_ydata()[[3, 5, 20]]).all()
-    assert line.get_markevery() == [4]
-
-
 def test_rise_and_terminal_are_stacked():
     figure = plots.plot_rise_and_terminal(synthetic({"friction": FRICTION, "torque": TORQUE}))
     upper, lower = figure.axes

@@ -160,17 +160,3 @@ def test_a_motion_says_where_it_stands_when_its_steps_are_used_up(monkeypatch):
     assert motion.status is Status.NOT_CONVERGED
     assert f"engagement {motion.handoff_times.size + 1}," in motion.message
     assert 0 < motion.handoff_times.size < 30_000
-
-
-def test_a_motion_ends_with_the_blow_that_stops_both_bodies():
-    """The spring is spent, the bearing holds the driver, and the follower runs up to its pin."""
-    timer = esc.Escapement(
-        esc.Geneva(4, crank_radius=0.02, clearance=4e-5), esc.Inertia(3.4e-7, 5.65e-6),
-        0.0113, 0.1, spring_rate=2e-3, driver_bearing_torque=1e-3,
-    )  # fmt: skip
-    motion = esc.simulate(timer, 12)
-    assert motion.status is Status.SPENT
-    assert motion.impacts.time[-1] == pytest.approx(motion.end_time, rel=1e-14)
-    assert motion.impacts.time[-1] <= motion.end_time
-    end = motion.at(motion.end_time)
-    assert (float(end.theta_dot), float(end.phi_dot)) == (0.0, 0.0)

@@ -145,19 +145,6 @@ def test_nothing_to_resume_starts_afresh_and_all_done_does_nothing(tmp_path, sol
     assert sorted(tmp_path.iterdir()) == [path, tmp_path / "b.h5"]
 
 
-def test_killed_between_the_last_two_steps(tmp_path):
-    """The file is in place, and its partial results are not yet removed."""
-    path = tmp_path / "a.h5"
-    tools.leave_half(path)
-    left = partial_path(path).read_bytes()
-    tools.write(path, tools.small_study(), resume=True)
-    partial_path(path).write_bytes(left)
-    added = []
-    tools.write(path, tools.small_study(), added=added, resume=True)
-    assert added == []
-    assert list(tmp_path.iterdir()) == [path]
-
-
 def notes(path):
     path.write_text("my own notes, of some length")
 

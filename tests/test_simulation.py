@@ -147,23 +147,6 @@ def test_no_event_costs_a_method_its_order(method, steps, order):
 # events
 
 
-@pytest.mark.parametrize(
-    ("scene", "speed"),
-    [
-        (drive(6, 3, rho=0.018736, load=46.42253), 0.101012),
-        (drive(4, 4, rho=907.63, mu=333.789, load=0.72528), 0.110035),
-    ],
-)
-def test_the_ledger_of_a_stop_closes(scene, speed):
-    """But for what the rounding of the stop's angle is worth against load and friction."""
-    motion = esc.simulate(scene, 4, initial_speed=speed)
-    assert motion.status is Status.STALL
-    found = scene.mechanism.transmission(np.linspace(*scene.mechanism.breaks[::2], 801))
-    resistance = 1.0 + scene.load_torque * (found.g + scene.friction * np.abs(found.u)).max()
-    there = max(motion.ledger.work, 0.5 * scene.inertia.driver * speed**2)
-    assert abs(motion.ledger.residual) <= 1e-11 + 1e-12 * resistance / there
-
-
 # the Painleve limit
 
 

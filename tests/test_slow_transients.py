@@ -96,24 +96,6 @@ def test_uneven_parts_rise_as_their_motion_does(friction, load):
         assert getattr(figures, name) == pytest.approx(time, rel=1e-9, nan_ok=True)
 
 
-def test_trains_without_inertia_pass_on_a_constant_torque():
-    """They lose a share of the work of the drive, so that nothing else makes a terminal cycle."""
-    trains = {"barrel": esc.Train(10.0, 0.7), "load_train": esc.Train(2.0, 0.9)}
-    for load, status in (
-        (0.0, Status.NO_TERMINAL),
-        (1e-4, Status.NO_TERMINAL),
-        (5e-2, Status.STALL),
-    ):
-        before = process_time()
-        assert esc.terminal(wheel(friction=0.0, load_torque=load, **trains)).status is status
-        assert process_time() - before < 0.05
-    # what the trains leave of the torque carries this load just barely, and just not
-    most = 0.7 * TORQUE / 10.0 * 0.9 / 2.0
-    for share, status in ((0.99, Status.NO_TERMINAL), (1.01, Status.STALL)):
-        escapement = wheel(friction=0.0, load_torque=share * most, **trains)
-        assert esc.terminal(escapement, initial_speed=1e3).status is status
-
-
 @pytest.mark.parametrize(
     ("escapement", "start"),
     [

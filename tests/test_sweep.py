@@ -198,22 +198,6 @@ def test_a_log_gets_an_early_line_one_a_minute_and_one_at_the_end(show):
     assert lines[-1].endswith("took 1 min 40 s, 3 failed")
 
 
-def test_something_else_that_is_counted_has_its_own_rate_and_is_not_logged(monkeypatch):
-    now, seen, stream = [0.0], [], io.StringIO()
-    monkeypatch.setattr(progress, "time", SimpleNamespace(monotonic=lambda: now[0]))
-    with Progress(stream, log=lambda *counts: seen.append(counts)) as bar:
-        bar.before = 50
-        bar.count("different cases")
-        now[0] = 4.0
-        bar(2, 4, 0)
-        bar.count("cases")
-        now[0] = 8.0
-        bar(90, 100, 0)
-    lines = stream.getvalue().splitlines()
-    assert lines[0].strip() == "50 % 2 of 4 different cases, 0.5/s, 4.0 s left"
-    assert seen == [(90, 100, 0, 10.0)] * 2
-
-
 def test_compiling_is_told_apart_from_solving(show, monkeypatch):
     class Notice:
         times = iter([0.0, 0.0, *[40.0] * 99])  # nothing was compiled when the bar was made

@@ -136,18 +136,6 @@ def _fits(n, m, curve, pins, unused, wanted, room):
     return not wheel.through_centre and abs(wheel.motion_ratio - wanted) <= room
 
 
-def test_what_is_just_on_a_limit_is_found():
-    """Six pins never let go at V0 = 1/6, which 1 - 5/6 is not in doubles."""
-    exact, dwell = (
-        find_mechanisms(12, tolerance=0.0, **wish)
-        for wish in ({"motion_ratio": 1.0 / 6.0}, {"dwell_ratio": 5.0 / 6.0})
-    )
-    assert [one.mechanism for one in exact] == [one.mechanism for one in dwell] != []
-    closest = min(one.closest_radius for one in exact)
-    again = find_mechanisms(12, 1.0 / 6.0, tolerance=0.0, shaft_radius=closest * (1.0 + 1e-14))
-    assert len(again) == len(exact)
-
-
 def test_sizes_are_kept():
     wishes = {"largest_radius": 0.05, "shaft_radius": 0.004, "planet_radius": 0.006}
     found = find_mechanisms(6, dwell_ratio=0.9, most_slots=6, **wishes)

@@ -68,22 +68,6 @@ def test_readings_on_one_grid_of_angles_over_several_turns(seed):
     assert error(far) < 0.02
 
 
-@pytest.mark.parametrize("jitter", [1e-12, 1e-4])
-def test_readings_at_angles_nearly_the_same(jitter):
-    """However near: g is what it is without jitter, and so is what it says of itself."""
-    errors, doubts = [], []
-    for seed in range(3):
-        random = np.random.default_rng(seed)
-        theta = np.tile(np.linspace(0.0, TURN, 80, endpoint=False), 4)
-        theta += jitter * random.uniform(0.0, 1.0, theta.size)
-        phi = wavy(theta) + 0.002 * random.standard_normal(theta.size)
-        table = esc.Tabulated(theta, phi, measured=True, **CELL)
-        errors.append(error(table))
-        doubts.append(np.median(table.deviation(ANGLES).g))
-    assert max(errors) < 0.02
-    assert max(doubts) < 0.006
-
-
 @pytest.mark.parametrize("places", [1, 2, 4])
 def test_readings_at_a_few_places_make_no_table(places):
     theta = np.repeat(np.arange(places) / places * TURN, 12)

@@ -97,19 +97,6 @@ def test_another_unit_of_mass_length_or_time_changes_nothing(timer):
         assert (missed <= room + 1e-8).all(), (figure, missed)
 
 
-def test_a_limit_that_the_lever_sets_has_the_derivatives_of_its_closed_form():
-    """The slot's end at dead centre is R (1/sin(pi/n) - 1) from the follower's axis."""
-    wheel = esc.Geneva(8, pins=1, crank_radius=0.01, pin_radius=7.5e-4)
-    timer = esc.Escapement(wheel, esc.Inertia(1.2e-5, 5e-6), torque=0.015, friction=1.2)
-    found = esc.sensitivities(timer)
-    limit = (1.0 / math.sin(math.pi / 8) - 1.0) * 0.01 / 7.5e-4
-    assert found.figures.uniqueness_friction == pytest.approx(limit, rel=1e-13)
-    slopes = found.relative["uniqueness_friction"]
-    assert slopes["pin_radius"] == pytest.approx(-1.0, abs=1e-10)
-    assert slopes["crank_radius"] == pytest.approx(1.0, abs=1e-10)
-    assert max(map(abs, (slopes["driver_inertia"], slopes["follower_inertia"]))) < 1e-12
-
-
 def test_corners_are_the_limits_of_small_errors():
     own = replace(TIMER, mechanism=esc.Geneva(4, crank_radius=1.0))
     found = esc.sensitivities(own, errors=True)

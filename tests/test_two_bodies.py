@@ -1,7 +1,6 @@
 """Two bodies with outlines: the law, worked examples, balances and statuses."""
 
 import math
-from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -11,8 +10,6 @@ from escapement.base.errors import InvalidValue
 from escapement.base.status import Status
 from escapement.dynamics.codes import Event
 from escapement.dynamics.figures_of_merit import read_transient
-from escapement.engines.two_bodies import march as marching
-from escapement.engines.two_bodies import trajectory
 from escapement.engines.two_bodies.march import SPEED, TIME
 from escapement.engines.two_bodies.pairs import pairs_of
 from escapement.engines.two_bodies.scene import prepared
@@ -370,24 +367,6 @@ def test_a_clock_counts_as_settled_when_its_slow_swings_are():
     timer = clock(recoil=math.radians(10.0))
     cycle, motion = esc.terminal(timer), esc.simulate(timer, 100)
     assert cycle.settling_time == pytest.approx(read_transient(motion, cycle)[1], rel=1e-9)
-
-
-@pytest.mark.parametrize(("wheel", "verge", "most"), [(pins, 0.3, 18), (flat, 0.1, 16)])
-def test_cycle_takes_few_pitches(monkeypatch, wheel, verge, most):
-    followed, march = [], marching.march
-
-    def counted(*given):
-        found = march(*given)
-        followed.append(found[1])
-        return found
-
-    monkeypatch.setattr(marching, "march", counted)
-    monkeypatch.setattr(trajectory, "march", counted)
-    figures = esc.terminal(runaway(wheel(), (1.0, verge)))
-    assert sum(followed) <= most
-    assert figures.settling_time >= figures.rise_time > 0.0
-    assert sum(followed) <= most + 8  # they are followed once more when they are read
-    assert replace(figures, message="").rise_time == figures.rise_time
 
 
 def test_start_within_each_other_is_refused():
