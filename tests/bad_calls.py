@@ -15,8 +15,6 @@ from escapement.study.parse import parse_plan
 INERTIA = esc.Inertia(3.39e-7, 5.65e-6)
 WHEEL = esc.Geneva(slots=4)
 TIMER = esc.Escapement(WHEEL, INERTIA, torque=0.0113, friction=0.35)
-MODEL = ["--torque", "0.0113", "--driver-inertia", "3.39e-7", "--follower-inertia", "5.65e-6"]
-MODEL += ["--friction", "0.35", "-o", "out.h5", "--plot", "out.png"]
 MACHINES = {
     "geneva": {"slots": 4},
     "gear-driven": {"stations": 12, "lobes": 5, "curve": "epicycloid"},

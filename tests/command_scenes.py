@@ -45,7 +45,6 @@ TOUCHING = ("runaway", "deadbeat", "recoil", "outlines")
 """Kinds of two bodies that touch anywhere."""
 WITHOUT_PARTS = ("tabulated", "cam-indexer")
 """Kinds of which only the transmission is known."""
-"""A mechanism of each kind."""
 FLAT = {
     **{"teeth": 20, "tooth_depth": 0.002, "lead": -5, "back": 30, "pallets": "flat", "span": 3.5},
     **{"pallet_angle": 45, "pallet_length": 0.002, "pallet_thickness": 8e-4},
@@ -241,7 +240,8 @@ def _export(kind):
         scenes = [{**one, **shafts, "shaft_fit": 1e-5, **DISCS} for one in _wheels(kind)]
         return [{**scenes[0], **pins}, *scenes[1:]]
     if kind == "elliptical-planetary":
-        return scenes  # its sizes are tried elsewhere: rolling the teeth takes seconds
+        # rolling the teeth takes seconds; sizes of wheels and shafts are tried elsewhere
+        return [{**scenes[0], "tried": ["planet_radius", "teeth", "shaft_fit", "kerf", "density"]}]
     return [*scenes, *sized(kind, clearance=1e-4)]
 
 

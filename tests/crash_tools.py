@@ -263,30 +263,6 @@ def damage_once(folder, rng):
     return refusal
 
 
-PROGRAM = """
-import resource, sys
-sys.path.insert(0, {folder!r})
-import crash_tools as tools
-from study_tools import study
-from escapement.study.writer import write_study
-resource.setrlimit(resource.RLIMIT_FSIZE, ({limit}, {limit}))
-try:
-    {call}
-except tools.EscapementError as error:
-    print(error)
-    sys.exit(error.exit_code)
-"""
-
-
-def run_limited(limit, call):
-    """The one line of a process whose files may not grow beyond a limit, which ends in peace."""
-    code = PROGRAM.format(folder=str(Path(__file__).parent), limit=limit, call=call)
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
-    assert (done.returncode, done.stderr) == (74, "")
-    assert done.stdout.count("\n") == 1
-    return done.stdout
-
-
 if __name__ == "__main__":
 
     class Teller(list):

@@ -4,7 +4,6 @@ Natural units throughout: the follower's inertia and the torque are 1 unless a p
 them, so the driver's inertia is rho and the load torque the load ratio.
 """
 
-import numba
 import numpy as np
 from hypothesis import HealthCheck, settings
 from hypothesis import strategies as st
@@ -54,11 +53,6 @@ factors = st.floats(-3.0, 3.0).map(lambda x: 10.0**x)
 
 def close(found, expected, rtol=1e-11, scale=0.0):
     np.testing.assert_allclose(found, expected, rtol=rtol, atol=rtol * scale)
-
-
-def from_python(kernel):
-    """A kernel that only kernels can call, for the tests to call."""
-    return numba.njit(lambda *arguments: kernel(*arguments))
 
 
 def dense(motion, count=400):

@@ -9,7 +9,6 @@ from numpy.testing import assert_allclose
 
 import escapement as esc
 from escapement.engines.energy.beat_times import pattern_beats
-from escapement.measurement.estimate import reach_of
 from escapement.measurement.rounds import SHARES, rounds_of
 from escapement.plots import plot_beat_spectrum, plot_beats
 
@@ -196,17 +195,6 @@ def test_beats_are_right_but_for_those_near_a_fault_which_is_named(case, times):
     assert 1 <= clean.size + (case in ("echo", "after the last", "two echoes")) - known.sum() <= 4
 
 
-def test_a_fault_leaves_the_estimates_as_they_are():
-    clean = beats_of(design(), PINS, SLOTS, rounds=10, noise=1e-4)
-    whole = esc.fit_beats(clean, design())
-    ticks = np.concatenate([[0.0], np.cumsum(clean)])
-    for case in ("missed", "echo"):
-        fit = esc.fit_beats(np.diff(heard(ticks, case)), design())
-        assert_allclose(fit.pin_angle_errors, whole.pin_angle_errors, atol=2e-5)
-        assert_allclose(fit.pin_half_widths, whole.pin_half_widths, rtol=0.05)
-        assert CASES[case] in fit.message
-
-
 def test_beats_that_differ_by_design_are_no_faults():
     # one slot out of five is far out, and the clock counts whole milliseconds
     beats = beats_of(design(), PINS, 10.0 * SLOTS, rounds=8)
@@ -244,27 +232,6 @@ def test_means_are_those_of_least_squares_averaged_over_shares_of_jitter():
     spread += np.einsum("i,ijk->jk", weights, covariances)
     variance = rounds.scatter / (known.size - 15)
     assert_allclose(variance * np.linalg.inv(rounds.root.T @ rounds.root), spread, atol=1e-12)
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("alone", [0.1, 0.3, 1.0])
-@pytest.mark.parametrize("count", [2, 3])
-def test_the_mean_beat_of_few_rounds_has_an_honest_interval(alone, count):
-    """Noise of stamps and of beats, of which so few beats do not tell the shares."""
-    held = []
-    for seed in range(120):
-        random = np.random.default_rng(seed)
-        beats = np.tile(1.0 + 0.01 * random.standard_normal(15), count)
-        truth = beats[:15].mean()
-        stamps = np.cumsum([0.0, *(beats + alone * 1e-4 * random.standard_normal(beats.size))])
-        stamps += 1e-4 * random.standard_normal(stamps.size)
-        rounds = rounds_of(stamps, design().mechanism, True)
-        freedom = rounds.samples - 15
-        error = np.full(15, 1.0 / 15.0) @ np.linalg.inv(rounds.root)
-        size = np.linalg.norm(error) * math.sqrt(rounds.scatter / freedom)
-        held.append(abs(rounds.means.mean() - truth) <= reach_of(0.95, freedom) * size)
-    # four standard errors below 95 % of 120
-    assert np.mean(held) >= 0.87
 
 
 def test_a_rate_that_beats_do_not_determine_is_no_number():

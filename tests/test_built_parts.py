@@ -114,7 +114,7 @@ def test_what_is_cut_turns_without_touching(tmp_path):
     assert crank == pytest.approx(-30.0, abs=3.2e-5)
     pin, apart = 2.0 * np.exp(1j * np.linspace(0.0, 2.0 * math.pi, 361)), 30.0 / np.sin(0.2 * np.pi)
     wheel, lock = wheel - axes[2], lock - axes[1]
-    for theta in np.linspace(-math.pi, math.pi, 361):
+    for theta in np.linspace(-math.pi, math.pi, 91):
         turn = np.exp(-1j * theta)
         phi = np.angle(apart - 30.0 * turn)
         if abs(theta) > 0.3 * math.pi:
@@ -215,7 +215,7 @@ def test_dowels_fill_their_holes():
     assert both[0] == both[1]
 
 
-@pytest.mark.parametrize("seed", range(8))
+@pytest.mark.parametrize("seed", range(3))
 def test_rows_on_a_sheet_never_overlap(seed):
     random = np.random.default_rng([452, seed])
     radii = 10.0 ** random.uniform(-3.0, -1.5, 15)

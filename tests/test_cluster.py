@@ -15,7 +15,6 @@ from escapement.study import pool, running
 from escapement.study.parse import plan_from
 from escapement.study.reader import read_study
 from escapement.study.running import sweep, write_plan
-from escapement.study.writer import partial_path
 from study_tools import TIMER, without_date
 
 distributed = pytest.importorskip("distributed")
@@ -73,21 +72,6 @@ def test_a_sample_and_shared_scenes_have_the_same_bytes(tmp_path, client):
     write_plan(study, tmp_path / "here.h5", workers=2)
     write_plan(study, tmp_path / "there.h5", scheduler=client)
     assert without_date(tmp_path / "here.h5") == without_date(tmp_path / "there.h5")
-
-
-def test_begun_here_and_continued_there(tmp_path, client, serial):
-    path = tmp_path / "a.h5"
-
-    def stop(done, total, failed):
-        if done:
-            raise KeyboardInterrupt
-
-    with pytest.raises(KeyboardInterrupt):
-        write_plan(plan(), path, scheduler=client, progress=stop)
-    assert partial_path(path).exists()
-    tally = write_plan(plan(), path, scheduler=client, resume=True)
-    assert 0 < tally.resumed < tally.cases
-    assert without_date(path) == serial
 
 
 def test_a_block_that_ends_every_worker(tmp_path, client, monkeypatch):

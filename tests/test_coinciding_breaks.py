@@ -4,31 +4,16 @@ Behind a spring that is spent at dead centre the force vanishes there together w
 acceleration, so that rounding would decide on reversals and extrema. `ivp` is the judge.
 """
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 
 import escapement as esc
-from coinciding import counts, curve_scene, differences, spring_scene
+from both_engines import agree
 from escapement.base.status import Status
 from escapement.dynamics.energy_balance import JudgedResult
 
 CELL, TORQUE = np.pi / 2.0, 0.0113
 GENEVA, INERTIA = esc.Geneva(4), esc.Inertia(3.39e-7, 5.65e-6)
-
-
-def agree(escapement, engagements):
-    """Both engines find the same motion, and both balances close."""
-    fast = esc.simulate(escapement, engagements)
-    judge = esc.simulate(escapement, engagements, engine="ivp", rtol=1e-12)
-    assert abs(fast.ledger.residual) < 1e-12
-    assert abs(judge.ledger.residual) < 1e-12
-    assert counts(fast) == counts(judge)
-    assert max(differences(fast, judge).values()) < 1e-9
-    if fast.handoff_times.size:
-        assert np.allclose(fast.handoff_times, judge.handoff_times, rtol=1e-11, atol=0.0)
-    return fast
 
 
 def no_torque_from(place):
@@ -37,9 +22,9 @@ def no_torque_from(place):
     return esc.Escapement(GENEVA, INERTIA, torque=curve, friction=0.35)
 
 
-@pytest.mark.parametrize("beside", [0.0, 1e-16, -1e-16, 1e-12, -1e-10])
+@pytest.mark.parametrize("beside", [0.0, 1e-12, -1e-10])
 def test_the_torque_becomes_zero_at_dead_centre(beside):
-    motion = agree(no_torque_from(CELL / 2.0 + beside), 4)
+    motion, _ = agree(no_torque_from(CELL / 2.0 + beside), 4)
     assert motion.reversals.time.size == 12
     # one of the three reversals of each engagement is at dead centre, where the contact point
     # reverses its direction of sliding as well
@@ -48,18 +33,12 @@ def test_the_torque_becomes_zero_at_dead_centre(beside):
     assert motion.slide_changes.time.size == 4
 
 
-@pytest.mark.parametrize("cells", [0.5, 1.0, 1.5, 2.0, 2.5])
+@pytest.mark.parametrize("cells", [0.5, 1.0, 2.5])
 def test_a_spring_is_spent_at_a_break(cells):
     spring = esc.Escapement(
         GENEVA, INERTIA, torque=TORQUE, spring_rate=TORQUE / (cells * CELL), friction=0.3
     )
     agree(spring, 4)
-
-
-@pytest.mark.parametrize("family", [curve_scene, spring_scene])
-@pytest.mark.parametrize("seed", [66, 121, 200, 210])
-def test_random_scenes(family, seed):
-    agree(family(np.random.default_rng(seed)), 3)
 
 
 def test_pieces_have_a_length():

@@ -12,10 +12,7 @@ import pytest
 
 import escapement
 from escapement.engines.energy import panels
-from escapement.engines.energy.cells import CELL
-from escapement.engines.energy.located_events import EVENT
 from escapement.numerics import jit
-from escapement.numerics.records import VECTOR
 
 pytestmark = pytest.mark.slow
 
@@ -198,126 +195,6 @@ f(1.0)
     assert run(code, **toy) == "held"  # that of f, of which g is a part
 
 
-def test_kernels_of_the_cache_do_without_what_compiling_takes(toy, tmp_path):
-    """Arrays come and go, and whoever has to compile after that still can."""
-    (tmp_path / "toy" / "h.py").write_text(
-        "import numpy as np\nfrom toy.numerics.jit import jit\nfrom toy.g import g\n\n"
-        "@jit(allocates=True)\ndef h(x):\n"
-        "    y = np.empty(x.size)\n"
-        "    for i in range(x.size):\n        y[i] = g(np.exp(x[i]))\n"
-        "    return y\n"
-    )
-    code = """
-import sys
-import numpy as np
-from toy.h import h
-x = np.linspace(0.0, 1.0, 1000)
-wrong = sum(abs(h(x) - 2.0 * np.exp(x)).max() > 1e-14 for _ in range(100))
-print(wrong, "scipy.linalg" in sys.modules)
-"""
-    assert run(code, **toy).startswith("0 ")
-    assert run(code, **toy) == "0 False"
-    assert run(code + "from toy.f import f; print(f(3.0))", **toy) == "0 False\n6.0"
-
-
-def test_a_kernel_called_by_its_address(cached, tmp_path):
-    """As if it were called by name, from the cache too, and never with other types."""
-    toy = tmp_path / "toy"
-    copy_compiling(toy)
-    (toy / "f.py").write_text("""
-from numba import float64, int64
-from toy.numerics.by_address import by_address
-from toy.numerics.jit import jit
-from toy.numerics.known import Known
-
-LEADS = Known(0.0), Known(1.0)
-
-@jit
-def weighed(lead, x, factor, count):
-    total = 0.0
-    for i in range(count):
-        total += 2.0 * x[i]
-    return total, factor * total, count + 1
-
-weighed_at, address = by_address(weighed, 1, LEADS, (float64[::1], float64, int64))
-
-@jit
-def f(calls, x, factor):
-    total, product, count = weighed_at(calls, x, factor, x.size)
-    return total, product, count
-""")
-    call = """
-import numpy as np
-from toy.f import address, f
-print(*f(np.array([0, address(0)]), np.array([1.0, 2.0, 3.5]), 3))
-"""
-    for _ in range(2):
-        assert run(call, **cached) == "13.0 39.0 4"
-        assert len(list(tmp_path.rglob("*.nbc"))) == 2  # the second run compiles nothing
-    assert run(call, **cached, NUMBA_DISABLE_JIT="1") == "13.0 39.0 4"
-    other = """
-import numba, numpy as np
-from toy.f import address, f
-try:
-    f(np.array([0, address(0)]), np.array([1, 2]), 3.0)
-except numba.core.errors.NumbaError as error:
-    print("refused")
-"""
-    assert run(other, **cached) == "refused"
-    (toy / "f.py").write_text((toy / "f.py").read_text().replace("2.0 *", "4.0 *"))
-    assert run(call, **cached) == "26.0 78.0 4"
-
-
-def test_a_named_tuple_handed_on_by_its_address(cached, tmp_path):
-    """Its fields are read as if it were handed on itself, also those of several copies in turn."""
-    toy = tmp_path / "toy"
-    copy_compiling(toy)
-    (toy / "numerics/held.py").write_text(
-        (PACKAGE / "numerics/held.py").read_text().replace("escapement.", "toy.")
-    )
-    (toy / "f.py").write_text("""
-from typing import Any, NamedTuple
-from toy.numerics.held import held
-from toy.numerics.jit import inner_jit, jit
-
-class Inner(NamedTuple):
-    sound: bool
-    row: Any
-
-class Outer(NamedTuple):
-    factor: float
-    inner: Inner
-
-@inner_jit
-def weighed(given, i):
-    inner = given.inner
-    return given.factor * inner.row[i] if inner.sound else -1.0
-
-@jit
-def f(row, factors):
-    first, total = held(Outer(10.0, Inner(True, row))), 0.0
-    for i in range(factors.size):
-        total += weighed(held(Outer(factors[i], Inner(factors[i] > 0.0, row))), i)
-    return total + weighed(first, 0)
-""")
-    call = """
-import numpy as np
-from toy.f import f
-print(f(np.array([1.0, 2.0, 4.0]), np.array([3.0, -5.0, 7.0])))
-"""
-    for _ in range(2):
-        assert run(call, **cached) == "40.0"
-    assert run(call, **cached, NUMBA_DISABLE_JIT="1") == "40.0"
-
-
-@pytest.mark.parametrize("kind", [panels.PANEL, panels.SOLUTION, panels.WORKSPACE, CELL, EVENT])
-def test_a_vector_of_a_row_lies_in_one_line_of_the_cache(kind):
-    rows = [name for name in kind.names if kind[name].subdtype or kind[name] is panels.SOLUTION]
-    assert rows
-    assert all(kind.fields[name][1] % VECTOR == 0 for name in rows)
-    assert kind.itemsize % VECTOR == 0
-
-
 ANNOUNCED = """
 import io, multiprocessing, sys
 sys.stderr = io.StringIO()
@@ -357,13 +234,6 @@ def test_compiling_is_announced_in_one_line(toy, tmp_path):
         told = announced(toy | there).splitlines()
         inner = "file/.cache/" if place == "HOME" else "file/"
         assert told == [lost.replace("file/", inner)]
-
-
-@pytest.mark.skipif(sys.platform == "win32", reason="needs fork")
-def test_a_worker_of_a_cluster_compiles_in_silence(toy):
-    call = "multiprocessing.get_context('fork').Process(target=call).start()"
-    assert announced(toy, call=call) == ""
-    assert announced(toy) == ""  # it was compiled there
 
 
 def test_the_cache_is_kept_where_it_was_asked_for(toy, tmp_path):

@@ -166,8 +166,8 @@ REFUSED = [
         "slots[1] must be a whole number of at least 3, got 3.5",
     ),
     (
-        {"sweep": dict.fromkeys(("friction", "torque"), EVEN | {"num": 10**7})},
-        "the grid must have at most 1e+12 cases, got 1e+14",
+        {"sweep": dict.fromkeys(("friction", "torque"), EVEN | {"num": 2 * 10**6})},
+        "the grid must have at most 1e+12 cases, got 4e+12",
     ),
     ({"sweep": {"friction": np.zeros((2, 2))}}, "friction[0] must be a finite number, got [0.0"),
     ({"sweep": {"friction": np.ma.array([0.1, 0.2], mask=[0, 1])}}, "friction[1] must be a finite"),
@@ -221,18 +221,6 @@ def test_no_engine_is_loaded_to_read_a_configuration():
         "assert not {'numba', 'scipy', 'h5py'} & set(sys.modules), 'loaded too much'"
     )
     subprocess.run([sys.executable, "-c", code], check=True)
-
-
-number = st.floats(0.0, 1e6, allow_subnormal=False)
-
-
-@settings(deadline=None)
-@given(st.lists(number, min_size=1, max_size=20))
-def test_a_list_is_its_values(values):
-    for form in (values, tuple(values), np.array(values), np.array(values, dtype=object)):
-        plan = plan_from(TIMER, {"friction": form})
-        assert plan.dimensions["friction"].tolist() == values
-        assert plan.dimensions["friction"].dtype == np.float64
 
 
 @settings(deadline=None)

@@ -14,7 +14,6 @@ from itertools import cycle
 import pytest
 
 import crash_tools as tools
-from escapement.base.errors import CannotCreate
 from escapement.cli import main
 from study_tools import IVP_STUDY, without_date
 
@@ -76,34 +75,3 @@ def test_damaged_partial_results_are_refused_and_the_remedy_works(tmp_path):
     rng = random.Random(3)
     told = [tools.damage_once(tmp_path, rng) for _ in range(60)]
     assert sum(map(bool, told)) > 30
-
-
-def test_one_wrong_bit_of_a_result_is_found(tmp_path):
-    path = tmp_path / "a.h5"
-    tools.leave_half(path)
-    partial = tools.partial_path(path)
-    data = bytearray(partial.read_bytes())
-    half = data.rfind(b"\x78\x01")  # the begin of a deflated chunk
-    data[half + 10] ^= 4
-    partial.write_bytes(data)
-    for _ in range(2):
-        with pytest.raises(CannotCreate, match=r"a\.h5\.partial is damaged; start over with force"):
-            tools.missing(path)
-        assert partial.read_bytes() == data
-    with pytest.raises(CannotCreate, match=r"got a.h5.partial; continue with resume=True"):
-        tools.write(path, tools.small_study())
-    tools.write(path, tools.small_study(), force=True)
-    assert [entry.name for entry in tmp_path.iterdir()] == ["a.h5"]
-
-
-@pytest.mark.parametrize("limit", [0, 100, 10_000, 30_000])
-def test_a_limit_on_the_size_of_files(tmp_path, limit):
-    path = tmp_path / "a.h5"
-    call = f"tools.write(tools.Path({str(path)!r}), tools.small_study(), resume=True)"
-    told = tools.run_limited(limit, call)
-    assert told.startswith(f"writing {path} failed: ")
-    assert tools.partial_path(path).exists() == (limit > 20_000)
-    assert ("are kept in a.h5.partial" in told) == (limit > 20_000)
-    assert ("nothing was left behind" in told) == (limit < 20_000)
-    tools.write(path, tools.small_study(), resume=True)
-    assert [entry.name for entry in tmp_path.iterdir()] == ["a.h5"]

@@ -61,26 +61,6 @@ def test_a_wish_for_whole_turns(turns):
     assert esc.rundown(one.timer, turns=turns).time_of(turns) == pytest.approx(0.2 * turns)
 
 
-@pytest.mark.slow
-def test_what_is_promised_is_simulated_by_the_other_engine(thirty):
-    """Period, scatter, force and thickness of one design, each found another way."""
-    one = thirty.designs[len(thirty.designs) // 2]
-    timer = one.timer.held
-    three = [
-        esc.terminal(esc.Escapement(timer.mechanism, timer.inertia, timer.torque, mu), engine="ivp")
-        for mu in (0.25, 0.30, 0.35)
-    ]
-    periods = [figures.period for figures in three]
-    assert one.values["scatter"] == pytest.approx(0.5 * np.ptp(periods) / periods[1], rel=1e-7)
-    force = max(figures.contact_force_max for figures in three)
-    assert one.values["contact_force_max"] == pytest.approx(force, rel=1e-7)
-    parts = {part.name: part for part in parts_of(timer.mechanism)}
-    thick = one.values["follower_thickness"]
-    assert parts["follower"].inertia(thick, 7850.0) == pytest.approx(timer.inertia.follower)
-    wall = min(part.wall.width for name, part in parts.items() if name != "plate")
-    assert one.values["thinnest_wall"] == pytest.approx(wall, rel=1e-9)
-
-
 def test_figures_scale_by_similarity():
     requirement = esc.Requirement(period=0.05, torque=0.01)
     wheel = UnitWheel(requirement, 4, False)
@@ -185,7 +165,8 @@ def test_a_friction_at_which_all_wheels_jam_is_told():
 
 def test_discs_are_as_thick_as_sheets_without_a_word():
     found = esc.design(
-        esc.Requirement(period=0.04, torque=0.01, slots=(3, 6), objectives=("size", "mass"))
+        esc.Requirement(period=0.04, torque=0.01, slots=(3, 6), objectives=("size", "mass")),
+        count=5,
     )
     assert found.designs
     for one in found.designs:

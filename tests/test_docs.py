@@ -141,7 +141,9 @@ def test_python_runs_and_prints_what_is_shown(page, workplace):
 
 
 @pytest.mark.parametrize("page", having("console"), ids=name_of)
-def test_sessions_print_what_is_shown(page, workplace, capsys):
+def test_sessions_print_what_is_shown(page, workplace, capsys, monkeypatch):
+    # all is compiled before the tests begin
+    monkeypatch.setattr("escapement.cli.compile.compile_all", lambda processes: 0)
     for block in blocks(page, "console"):
         assert block.text.startswith("$ ")
         for session in re.split(r"^\$ ", block.text, flags=re.MULTILINE)[1:]:

@@ -1,14 +1,13 @@
 """Torque of a drive at constant speed against independent computations."""
 
 import math
-from dataclasses import dataclass
 
 import numpy as np
 import pytest
 from scipy.integrate import quad
 
 import escapement as esc
-from any_path import Plain, each_wheel
+from any_path import each_wheel
 from escapement.base.errors import InvalidValue
 from escapement.mechanisms.slotted import radius
 from tabulated_drive import DRIVE, measured
@@ -106,7 +105,7 @@ def test_dwell_needs_no_torque():
 
 @pytest.mark.parametrize("internal", [False, True])
 def test_an_exit_angle_that_rounding_puts_into_the_dwell_is_the_exit(internal):
-    for slots in range(3, 101):
+    for slots in (3, 7, 100):
         wheel = esc.Geneva(slots, pins=1, internal=internal)
         result = driven(wheel, 10.0, 1.0, 0.05)
         last = wheel.breaks[-1]
@@ -148,7 +147,7 @@ def test_a_measured_table_tells_how_well_its_moment_is_known():
     true = driven(DRIVE, 10.0, 0.01, 2e-4)
     assert true.moment_deviation == 0.0
     shares = []
-    for seed in range(10):
+    for seed in range(5):
         table = measured(300, np.radians(1.0), seed, cells=0.5)
         found = driven(table, 10.0, 0.01, 2e-4)
         off = found.at(angles).contact_moment - true.at(angles).contact_moment

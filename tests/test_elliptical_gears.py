@@ -102,36 +102,6 @@ def test_fewest_teeth_of_a_circle_are_those_of_every_textbook():
     assert fewest_teeth(PAPER) == 19
 
 
-@settings(deadline=None, max_examples=20)
-@given(st.floats(0.01, 0.9), st.floats(0.2, 0.6))
-def test_a_rack_undercuts_where_its_flank_leaves_a_cusp(eccentricity, angle):
-    """The flank that a rolling rack leaves on the gear, point by point.
-
-    Its speed vanishes first for a flank that is cut as the rack touches the sharpest
-    place: a cusp, as deep below the pitch line as the addendum may be.
-    """
-    drive = esc.EllipticalPlanetary.from_ellipse(1.0, eccentricity)
-    gear = drive.pitch_ellipses[0]
-    radius = 1.0 / float(gear.curvature(0.0))
-    few = fewest_teeth(drive, angle)
-
-    def cut(place):
-        """Point of the flank that is being cut while the rack touches at `place` [rad]."""
-        rolled = float(gear.arc(place))
-        heading = place + float(gear.tangent_angle(place))
-        touch = float(gear.radius(place)) * np.exp(1j * place)
-        away = (radius * math.tan(angle) - rolled) * math.cos(angle)
-        return touch + away * np.exp(1j * (heading + angle)), away
-
-    allowed = cut(0.0)[1] * math.sin(angle)
-    assert tooth_module(drive, few) <= allowed * (1.0 + 1e-9) < tooth_module(drive, few - 1)
-    h = 1e-4
-    speed = abs(cut(h)[0] - cut(-h)[0]) / (float(gear.arc(h)) - float(gear.arc(-h)))
-    assert speed < 1e-3 * (1.0 + 1.0 / radius)
-    ahead = abs(cut(0.3 + h)[0] - cut(0.3 - h)[0]) / (2.0 * h)
-    assert ahead > 10.0 * speed
-
-
 def test_drives_of_teeth_and_of_an_ellipse():
     around = 2.0 * float(PAPER.pitch_ellipses[0].arc(math.pi))
     assert 25 * math.pi * tooth_module(PAPER, 25) == pytest.approx(around, rel=1e-13)

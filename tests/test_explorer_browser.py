@@ -10,11 +10,9 @@ import pytest
 import escapement as esc
 from browser import chromium, opened, until
 from escapement import explorer
-from escapement.dynamics.painleve import friction_limits
 from escapement.explorer.fields import design_of
 from escapement.outlines.geneva import GenevaOutline
 from escapement.study.parse import parse_plan
-from thick_pins import random_timer
 
 pytestmark = pytest.mark.slow
 
@@ -31,15 +29,10 @@ SIMULATE_ALL = """designs => designs.map((design, i) => {
     const motion = {status, end_time, handoff_times, handoff_velocities, reversals, extrema};
     return {...motion, figures: i % 6 ? null : explorer.simulate(design).figures};
 })"""
-LIMITS = """designs => designs.map((design) => {
-    const {critical_friction, uniqueness_friction} = explorer.simulate(design).figures;
-    return [critical_friction, uniqueness_friction];
-})"""
 ON_TOP = """e => {
     const {left, right, top, bottom} = e.getBoundingClientRect();
     return document.elementFromPoint((left + right) / 2, (top + bottom) / 2) === e;
 }"""
-STATUS = "d => (({status, end_time}) => ({status, end_time}))(explorer.simulate(d))"
 
 
 def escapement_of(design):
@@ -146,27 +139,6 @@ def _figures_agree(here, figures):
             assert here[name] == pytest.approx(expected, rel=1e-9), name
     if np.isfinite(here["rise_time"]):
         assert here["rise_time"] == pytest.approx(figures.rise_time, rel=1e-9)
-
-
-def test_limits_of_thick_pins_are_those_of_the_engine(page):
-    """Also where no material has so much friction, and where the lever of the force vanishes."""
-    timers = [random_timer(np.random.default_rng(seed)) for seed in range(200)]
-    designs = [design_of(timer) | {"friction": 1e3} for timer in timers]
-    found = page.evaluate(LIMITS, designs)
-    for design, timer, limits in zip(designs, timers, found, strict=True):
-        assert limits == pytest.approx(friction_limits(timer), rel=1e-9), design
-
-
-def test_a_spring_is_spent_as_in_the_engine(page):
-    design = DESIGN | {
-        "spring_rate": 0.0113 / 40.0,
-        "driver_bearing_torque": 1e-5,
-        "engagements": 60,
-    }
-    motion = esc.simulate(escapement_of(design), 60)
-    here = page.evaluate(STATUS, design)
-    assert here["status"] == motion.status.label == "spent"
-    assert here["end_time"] == pytest.approx(motion.end_time, rel=1e-10)
 
 
 def test_states_between_the_handoffs_are_those_of_the_motion(page):
@@ -355,12 +327,6 @@ def test_a_mistake_is_told_at_its_field(page, name, text):
     assert not page.locator("#problem").is_visible()
 
 
-def test_a_mistake_is_told_in_the_units_in_use(page):
-    page.select_option("#units", "in-lbf-s")
-    page.fill("#pin_radius", "1")
-    assert "got 1\u00a0in" in problem(page)
-
-
 def test_where_friction_would_jam_has_its_sign_and_its_wall(page):
     jam, margin = page.locator("#picture .jam"), page.locator("#margin")
     assert jam.text_content() == "would jam here, +33.46°"
@@ -453,15 +419,3 @@ def test_nothing_is_cut_or_overlaps(browser, file, width, scheme):
         for i, (left, right, top, bottom) in enumerate(boxes):
             for a, b, c, d in boxes[:i]:
                 assert right <= a or left >= b or bottom <= c or top >= d, json.dumps(boxes)
-
-
-@pytest.mark.parametrize("change", [{"friction": 0.4060}, {"initial_speed": 1e-6}, {"torque": 1e6},
-                                    {"driver_inertia": 1e3}, {"follower_drag": 1e-5},
-                                    {"load_torque": 1e6}, {"engagements": 1000}])  # fmt: skip
-def test_extremes_agree_with_the_engine(page, change):
-    design = DESIGN | change
-    here = page.evaluate(STATUS, design)
-    motion = esc.simulate(escapement_of(design), design.get("engagements", 20),
-                          initial_speed=design.get("initial_speed", 0.0))  # fmt: skip
-    assert here["status"] == motion.status.label
-    assert here["end_time"] == pytest.approx(motion.end_time, rel=1e-10)

@@ -4,7 +4,6 @@ import base64
 import html
 import json
 import re
-import subprocess
 import sys
 from xml.etree import ElementTree
 
@@ -163,16 +162,6 @@ def test_a_cell_shows_a_mechanism(mechanism):
     assert ElementTree.fromstring(drawing).tag.endswith("svg")
     assert type(mechanism).__name__ in table
     assert text == mechanism._repr_html_()
-
-
-def test_pictures_of_cells_are_loaded_when_they_are_shown():
-    code = """if True:
-        import sys, escapement as esc
-        wheel = esc.Geneva(4)
-        assert not {"matplotlib", "escapement.plots", "escapement.explorer"} & {*sys.modules}
-        assert "<svg" in wheel._repr_html_()
-    """
-    subprocess.run([sys.executable, "-c", code], check=True)
 
 
 def test_a_notebook_shows_the_page_and_its_design(monkeypatch):

@@ -54,9 +54,7 @@ def read(path, unit=1e-3):
 
 
 @KINDS
-@pytest.mark.parametrize(
-    "how", [pytest.param({}, marks=pytest.mark.slow), {"r12": True, "inches": True}], ids=str
-)
+@pytest.mark.parametrize("how", [{}, {"r12": True, "inches": True}], ids=str)
 def test_a_dxf_holds_the_parts_to_a_nanometre(few_angles, mechanism, how, tmp_path):
     fits = PINLESS if mechanism is OVALS else FITS
     gaps = esc.export(mechanism, tmp_path / "a.dxf", fits, **how)

@@ -4,7 +4,6 @@ import math
 from fractions import Fraction
 from itertools import product
 
-import mpmath
 import numpy as np
 import pytest
 
@@ -72,21 +71,6 @@ def test_follower_turns_by_a_station_from_rest_to_rest_and_never_back():
         inside = wheel.transmission(np.linspace(0.0, 1.0, 33)[:-1] * wheel.breaks[-1])
         assert inside.g.min() > 0.0
         assert (np.diff(inside.g) < 0.0).all()
-
-
-def test_roots_against_many_digits():
-    mpmath.mp.dps = 40
-    for n, m, curve in [(12, 3, "hypocycloid"), (3, 29, "epicycloid"), (24, "1/5", "epicycloid")]:
-        wheel = GearDriven(n, m, curve)
-        k, gamma = mpmath.mpf(wheel.gear_ratio.numerator) / wheel.gear_ratio.denominator, 0
-        gamma = 2 * mpmath.pi / n
-        alpha = mpmath.findroot(
-            lambda a, k=k, gamma=gamma: (
-                (2 / k - 1) * mpmath.sin(k * a / 2) - mpmath.sin(a * (1 - k / 2) + gamma)
-            ),
-            wheel.alpha,
-        )
-        assert wheel.alpha == pytest.approx(float(alpha), rel=4e-15)
 
 
 def test_two_wheels_are_always_engaged():

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from escapement import Escapement, GearDriven, Inertia, critical_friction, simulate, sweep
+from escapement import Escapement, GearDriven, Inertia, sweep
 from escapement.base.errors import InvalidValue
 from escapement.base.status import Status
 from escapement.constant_speed import index
@@ -16,20 +16,6 @@ DRIVES = [
     GearDriven(8, "1/2", "epicycloid", pins=2),
     GearDriven(9, 5, "pericycloid", pins=2),
 ]
-
-
-@pytest.mark.parametrize(("n", "m"), [(12, "3999/1000"), (72, "33999/1000"), (100, "47999/1000")])
-def test_painleve_limit_of_a_pin_that_all_but_meets_the_axis(n, m):
-    """Of the numbers of its path g2 would be infinite, and no friction too much."""
-    wheel = GearDriven(n, m)
-    found = wheel.transmission(wheel.breaks[-1] * (1.0 - np.geomspace(1e-12, 1.0, 20_001)))
-    with np.errstate(divide="ignore"):
-        least = ((1.0 + found.g**2) / np.abs(found.g * found.u)).min()
-    limit = critical_friction(wheel, Inertia(1.0, 1.0))
-    assert limit == pytest.approx(least, rel=1e-5)
-    for share, status in ((0.999, Status.OK), (1.001, Status.PAINLEVE)):
-        drive = Escapement(wheel, Inertia(1.0, 1.0), 1.0, share * limit)
-        assert simulate(drive, 1).outcome is status
 
 
 def test_constant_speed_has_a_closed_mean():

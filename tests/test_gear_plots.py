@@ -65,11 +65,3 @@ def test_the_wheel_is_cut_away_where_unused_lobes_pass(curve):
         theta = cell * wheel.cell_angle + passing * lobe + place * wheel.alpha
         pin = complex(shapes.pin_at(theta, 0)) * np.exp(-1j * shapes.wheel_at(theta))
         assert any(band.contains_point((pin.real, pin.imag)) for band in bands)
-
-
-def test_rings_of_slots_do_not_cross():
-    for wheel in WHEELS[:-1]:
-        steps = np.unwrap(np.angle(GearDrivenOutline(wheel).wheel_edges()[0].drawn()))
-        assert np.all(np.abs(np.diff(steps)) < 0.9 * math.pi)
-        turned, pitch = abs(steps[-1] - steps[0]), 2.0 * math.pi / wheel.slots
-        assert turned == pytest.approx(2.0 * math.pi, abs=pitch)

@@ -108,15 +108,6 @@ def test_cognates_of_several_pins_have_slots_of_their_own(n, m, curve, pins, slo
     assert (wheel.slots, wheel.cognate.slots) == (slots, of_the_cognate)
 
 
-def test_a_wheel_whose_cognate_is_refused_has_its_arms():
-    """Its slots leave room for an unused lobe, the cognate's do not."""
-    for n, m, curve in ((26, 2, "contracted-hypocycloid"), (3, 1, "epicycloid")):
-        wheel = GearDriven(n, m, curve, pins=2, unused_lobes=1)
-        assert wheel.arms == GearDriven(n, m, curve).arms
-        with pytest.raises(InvalidValue, match="unused_lobes must let the pin"):
-            _ = wheel.cognate
-
-
 def test_the_search_counts_the_slots_of_cognates():
     wishes = {"tolerance": 0.05, "curves": CURVES, "most_pins": 3, "most_unused": 0}
     found = find_mechanisms(7, 0.14, most_lobes=12, **wishes)

@@ -10,11 +10,8 @@ from hypothesis import strategies as st
 from mpmath import mp, mpf
 
 from escapement.base.errors import InvalidValue
-from escapement.dynamics.painleve import critical_friction
-from escapement.engines.simulate import simulate
 from escapement.mechanisms import Geneva
 from escapement.mechanisms.protocol import Mechanism
-from escapement.model.escapement import Escapement, Inertia
 
 wheels = st.builds(Geneva, slots=st.integers(3, 1000), pins=st.just(1), internal=st.booleans())
 places = st.floats(-1.0, 1.0)
@@ -101,14 +98,3 @@ def test_default_pins(n, pins):
     if wheel.continuous:
         assert wheel.motion_ratio == 1.0
         assert wheel.breaks[-1] - wheel.breaks[0] == wheel.cell_angle
-
-
-@pytest.mark.parametrize("internal", [False, True])
-@pytest.mark.parametrize("rho", [1e-24, 1e-34, 1e-99])
-def test_painleve_limit_of_a_very_light_driver(rho, internal):
-    """It is met nearer to the exit than two angles lie apart, at g = sqrt(rho)."""
-    for n in (3, 4, 7, 100):
-        limit = critical_friction(Geneva(n, internal=internal), Inertia(rho, 1.0))
-        assert limit == pytest.approx(2.0 * math.sqrt(rho) / math.tan(math.pi / n), rel=1e-9)
-    model = Escapement(Geneva(4, internal=internal), Inertia(rho, 1.0), 1.0, friction=0.3)
-    assert f"Painleve limit {2.0 * math.sqrt(rho):.6g}, first met" in simulate(model).message

@@ -1,10 +1,6 @@
 """Kinds of mechanism: which kinds an option belongs to, in any order of the words typed."""
 
 import argparse
-import sys
-import types
-from dataclasses import dataclass, field
-from typing import Any, ClassVar
 
 import pytest
 
@@ -14,33 +10,6 @@ from escapement.cli import _arguments
 from escapement.cli._arguments import Parser, UsageError
 from escapement.mechanisms import Geneva
 from escapement.mechanisms.kind import Kind
-
-
-@dataclass(frozen=True)
-class Cam(Kind):
-    """A kind that stands for another in every question but what it is made of."""
-
-    kind = "cam-drive"
-    summary = "a cam"
-    report_units: ClassVar = {"rise": "length"}
-
-    rise: float = field(metadata=quantity("height of the cam", "length"))
-    pins: Any = field(default=None, metadata=quantity("not shown", whole=True, metavar="P"))
-
-    def report(self):
-        return {"stations": 4, "rise": self.rise}
-
-    def __getattr__(self, name):
-        return getattr(Geneva(4), name)
-
-
-@pytest.fixture
-def second_kind(monkeypatch):
-    """Another kind of mechanism, which shares the pins of the Geneva wheel."""
-    module = types.ModuleType("escapement.mechanisms.cam_drive")
-    module.Cam = Cam
-    monkeypatch.setitem(sys.modules, module.__name__, module)
-    monkeypatch.setitem(mechanisms.KINDS, "cam-drive", "cam_drive:Cam")
 
 
 def understand(*argv):
@@ -54,41 +23,42 @@ def understand(*argv):
 
 @pytest.mark.parametrize(
     "argv",
-    [("cam-drive", "--slots", "5"), ("--slots", "5", "cam-drive"), ("--slots=4", "cam-drive")],
+    [
+        ("gear-driven", "--slots", "5"),
+        ("--slots", "5", "gear-driven"),
+        ("--slots=4", "gear-driven"),
+    ],
 )
-def test_an_option_of_another_kind_is_refused_by_name(second_kind, argv):
-    words = r"--slots must not come with a cam-drive mechanism, got [45]; it belongs to geneva$"
+def test_an_option_of_another_kind_is_refused_by_name(argv):
+    words = r"--slots must not come with a gear-driven mechanism, got [45]; it belongs to geneva$"
     with pytest.raises(UsageError, match=words):
         _arguments.read_mechanism(understand(*argv))
 
 
-@pytest.mark.parametrize("argv", [("--rise", "1"), ("--rise", "1", "geneva", "--slots", "4")])
-def test_the_default_kind_refuses_too(second_kind, argv):
-    with pytest.raises(UsageError, match=r"--rise .* a geneva mechanism.* belongs to cam-drive"):
+@pytest.mark.parametrize("argv", [("--lobes", "1"), ("--lobes", "1", "geneva", "--slots", "4")])
+def test_the_default_kind_refuses_too(argv):
+    with pytest.raises(UsageError, match=r"--lobes .* a geneva mechanism.* belongs to gear-driven"):
         _arguments.read_mechanism(understand(*argv))
 
 
-def test_a_shared_option_is_accepted_by_both(second_kind):
+def test_a_shared_option_is_accepted_by_both():
     assert _arguments.read_mechanism(understand("--pins", "2")).pins == 2
-    args = understand("--pins", "3", "cam-drive", "--rise", "1")
-    assert _arguments.read_mechanism(args) == Cam(1.0, 3)
+    gears = ("--stations", "12", "--lobes", "5", "--curve", "epicycloid")
+    args = understand("--pins", "3", "gear-driven", *gears)
+    assert _arguments.read_mechanism(args) == GearDriven(12, 5, "epicycloid", 3)
 
 
-def test_what_a_kind_needs_is_named(second_kind):
-    args = understand("cam-drive", "--pins", "2")
-    with pytest.raises(UsageError, match="required with cam-drive: --rise"):
-        _arguments.read_mechanism(args)
+def test_what_a_kind_needs_is_named():
+    with pytest.raises(UsageError, match="required with gear-driven: --stations, --lobes"):
+        _arguments.read_mechanism(understand("gear-driven", "--pins", "2"))
 
 
-def test_help_and_reports_know_every_kind(second_kind, command):
-    for name in ("run", "mechanism", "index"):
+def test_help_knows_every_kind(command):
+    for name in ("run", "mechanism"):
         text = " ".join(command(name, "--help")[1].split())
         for kind in mechanisms.KINDS:
             assert f"{kind}: {mechanisms.kind_of(kind).summary}" in text
-        assert "geneva, gear-driven, cam-drive: pins of the driver" in text
-        assert "cam-drive: height of the cam" in text
-    out = command("mechanism", "cam-drive", "--rise", "1", "--units", "in-lbf-s")[1]
-    assert out.partition("\n\n")[2].split() == ["stations", "4", "rise", "1", "in"]
+        assert "geneva, gear-driven: pins of the driver" in text
 
 
 def test_gear_driven_solutions(command, report, tmp_path):

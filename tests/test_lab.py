@@ -195,7 +195,6 @@ WRONG = {
     "no such number": ([*MODEL, "--fit", "frictn"], 2, "--fit", "did you mean 'friction'?"),
     "no such time": ([*MODEL, "--fit", "torque", "--time-column", "x"], 2, "(--time-column)"),
     "no such input": ([*MODEL, "--fit", "torque", "--input-column", "x"], 2, "(--input-column)"),
-    "ratios": ([*MODEL, "--fit", "torque,driver_inertia,follower_inertia"], 2, "a combination"),
     "errors of nothing": ([*MODEL, "--fit", "torque", "-o", "e.csv"], 2, "column of the output"),
 }  # fmt: skip
 

@@ -30,17 +30,6 @@ def test_times_go_as_the_root_of_inertia_over_torque(drive, speed, heavier, stro
     close(other.ledger.friction, stronger * one.ledger.friction, scale=work)
 
 
-@few
-@given(settling, factors)
-def test_accelerations_and_contact_moments_go_as_torque(drive, factor):
-    one, other = esc.terminal(drive), esc.terminal(replace(drive, torque=factor))
-    for name in ("acceleration_max", "follower_acceleration_max", "contact_moment_max"):
-        close(getattr(other, name), factor * getattr(one, name), 1e-9)
-    close(other.velocity_min, one.velocity_min * math.sqrt(factor))
-    close(other.rise_time, one.rise_time / math.sqrt(factor))
-    close(other.contraction, one.contraction, scale=1.0)
-
-
 # monotony
 @few
 @given(settling, st.floats(0.05, 0.97))

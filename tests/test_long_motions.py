@@ -75,6 +75,7 @@ def test_states_do_not_depend_on_what_else_is_asked(both):
     np.testing.assert_array_equal(alone, long.at(times).theta_dot[:20])
 
 
+@pytest.mark.parametrize("both", ["cam", "blows"], indirect=True)
 def test_a_file_of_many_parts_holds_the_same(both, tmp_path):
     long, whole = both
     write_motion(long, tmp_path / "long.h5")
@@ -112,7 +113,7 @@ def test_a_few_states_of_a_long_motion_cost_a_few_engagements(monkeypatch):
 def test_memory_does_not_grow_with_the_motion(monkeypatch, tmp_path):
     monkeypatch.setattr(trajectory, "_PART", 64)
     peaks = []
-    for count in (200, 200, 1600):
+    for count in (200, 200, 1000):
         motion = esc.simulate(TIMER, count)
         tracemalloc.start()
         write_motion(motion, tmp_path / "motion.h5", force=True)

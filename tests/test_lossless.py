@@ -18,9 +18,9 @@ def drive(mechanism, **numbers):
 
 
 @pytest.mark.parametrize("engine", ["energy", "ivp"])
-@pytest.mark.parametrize("start", [0.0, 1.0, np.pi])
-@pytest.mark.parametrize("load", [0.0, 0.003])
-def test_a_table_may_begin_where_its_follower_moves(engine, start, load):
+@pytest.mark.parametrize("start", [1.0, np.pi])
+def test_a_table_may_begin_where_its_follower_moves(engine, start):
+    load = 0.003
     theta = start + np.linspace(0.0, 2.0 * np.pi, 61)
     table = esc.Tabulated(theta, theta + 0.5 * np.sin(theta))
     motion = esc.simulate(drive(table, load_torque=load), 3, engine=engine)
@@ -32,9 +32,8 @@ def test_a_table_may_begin_where_its_follower_moves(engine, start, load):
     assert abs(motion.ledger.residual) < 1e-9
 
 
-@pytest.mark.parametrize(("slots", "load"), [(3, 0.0), (6, 0.001)])
-def test_published_cells_settle_without_friction_for_energy_jumps_at_their_handoffs(slots, load):
-    cell = drive(meyer.PublishedCell(slots), load_torque=load)
+def test_published_cells_settle_without_friction_for_energy_jumps_at_their_handoffs():
+    cell = drive(meyer.PublishedCell(6), load_torque=0.001)
     found, judge = (esc.terminal(cell, engine=engine) for engine in ("energy", "ivp"))
     for name in ("handoff_velocity", "contraction", "rise_time", "velocity_max"):
         assert getattr(found, name) == pytest.approx(getattr(judge, name), rel=1e-8)

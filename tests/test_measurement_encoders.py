@@ -93,7 +93,6 @@ WRONG = {
     "sense": (lambda: read(sense=0), "sense", "1 or -1"),
     "missing": (lambda: read(missing=1.0), "missing", "below 1"),
     "phase": (lambda: read(phase="1"), "phase must be a finite number", "'1'"),
-    "far offset": (lambda: read(offset=1e300), "offset must be within 1e10 turns", "1e+300"),
 }
 
 

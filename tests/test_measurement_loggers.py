@@ -143,15 +143,6 @@ def test_encodings_of_windows_programs(file, encoding):
     assert readings.remark == ""
 
 
-def test_a_byte_order_mark_in_any_line(file):
-    path = file(f"time_s,{HEAD}", [f"{second:g}" for second in SECONDS])
-    lines = path.read_text().splitlines()
-    path.write_text(
-        "\n".join([lines[0], "\ufeff# appended", *lines[1:5], "\ufeff" + lines[5], *lines[6:]])
-    )
-    assert esc.read_readings(path, time="time").samples == 61
-
-
 def counted(turns, resolution, seed=3):
     """Counts of a good drive with one pin, and its wheel."""
     wheel, random = esc.Geneva(4, pins=1), np.random.default_rng(seed)

@@ -54,32 +54,17 @@ def test_periodogram_is_a_least_squares_fit_of_a_sinusoid():
         assert found.amplitude[i] == pytest.approx(amplitude, rel=5e-3, abs=1e-3)
 
 
-@pytest.mark.parametrize("turns", [2.33, 17.0])
-def test_where_no_sinusoid_can_be_told_there_is_no_power(turns):
-    random = np.random.default_rng(3)
-    angle = np.sort(random.uniform(0.0, 2.0 * np.pi * turns, 57))
-    errors = random.standard_normal(57)
-    found = measurement.periodic.periodogram(angle, errors)
-    cycles = found.frequency * found.turns
-    for value in (found.power, found.amplitude):
-        assert np.isnan(value[cycles < 0.17]).all()
-        assert np.isfinite(value[cycles > 0.33]).all()
-        assert (value[np.isfinite(value)] > 0.0).all()
-    assert np.isnan(found.power[0])
-    assert found.power[found.peak] == np.nanmax(found.power)
-
-
 @pytest.mark.parametrize(("samples", "turns"), [(60, 10.0), (40, 20.0), (24, 0.5), (20, 30.0)])
 def test_periodogram_of_few_samples_a_turn(samples, turns):
     alarms = []
-    for seed in range(40):
+    for seed in range(12):
         readings = read(seed=seed, samples=samples, turns=turns, noise=0.1 * DEG)
         found = esc.measure(readings, PRIKHODKO).periodogram
         highest = found.power[found.peak]
         assert 0.0 < highest < 0.99
         assert highest == np.nanmax(found.power)
         alarms.append(found.false_alarm_probability(highest) < 0.05)
-    assert np.mean(alarms) < 0.05 + 3 * math.sqrt(0.05 * 0.95 / 40)
+    assert np.mean(alarms) < 0.05 + 3 * math.sqrt(0.05 * 0.95 / 12)
 
 
 def test_correlated_errors_are_remarked_upon():
@@ -97,7 +82,7 @@ def test_correlated_errors_are_remarked_upon():
 def test_noise_whose_neighbours_are_alike_is_not_stated_as_a_shaft_s_error(correlation, most):
     stated, judged = [], []
     theta = np.linspace(0.0, 6.0 * math.pi, 148, endpoint=False)
-    for seed in range(60):
+    for seed in range(40):
         white = np.random.default_rng(seed).standard_normal(348)
         noise = lfilter([math.sqrt(1.0 - correlation**2)], [1.0, -correlation], white)[200:]
         output = measurement.position(PRIKHODKO, theta) + 0.9 * DEG * noise
@@ -106,16 +91,6 @@ def test_noise_whose_neighbours_are_alike_is_not_stated_as_a_shaft_s_error(corre
         judged.append("all tests, false alarms, standard errors" in result.message)
     assert np.mean(stated) <= most
     assert np.mean(judged) == pytest.approx({0.0: 0.0, 0.3: 0.5, 0.6: 1.0}[correlation], abs=0.2)
-
-
-def test_correlation_of_the_rest_is_that_beside_the_waves_found():
-    result = esc.measure(read(noise=0.4 * DEG, output_eccentricity=0.4 * DEG), PRIKHODKO)
-    phi = measurement.position(PRIKHODKO, result.input + result.fit.phase)
-    columns = np.column_stack([np.ones_like(phi), result.fit.slope, np.cos(phi), np.sin(phi)])
-    rest = result.errors - columns @ np.linalg.lstsq(columns, result.errors, rcond=None)[0]
-    by_hand = rest[1:] @ rest[:-1] / (rest @ rest)
-    # by hand the phase is moved to first order only
-    assert result.rest_autocorrelation == pytest.approx(by_hand, abs=1e-5)
 
 
 def test_an_amplitude_that_phase_and_offset_hide_is_not_stated():
@@ -145,14 +120,8 @@ def test_an_even_turn_is_measured_all_round():
     assert math.isnan(shown(short, "input").p_value)
 
 
-def test_angles_far_from_zero_do_not_shorten_the_periodogram():
-    readings = read(samples=60, turns=3.2, noise=0.1 * DEG)
-    result = esc.measure(esc.Readings(readings.input + 1e10, readings.output), PRIKHODKO)
-    assert "periodogram" not in result.message
-
-
 def test_many_turns_are_cut_for_the_periodogram_alone():
-    result = esc.measure(read(samples=60_000, turns=1500.0, noise=0.1 * DEG), PRIKHODKO)
+    result = esc.measure(read(samples=24_000, turns=1500.0, noise=0.1 * DEG), PRIKHODKO)
     assert "the periodogram covers the first 1000 turns" in result.message
-    assert result.periodogram.samples == pytest.approx(40_000, abs=2)
+    assert result.periodogram.samples == pytest.approx(16_000, abs=2)
     assert shown(result, "input").turns == pytest.approx(1500.0, abs=0.1)

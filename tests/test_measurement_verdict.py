@@ -11,11 +11,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from scipy import stats
 
 import escapement as esc
-from escapement.measurement import error_columns, finding
-from escapement.measurement.noise import noise_of, rounding_bias
+from escapement.measurement import error_columns
 from escapement.measurement.normal_equations import _chance_of_greatest, far_out
 from measurement_tools import DEG
 
@@ -56,8 +54,7 @@ def test_lost_steps_are_named_with_their_line_and_size():
     assert abs(abs(change.size) - 7.2 * DEG) < 3.0 * change.standard_error < 0.1 * DEG
 
 
-@pytest.mark.parametrize("way", [1.0, -1.0])
-@pytest.mark.parametrize("size", [0.1, 1.8, 20.0])
+@pytest.mark.parametrize(("way", "size"), [(1.0, 0.1), (-1.0, 1.8), (1.0, 20.0)])
 def test_sizes_of_slips(way, size):
     within = []
     for seed in range(8):
@@ -183,8 +180,7 @@ def test_given_zeros_that_are_wrong_are_not_good():
     assert "the mean error is 0.5" in found.text
 
 
-@pytest.mark.parametrize("slots", [3, 6])
-@pytest.mark.parametrize("way", [1.0, -1.0])
+@pytest.mark.parametrize(("slots", "way"), [(3, 1.0), (6, -1.0)])
 def test_good_drives_are_good(slots, way):
     """One in a hundred may be doubted."""
     wheel, good = esc.Geneva(slots, pins=1), []
@@ -224,63 +220,6 @@ def test_readings_far_out_are_found_as_often_as_said():
     errors = random.standard_normal(200)
     errors[[3, 50, 70]] = 9.0, -300.0, 40.0
     assert sorted(far_out(errors, 1e-3)[0]) == [3, 50, 70]
-
-
-def test_a_suspected_slip_is_no_noise_of_the_input():
-    """A slip too small to be certain does not make the noise of the input look greater."""
-    random = np.random.default_rng(11)
-    theta = 2.0 * math.pi * 6.0 * np.arange(300) / 300
-    slip = 0.09 * DEG * (np.arange(300) > 140)
-    output = follower(theta + slip) + NOISE * random.standard_normal(300)
-    search = finding._Search(WHEEL, theta, 1, output - follower(theta), (0.0, 0.0))
-    search.fit()
-    assert search.noise.of_input < (0.5 * NOISE) ** 2
-
-
-@pytest.mark.parametrize("start", [0.4, 2.2])
-@pytest.mark.parametrize("seed", range(3))
-def test_what_may_be_rounding_cannot_say(start, seed):
-    """Positions that return every turn, read in counts of ten times the noise, of a good drive."""
-    theta, step = start + 2.0 * math.pi * np.arange(1200) / 40, 2.0 * math.pi / 360
-    noise = 0.1 * step * np.random.default_rng(seed).standard_normal(1200)
-
-    def judged(size):
-        output = follower(theta) + size * np.sin(follower(theta)) + noise
-        return verdict(esc.Readings(theta - theta[0], step * np.round(output / step)))
-
-    good = judged(0.0)
-    assert good.good is None
-    assert "or this is the rounding of the encoders" in good.text
-    assert "cannot be told from their rounding" in good.text
-    # an error of one and a half counts is none of rounding
-    wrong = judged(1.5 * step)
-    assert wrong.good is False
-    assert "repeats once a turn of the output" in wrong.text
-
-
-def test_noise_of_both_encoders_is_told_apart():
-    random = np.random.default_rng(9)
-    slope = np.abs(np.sin(np.linspace(0.0, 300.0, 100_000)))
-    output, driver = random.standard_normal((2, 100_000))
-    # a slow error, a slip and a reading far out are no noise
-    added = 50.0 * np.sin(np.linspace(0.0, 9.0, 100_000)) + 20.0 * (np.arange(100_000) > 300)
-    added[77] += 1e3
-    errors = 2.0 * output + 3.0 * slope * driver + added
-    assert noise_of(errors, slope, (0.0, 0.0)) == pytest.approx((4.0, 9.0), rel=0.1)
-    assert noise_of(2.0 * output, slope, (0.0, 0.0))[1] == 0.0
-
-
-@pytest.mark.parametrize("noise", [0.05, 0.1, 0.3, 0.6])
-def test_rounding_leaves_at_most_this_error(noise):
-    """Against the mean of rounded normal readings: a sum over the counts."""
-    places, counts = np.linspace(-0.5, 0.5, 401), np.arange(-8, 9)
-    below = stats.norm.cdf(counts + 0.5, places[:, None], noise)
-    mean = counts[-1] - below[:, :-1].sum(axis=1)
-    worst = np.abs(mean - places).max()
-    bias = rounding_bias(1.0, noise)
-    assert worst <= bias + 1e-9
-    assert bias <= min(0.5, 2.2 * worst)
-    assert rounding_bias(1.0, 0.0) == 0.5
 
 
 def test_the_report_has_all_that_was_found(command, tmp_path):

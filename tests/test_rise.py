@@ -11,9 +11,6 @@ import escapement as esc
 from both_engines import each_engine
 from escapement.base.status import Status
 from escapement.base.units import INCH_POUND
-from escapement.dynamics.figure_table import TRANSIENT
-from escapement.dynamics.figures_of_merit import read_transient
-from nearly_perfect import random_timer, slight_errors
 
 INERTIA = esc.Inertia(3e-6 * INCH_POUND, 50e-6 * INCH_POUND)
 MEYER = esc.Escapement(esc.Geneva(4), INERTIA, 0.1 * INCH_POUND, 0.35)
@@ -87,31 +84,6 @@ def test_with_imperfect_parts_each_handoff_has_its_own_terminal_speed(wheel, eng
     for name, share in (("rise_time_63", math.exp(-1.0)), ("rise_time_98", 0.02)):
         expected = read_off(handoffs, 0.0, share)
         assert getattr(cycle, name) == pytest.approx(expected, rel=1e-6)
-
-
-ERRORS = [
-    {"centre_distance_error": 1e-15},
-    {"centre_distance_error": -1e-15},
-    {"slot_offsets": (1e-15, 0.0, 0.0, 0.0, 0.0)},
-    {"slot_angle_errors": (0.0, -1e-13, 0.0, 0.0, 0.0)},
-]
-
-
-@pytest.mark.parametrize("seed", [1, 4, 9, 152, 173, 191, 260, 297])
-def test_no_time_of_the_start_jumps_with_an_error_nobody_could_make(seed):
-    timer, start, rng = random_timer(seed)
-    perfect = esc.terminal(timer, initial_speed=start)
-    for errors in slight_errors(timer.mechanism, rng):
-        uneven = replace(timer, mechanism=replace(timer.mechanism, **errors))
-        found = esc.terminal(uneven, initial_speed=start)
-        for name in TRANSIENT:
-            expected = pytest.approx(getattr(perfect, name), rel=2e-5)
-            assert getattr(found, name) == expected, (name, errors)
-    # the extrema of the motion itself, read by another function
-    motion, cycle = esc.simulate(uneven, 200, initial_speed=start), found
-    assert read_transient(motion, cycle) == pytest.approx(
-        (found.rise_time, found.settling_time), rel=1e-9
-    )
 
 
 @each_engine

@@ -143,35 +143,6 @@ def test_a_band_holds_the_sample_at_each_point_of_a_grid(grid):
     assert f"{grid.failed} of 2000 cases in all have no result" in title
 
 
-def test_a_band_ends_where_times_are_not_given(grid):
-    cut = without_long_times(grid, 0.6)
-    times, ran = cut.results["rise_time"], np.isfinite(cut.results["period"])
-    figure = plots.plot_study(cut)
-    first, mean, rise = figure.axes
-    complete = 0
-    for column, (line, band) in enumerate(zip(rise.lines, rise.collections, strict=True)):
-        here, known = times[:, column], ran[:, column]
-        given, some = np.isfinite(here).sum(axis=1), np.maximum(known.sum(axis=1), 1)
-        drawn = (given - 1) >= 0.5 * (some - 1)  # else the median falls on what is not given
-        drawn &= given > 0
-        inertia, median = line.get_data()
-        points = np.isfinite(median)  # the others part a line where it jumps
-        np.testing.assert_array_equal(inertia[points], grid.axes["driver_inertia"][drawn])
-        whole = 1e3 * np.nanquantile(grid.results["rise_time"][drawn, column], 0.5, axis=1)
-        np.testing.assert_allclose(median[points], whole, rtol=1e-12)
-        banded = ((given - 1) >= 0.95 * (some - 1)) & (given > 0)
-        edges = np.concatenate([path.vertices[:, 0] for path in band.get_paths()] or [[]])
-        assert set(edges) == set(grid.axes["driver_inertia"][banded])
-        complete += int((drawn & ~banded).sum())
-    assert complete > 0
-    lost = int((ran & np.isnan(times)).sum())
-    title = first.get_legend().get_title().get_text()
-    assert f"no rise time in {lost} of {ran.sum()} cases: counted as longest" in title
-    first, alone = plots.plot_study(without_long_times(grid, 0.0)).axes
-    assert alone.get_ylabel().replace("\n", " ") == mean.get_ylabel().replace("\n", " ")
-    assert "cases: too many to draw" in first.get_legend().get_title().get_text()
-
-
 def test_what_cannot_be_drawn_is_refused(study, grid):
     nothing = {name: values * np.nan for name, values in study.results.items()}
     plain = esc.sweep(TIMER, friction=[0.2, 0.3])

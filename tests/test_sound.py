@@ -46,8 +46,7 @@ def estimates(times, **options):
     return esc.timekeeping(instants(times), **options)
 
 
-@pytest.mark.parametrize("rate", [0.5, 20.0, 100.0])
-@pytest.mark.parametrize("room", [0.0, 0.1])
+@pytest.mark.parametrize(("rate", "room"), [(0.5, 0.1), (20.0, 0.0), (100.0, 0.1)])
 def test_every_tick_is_found_where_it_begins(rate, room):
     times = ticks(max(int(10 * rate), 12), 1.0 / rate, 1e-3 / rate)
     sound = esc.synthetic_recording(times, signal_to_noise=20.0, room=room)

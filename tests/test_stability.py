@@ -66,19 +66,6 @@ def assert_repeats(model):
 # close switches
 
 
-@pytest.mark.parametrize("mu", [0.0, 1e-3, 0.35])
-@pytest.mark.parametrize("speed", [1e5, 1e6])
-def test_reversal_a_rounding_error_behind_dead_centre(mu, speed):
-    model = drive(mu=mu)
-    fast, judge = assert_same(model, speed=speed)
-    assert turns(fast) == [1, 1, 1]
-    top = model.mechanism.transmission(0.0).g
-    slope = model.mechanism.transmission(1e-7).dg / 1e-7
-    for motion, accuracy in ((fast, 1e-15), (judge, 1e-10)):
-        angle = -top / (0.06 * slope * motion.reversals.theta_dot[0] ** 2)
-        assert motion.reversals.theta[0] == pytest.approx(angle, rel=1e-5, abs=accuracy)
-
-
 def test_two_reversals_that_merge():
     """At the speed where the force just touches zero nothing jumps."""
     model = drive(3, 6, rho=400.0, mu=0.1, load=0.1)
@@ -95,66 +82,13 @@ def test_two_reversals_that_merge():
 
 
 @pytest.mark.parametrize("internal", [False, True])
-@pytest.mark.parametrize("slots", [3, 5, 12, 13, 22, 49, 94, 333, 1000])
+@pytest.mark.parametrize("slots", [3, 5, 13, 1000])
 def test_start_from_rest_is_a_start_on_the_reversal(slots, internal):
     """There the contact moment is zero but for the rounding error of pin entry."""
     friction = 0.3 * limit(slots, 1, rho=0.5, internal=internal)
     fast, _judge = assert_same(drive(slots, 1, rho=0.5, mu=friction, internal=internal))
     assert fast.status is Status.OK
     assert turns(fast) == [1, 1, 1]
-
-
-@pytest.mark.parametrize("change", [0.0, 1e-15, -1e-15, 1e-9, -1e-9])
-def test_start_on_an_extremum_of_the_speed(change):
-    """Where friction at entry just balances the drive."""
-    model = drive(4, 2, rho=2.0, mu=0.35)
-    at = model.mechanism.transmission(model.mechanism.breaks[0])
-    speed = math.sqrt(1.0 / (0.35 * abs(at.u) * at.dg)) * (1.0 + change)
-    fast, judge = assert_same(model, speed=speed)
-    inner = [np.sum(motion.extrema.time > 1e-6) for motion in (fast, judge)]
-    assert inner[0] == inner[1]
-
-
-@pytest.mark.parametrize("speed", [1e-300, 1e-30, 1e-8, 1e-4, 1e-2])
-@pytest.mark.parametrize("model", [drive(), drive(20, 2, rho=0.01, mu=0.5), drive(5, 3, rho=40.0)])
-def test_start_from_almost_rest(model, speed):
-    judge = run(model, "ivp", speed=speed, rtol=1e-12)
-    assert (judge.status, turns(judge)) == (Status.OK, turns(run(model, speed=speed)))
-    exact = numbers(judge)
-    for rtol in (1e-4, 1e-8, 1e-12):
-        found = run(model, rtol=rtol, speed=speed)
-        allowed = 10.0 * rtol + 1e-11
-        np.testing.assert_allclose(numbers(found), exact, rtol=allowed)
-
-
-@pytest.mark.parametrize("rtol", [1e-4, 1e-8, 1e-12])
-@pytest.mark.parametrize(
-    ("model", "speed"),
-    [
-        (drive(29, 1, rho=1.9, mu=0.004, load=13.333), 0.0),
-        (drive(34, 1, rho=0.016, mu=0.14, load=43.7, internal=True), 0.061),
-        (drive(40, 1, rho=470.0, mu=6800.0, load=17.1), 0.0015),
-        (drive(5, 1, rho=2.6, mu=3.5e-4, load=3.86), 0.0),
-        (drive(16, 1, rho=420.0, mu=0.0039, load=12.66), 0.0),
-    ],
-)
-def test_time_and_angle_of_a_stop(model, speed, rtol):
-    found = run(model, rtol=rtol, speed=speed)
-    exact = run(model, "ivp", rtol=1e-12, speed=speed)
-    assert found.status is exact.status is Status.STALL
-    assert found.end_time == pytest.approx(exact.end_time, rel=10.0 * rtol + 1e-11)
-    ends = [float(motion.at(motion.end_time).theta) for motion in (found, exact)]
-    assert ends[0] == pytest.approx(ends[1], abs=10.0 * rtol + 1e-10)
-
-
-@pytest.mark.parametrize("distance", [1e-2, 1e-3, 1e-6])
-def test_start_from_rest_where_the_drive_hardly_moves(distance):
-    """Load and friction at entry all but balance the torque; the driver creeps away."""
-    bare = drive(8, 1, rho=0.5, mu=5.3, internal=True).mechanism
-    slide = abs(bare.transmission(bare.breaks[0]).u)
-    load = (1.0 - distance) / (5.3 * slide)
-    fast, judge = both(drive(8, 1, rho=0.5, mu=5.3, load=load, internal=True))
-    np.testing.assert_allclose(numbers(fast), numbers(judge), rtol=1e-14 / distance + 1e-9)
 
 
 @pytest.mark.parametrize(("slots", "pins", "rho"), [(4, 4, 0.06), (6, 3, 2.0)])
@@ -185,10 +119,7 @@ EXTREMES = {
     "light driver": drive(rho=1e-8, mu=1e-5),
     "heavy driver": drive(rho=1e8),
     "no friction to speak of": drive(mu=1e-12),
-    "weak": drive(torque=1e-12),
-    "strong": drive(torque=1e12),
     "1000 slots": drive(1000, 1, rho=0.06, mu=0.3),
-    "1000 slots, two pins": drive(1000, 2, rho=0.06, mu=0.3),
     "1000 slots, internal": drive(1000, 1, rho=0.06, mu=0.3, internal=True),
 }
 
@@ -202,10 +133,9 @@ def test_extremes(name):
     assert figures.period == pytest.approx(again.end_time, rel=1e-10)
 
 
-@pytest.mark.parametrize("share", [0.99, 0.999999])
-@pytest.mark.parametrize(("slots", "rho"), [(3, 0.6), (4, 0.06), (6, 0.075), (9, 1e-3), (4, 30.0)])
-def test_just_below_the_painleve_limit(slots, rho, share):
-    model = drive(slots, rho=rho, mu=share * limit(slots, rho=rho))
+@pytest.mark.parametrize(("slots", "rho"), [(3, 0.6), (4, 0.06), (9, 1e-3)])
+def test_just_below_the_painleve_limit(slots, rho):
+    model = drive(slots, rho=rho, mu=0.999999 * limit(slots, rho=rho))
     fast, _judge = assert_same(model)
     assert fast.status is Status.OK
     rough = run(model, rtol=1e-6)
@@ -213,33 +143,6 @@ def test_just_below_the_painleve_limit(slots, rho, share):
 
 
 # what the drive can carry
-
-
-@pytest.mark.parametrize("share", [0.5, 0.999, 1.0, 1.001, 10.0, 1e6])
-@pytest.mark.parametrize(
-    ("slots", "pins", "mu", "internal"),
-    [(4, 4, 0.0, 0), (4, 4, 0.3, 0), (3, 2, 0.2, 0), (7, 1, 0.1, 0), (5, 1, 0.2, 1)],
-)
-def test_load_at_and_above_what_the_drive_can_carry(slots, pins, mu, internal, share):
-    """The work of the load over a cell against that of the drive."""
-    internal = bool(internal)
-    bare = drive(slots, pins, mu=mu, internal=internal).mechanism
-    load = share * bare.cell_angle / bare.follower_step
-    model = drive(slots, pins, mu=mu, load=load, internal=internal, rho=0.5)
-    fast, judge = both(model, engagements=6, speed=2.0)
-    assert fast.status is judge.status
-    np.testing.assert_allclose(numbers(fast), numbers(judge), rtol=1e-7)
-    if share > 1.001:
-        assert fast.status is Status.STALL
-    if fast.status is Status.STALL:
-        ends = [float(motion.at(motion.end_time).theta) for motion in (fast, judge)]
-        assert ends[0] == pytest.approx(ends[1], abs=1e-8)
-        for engine, motion in zip(BOTH, (fast, judge), strict=True):
-            assert "stalls" in motion.message
-            assert "degrees from dead centre" in motion.message
-            if share <= 10.0:  # a greater load stops the driver within the error of its time
-                assert motion.at(motion.end_time).theta_dot == pytest.approx(0.0, abs=4e-5)
-            assert esc.terminal(model, engine=engine, initial_speed=2.0).status is Status.STALL
 
 
 @pytest.mark.parametrize("engine", BOTH)
@@ -253,18 +156,6 @@ def test_a_drive_that_cannot_start(engine):
 
 
 # long runs
-
-
-@pytest.mark.slow
-def test_a_million_engagements_do_not_drift_in_time():
-    """They never settle, for the contraction is 1 - 4e-6; times of parts are added exactly."""
-    million = run(drive(rho=1.0, mu=1e-6), engagements=1_000_000)
-    speeds = np.concatenate([[0.0], million.handoff_velocities])
-    pieces = []
-    for k in range(0, 1_000_000, 1000):
-        part = run(drive(rho=1.0, mu=1e-6), engagements=1000, speed=float(speeds[k]))
-        pieces.append(float(part.handoff_times[-1]))
-    assert million.handoff_times[-1] == pytest.approx(math.fsum(pieces), rel=1e-13)
 
 
 def test_a_million_engagements_do_not_drift_in_energy():

@@ -25,7 +25,6 @@ from escapement.study.pool import in_threads
 from escapement.study.reader import read_study
 from escapement.study.result import RESULTS
 from escapement.study.running import Tally, run_plan, sweep, write_plan
-from escapement.study.solving import mixed
 
 TIMER = Escapement(
     Geneva(slots=4), Inertia(3e-6 * INCH_POUND, 50e-6 * INCH_POUND), 0.1 * INCH_POUND, 0.35
@@ -199,22 +198,6 @@ def test_a_log_gets_an_early_line_one_a_minute_and_one_at_the_end(show):
     assert lines[-1].endswith("took 1 min 40 s, 3 failed")
 
 
-def test_something_else_that_is_counted_has_its_own_rate_and_is_not_logged(monkeypatch):
-    now, seen, stream = [0.0], [], io.StringIO()
-    monkeypatch.setattr(progress, "time", SimpleNamespace(monotonic=lambda: now[0]))
-    with Progress(stream, log=lambda *counts: seen.append(counts)) as bar:
-        bar.before = 50
-        bar.count("different cases")
-        now[0] = 4.0
-        bar(2, 4, 0)
-        bar.count("cases")
-        now[0] = 8.0
-        bar(90, 100, 0)
-    lines = stream.getvalue().splitlines()
-    assert lines[0].strip() == "50 % 2 of 4 different cases, 0.5/s, 4.0 s left"
-    assert seen == [(90, 100, 0, 10.0)] * 2
-
-
 def test_compiling_is_told_apart_from_solving(show, monkeypatch):
     class Notice:
         times = iter([0.0, 0.0, *[40.0] * 99])  # nothing was compiled when the bar was made
@@ -224,15 +207,6 @@ def test_compiling_is_told_apart_from_solving(show, monkeypatch):
     lines = show(io.StringIO(), [41, 43, 45, 50]).splitlines()
     assert lines[0].strip() == "50 % 2 of 4 cases, 0.667/s, 3.0 s left, 1 failed"
     assert lines[-1].endswith("4 of 4 cases, 0.4/s, took 10 s, and compiling 40 s, 2 failed")
-
-
-def test_any_beginning_of_the_blocks_is_spread_over_all():
-    for size in (1, 10, 640):
-        order = mixed(range(size))
-        assert sorted(order) == [*range(size)]
-        for share in (0.1, 0.3):
-            first = np.sort(order[: max(1, round(share * size))])
-            assert abs(first.mean() - 0.5 * size) <= 0.05 * size + 5
 
 
 def test_a_terminal_gets_one_line_that_is_drawn_again(show):
@@ -264,13 +238,6 @@ def test_quiet_is_silent_and_a_closed_stream_no_trouble(show):
 )
 def test_durations_read_well(seconds, text):
     assert duration(seconds).startswith(text)
-
-
-def test_nothing_done_yet_promises_nothing():
-    stream = io.StringIO()
-    with Progress(stream) as bar:
-        bar(0, 10, 0)
-    assert stream.getvalue() == "  0 % 0 of 10 cases, 0/s, starting\n"
 
 
 def test_leaving_waits_for_nothing_that_is_being_solved():

@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 
 import escapement as esc
-from both_engines import agree
 from escapement.base.errors import InvalidValue
 from escapement.base.status import Status
 from escapement.mechanisms.protocol import Mechanism
@@ -99,14 +98,6 @@ def test_motions_keep_energy_and_tolerance_over_the_knots(table):
     assert again.handoff_velocities[0] == pytest.approx(figures.handoff_velocity, rel=1e-11)
 
 
-def test_many_rows_cost_the_reference_engine_no_digits():
-    """Steps of the ratio at the knots, were they but roundings of the table, would add up."""
-    timer = esc.Escapement(exact(DRIVE, 601), INERTIA, torque=0.0113)
-    velocity = esc.simulate(timer, 1, engine="ivp", rtol=1e-13).handoff_velocities[0]
-    work = timer.torque * DRIVE.cell_angle
-    assert velocity == pytest.approx(np.sqrt(2.0 * work / INERTIA.driver), rel=1e-13)
-
-
 @pytest.mark.parametrize("rows", [451, 601])
 def test_rounding_next_to_a_stop_is_no_turning_back(rows):
     """g is a rounding error below zero where the follower stops."""
@@ -115,15 +106,3 @@ def test_rounding_next_to_a_stop_is_no_turning_back(rows):
     motion, true = esc.simulate(moved_by(table), 3), esc.simulate(moved_by(DRIVE), 3)
     assert motion.status is Status.OK
     np.testing.assert_allclose(motion.handoff_velocities, true.handoff_velocities, rtol=1e-9)
-
-
-@pytest.mark.parametrize("seed", [23, 100])
-def test_a_reversal_at_the_very_start_is_one(seed):
-    """Of uneven rows g may be below zero from the start on, by rounding: not all along after it."""
-    random = np.random.default_rng(seed)
-    theta = np.linspace(*DRIVE.breaks, 109)
-    theta[1:-1] += random.uniform(-0.3, 0.3, theta.size - 2) * (theta[1] - theta[0])
-    timer = moved_by(esc.Tabulated(theta, DRIVE.follower_angle(theta)))
-    motion, _ = agree(timer, 2)
-    assert motion.reversals.theta[0] == timer.mechanism.breaks[0]
-    assert np.isfinite(motion.reversals.time).all()

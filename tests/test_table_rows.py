@@ -4,8 +4,6 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
 
 import escapement as esc
 from escapement.base.errors import InvalidValue
@@ -27,10 +25,10 @@ def error(table):
 # --- both ends of the cell ----------------------------------------------------------------
 
 
-@pytest.mark.parametrize("rows", [13, 25, 61])
+@pytest.mark.parametrize("rows", [13, 61])
 def test_both_ends_of_the_cell_may_be_given_with_its_angle(rows):
     """They miss the cell by rounding; the table is that without the options."""
-    for start in (2, 107, *range(-360, 361, 31)):
+    for start in (2, 107, *range(-360, 361, 93)):
         theta = np.radians(np.linspace(start, start + 360, rows))
         alone, told = esc.Tabulated(theta, wavy(theta)), esc.Tabulated(theta, wavy(theta), **CELL)
         np.testing.assert_allclose(
@@ -52,7 +50,7 @@ def test_an_exact_table_has_one_row_an_angle(off):
 # --- repeated angles ----------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("seed", range(8))
+@pytest.mark.parametrize("seed", range(3))
 def test_readings_on_one_grid_of_angles_over_several_turns(seed):
     """Turns or none, the same readings make the same table."""
     random = np.random.default_rng(seed)
@@ -70,22 +68,6 @@ def test_readings_on_one_grid_of_angles_over_several_turns(seed):
     assert error(far) < 0.02
 
 
-@pytest.mark.parametrize("jitter", [1e-12, 1e-8, 1e-6, 1e-4])
-def test_readings_at_angles_nearly_the_same(jitter):
-    """However near: g is what it is without jitter, and so is what it says of itself."""
-    errors, doubts = [], []
-    for seed in range(6):
-        random = np.random.default_rng(seed)
-        theta = np.tile(np.linspace(0.0, TURN, 80, endpoint=False), 4)
-        theta += jitter * random.uniform(0.0, 1.0, theta.size)
-        phi = wavy(theta) + 0.002 * random.standard_normal(theta.size)
-        table = esc.Tabulated(theta, phi, measured=True, **CELL)
-        errors.append(error(table))
-        doubts.append(np.median(table.deviation(ANGLES).g))
-    assert max(errors) < 0.02
-    assert max(doubts) < 0.006
-
-
 @pytest.mark.parametrize("places", [1, 2, 4])
 def test_readings_at_a_few_places_make_no_table(places):
     theta = np.repeat(np.arange(places) / places * TURN, 12)
@@ -97,7 +79,7 @@ def test_readings_at_a_few_places_make_no_table(places):
 
 
 @pytest.mark.parametrize("sense", [-1.0, 1.0])
-@pytest.mark.parametrize("swing", [0.0, 0.3, 0.6])
+@pytest.mark.parametrize("swing", [0.0, 0.6])
 @pytest.mark.parametrize("cells", [1, 3])
 def test_a_follower_that_turns_back_keeps_its_sense(sense, swing, cells):
     theta = np.arange(60) / 60 * TURN + TURN * (np.arange(60) % cells)
@@ -106,17 +88,3 @@ def test_a_follower_that_turns_back_keeps_its_sense(sense, swing, cells):
     assert table.sense == sense
     truth = 0.5 / TURN + swing * np.cos(ANGLES)
     np.testing.assert_allclose(table.transmission(ANGLES).g, truth, rtol=0.0, atol=1e-7)
-
-
-@pytest.mark.parametrize("sense", [-1.0, 1.0])
-@pytest.mark.parametrize("cells", [1, 2, 5])
-@settings(deadline=None, max_examples=20)
-@given(st.floats(0.3, 0.6), st.integers(200, 800), st.integers(0, 1000))
-def test_the_sense_of_measured_rows_in_any_order(sense, cells, swing, rows, seed):
-    """Random angles, and noise of a tenth of the step."""
-    random = np.random.default_rng(seed)
-    theta = random.uniform(0.0, TURN * cells, rows)
-    phi = sense * (0.5 * theta / TURN + swing * np.sin(theta))
-    phi += 0.05 * random.standard_normal(rows)
-    table = esc.Tabulated(theta, phi, measured=True, cell_angle=TURN, follower_step=0.5)
-    assert table.sense == sense

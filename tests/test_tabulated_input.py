@@ -1,7 +1,6 @@
 """Tables that are read, refused, or named on the command line."""
 
 import math
-import re
 
 import numpy as np
 import pytest
@@ -68,7 +67,7 @@ def printed(rows, cells, decimals, unit):
 
 
 @pytest.mark.parametrize("unit", [1.0, np.pi / 180.0], ids=["rad", "degrees"])
-@pytest.mark.parametrize("decimals", [3, 4, 5, 6, 8])
+@pytest.mark.parametrize("decimals", [3, 5, 8])
 def test_a_rounded_last_row_is_the_end_of_the_cell(decimals, unit):
     """With the cell given or not: the slope is wrong by what the rounding makes of it."""
     theta, phi = printed(61, 1, decimals, unit)
@@ -85,7 +84,7 @@ def test_a_rounded_last_row_is_the_end_of_the_cell(decimals, unit):
         assert off <= 4.0 * 10.0**-decimals * unit / (CELL / 60.0)
 
 
-@pytest.mark.parametrize("decimals", [4, 5, 6, 8])
+@pytest.mark.parametrize("decimals", [4, 8])
 def test_rows_that_rounding_brings_together_are_refused_with_the_reason(decimals):
     """The last of four cells is the first again, and would make a slope of its rounding."""
     theta, phi = printed(158, 4, decimals, 1.0)
@@ -95,8 +94,8 @@ def test_rows_that_rounding_brings_together_are_refused_with_the_reason(decimals
     assert float(measured.transmission(0.5 * CELL).g) == pytest.approx(1.6 * STEP / CELL, rel=0.01)
 
 
-@pytest.mark.parametrize("decimals", [2, 3, 4, 5, 6])
-@pytest.mark.parametrize("rows", [42, 82, 163, 271, 406])
+@pytest.mark.parametrize("decimals", [2, 4, 6])
+@pytest.mark.parametrize("rows", [42, 163, 406])
 def test_a_rounded_table_is_refused_or_its_accelerations_are_right(rows, decimals):
     theta = np.linspace(*DRIVE.breaks, rows)
     phi = np.radians(np.round(np.degrees(DRIVE.follower_angle(theta)), decimals))
@@ -110,37 +109,6 @@ def test_a_rounded_table_is_refused_or_its_accelerations_are_right(rows, decimal
         assert 4.0 * math.radians(10.0**-decimals) > 0.01 * greatest * (theta[1] - theta[0]) ** 2
     else:
         assert np.abs(found - true).max() < 0.025 * greatest
-
-
-def test_rows_as_far_apart_as_the_message_says_are_taken():
-    def table(rows):
-        theta = np.linspace(0.0, 2.0, rows)
-        phi = np.degrees(1.3 * theta + 0.15 * np.sin(np.pi * theta))
-        return esc.Tabulated(theta, np.radians(np.round(phi, 3))).spline
-
-    with pytest.raises(InvalidValue) as caught:
-        table(101)
-    least = float(re.search("at least ([0-9.]+) rad", str(caught.value))[1])
-    table(int(2.0 / least) + 1)
-
-
-@pytest.mark.slow
-def test_the_step_of_a_measured_cell_is_no_two_rows_difference():
-    """As known as the angle of a curve through the rows, with no kink where its ends meet."""
-    theta, noise = np.linspace(*DRIVE.breaks, 2001), np.radians(1.3)
-    angles = np.linspace(*DRIVE.breaks, 1001)
-    true = DRIVE.transmission(angles).g
-    off, doubts = [], []
-    for seed in range(10):
-        scatter = noise * np.random.default_rng(seed).standard_normal(theta.size)
-        phi = (-1.0) ** seed * DRIVE.follower_angle(theta) + scatter
-        table = esc.Tabulated(theta, phi, measured=True)
-        off.append(table.follower_step - DRIVE.follower_step)
-        doubts.append(np.abs(table.transmission(angles).g - true) / table.deviation(angles).g)
-    assert np.std(off) < 0.25 * noise
-    assert abs(np.mean(off)) < 3.0 * np.std(off) / math.sqrt(10)
-    assert np.max(doubts) < 5.0
-    assert np.sqrt(np.mean(np.square(doubts))) < 1.5
 
 
 @pytest.mark.parametrize("wrong", [1.4, 2.0])

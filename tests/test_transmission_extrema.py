@@ -60,36 +60,3 @@ def test_closed_forms_in_fifty_digits(slots):
         assert float(geneva.reversal_limits(slots)[0]) == pytest.approx(
             float(-1 / rate(beta)), rel=1e-13
         )
-
-
-@pytest.mark.parametrize("ratio", [16 / 9, 10.0, 1000.0])
-def test_jerk_of_a_planetary_drive_in_fifty_digits(ratio):
-    drive = esc.EllipticalPlanetary(ratio, 1.0)
-    found = esc.transmission_extrema(drive)
-    with mpmath.workdps(50):
-        k = mpmath.mpf(drive.ratio)
-
-        def g(x):
-            wide, high = mpmath.cos(k * x / 2) ** 2, mpmath.sin(k * x / 2) ** 2
-            return (k * k - 1) * wide / (wide + k * k * high)
-
-        near = found.jerk_max.angle
-        place = mpmath.findroot(lambda x: mpmath.diff(g, x, 3), (0.999 * near, 1.001 * near))
-        greatest, least = (float(mpmath.diff(g, x, 2)) for x in (place, 0))
-    assert found.jerk_max.value == pytest.approx(greatest, rel=1e-13)
-    assert found.jerk_min.value == pytest.approx(least, rel=1e-13)
-
-
-def test_jerk_of_a_pin_that_all_but_meets_the_axis_in_fifty_digits():
-    wheel = esc.GearDriven(12, "3999/1000")
-    found = esc.transmission_extrema(wheel)
-    first, one, second, other = wheel.arms
-    with mpmath.workdps(50):
-
-        def angle(x):
-            pin = first * mpmath.expj(one * x) + second * mpmath.expj(other * x)
-            return -mpmath.arg(pin)
-
-        least = float(mpmath.diff(angle, mpmath.mpf(wheel.breaks[0]), 3))
-    assert found.jerk_min.angle == wheel.breaks[0]
-    assert found.jerk_min.value == pytest.approx(least, rel=1e-8)

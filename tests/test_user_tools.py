@@ -2,7 +2,6 @@
 
 import json
 import pickle
-import subprocess
 import sys
 from dataclasses import replace
 from importlib.util import find_spec
@@ -17,7 +16,6 @@ import escapement as esc
 from crash_tools import NAMES
 from escapement.base.errors import CannotCreate, InputFileError, InvalidValue, MissingPackage
 from escapement.study.reader import read_configuration
-from escapement.study.result import RESULTS
 from escapement.study.table_files import read_rows
 from study_tools import TIMER, study
 
@@ -166,37 +164,6 @@ def test_a_package_that_is_missing_is_told_in_a_line(tmp_path, monkeypatch, pack
     assert f"needs {package}, which is not installed; install it in a clone" in str(caught.value)
     assert caught.value.exit_code == 2
     assert list(tmp_path.iterdir()) == []
-
-
-MEMORY = """
-import sys
-import h5py, numpy, pandas, xarray
-import escapement as esc
-from escapement.study import reader
-
-def used(key):
-    return next(int(x.split()[1]) for x in open("/proc/self/status") if x.startswith(key)) / 1024
-
-before = used("VmRSS")
-study = esc.read_study(sys.argv[1])
-line = study.at(friction=float(study["friction"][3]))["period"]
-assert line.shape == (1, 10_000) and study.cases == 10**7
-print(used("VmHWM") - before)
-"""
-
-
-@pytest.mark.skipif(sys.platform != "linux", reason="needs /proc")
-def test_a_line_of_ten_million_cases_takes_little_memory(tmp_path):
-    small = study((2, 2))
-    shape = (1000, 10_000)
-    axes = {"friction": np.linspace(0.1, 0.3, shape[0]), "torque": np.linspace(1.0, 2.0, shape[1])}
-    zeros = {name: np.zeros(shape, RESULTS[name].dtype) for name in ("period", "status")}
-    told = small.configuration | {"results": ["period"]}
-    whole = replace(small, axes=axes, results=zeros, configuration=told)
-    esc.write_study(whole, tmp_path / "a.h5")
-    command = [sys.executable, "-c", MEMORY, tmp_path / "a.h5"]
-    found = subprocess.run(command, stdout=subprocess.PIPE, text=True, check=True)
-    assert float(found.stdout) < 30.0
 
 
 # --- arrays of a file ------------------------------------------------------------------------
