@@ -11,7 +11,7 @@ import pytest
 import escapement as esc
 from bad_calls import BAD, INERTIA, MACHINES, WHEEL, built, fault, maker, outside, study, wheel
 from escapement.base.errors import InvalidValue
-from escapement.base.quantity import Quantity, Truth
+from escapement.base.quantity import Truth
 from escapement.cli import main
 from escapement.cli._arguments import option, parser_of
 from escapement.engines.solver import Solver

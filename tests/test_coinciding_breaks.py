@@ -4,6 +4,8 @@ Behind a spring that is spent at dead centre the force vanishes there together w
 acceleration, so that rounding would decide on reversals and extrema. `ivp` is the judge.
 """
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 

@@ -1,13 +1,14 @@
 """Torque of a drive at constant speed against independent computations."""
 
 import math
+from dataclasses import dataclass
 
 import numpy as np
 import pytest
 from scipy.integrate import quad
 
 import escapement as esc
-from any_path import each_wheel
+from any_path import Plain, each_wheel
 from escapement.base.errors import InvalidValue
 from escapement.mechanisms.slotted import radius
 from tabulated_drive import DRIVE, measured

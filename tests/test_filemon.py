@@ -10,7 +10,9 @@ import pytest
 import escapement as esc
 from escapement.constant_speed import geneva
 from escapement.sources import filemon
+from escapement.sources.filemon.nomograms import NOMOGRAMS, plot_nomogram
 from escapement.sources.report import digits
+from figure_tools import by_id
 
 # every cell that is wrong, recomputed by hand in another program, and the rule behind it
 ERRATA = {
@@ -99,6 +101,30 @@ def test_limit_angles():
     np.testing.assert_allclose(found, LIMIT_ANGLES, atol=5e-4)
     by_root = esc.reversal_study(np.arange(3, 101), 1e15).torque_max_angle
     np.testing.assert_allclose(geneva.limit_angle(np.arange(3, 101)), by_root, rtol=1e-11)
+
+
+# --- figures ------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("name", NOMOGRAMS)
+def test_nomograms_can_be_read_by_hand(name):
+    """A ruler on the printed sheet gives the torque; rulings are at least 0.4 mm apart."""
+    sheet = NOMOGRAMS[name]
+    figure = plot_nomogram(sheet)
+    figure.draw_without_rendering()
+    left, right = figure.axes
+    for ax, axis in ((left, "x"), (left, "y"), (right, "x")):
+        rulings = by_id(ax, f"rulings-{axis}")
+        starts = rulings.get_transform().transform([ends[0] for ends in rulings.get_segments()])
+        pixels = np.sort(starts[:, "xy".index(axis)])
+        assert np.diff(pixels).min() / figure.dpi * 25.4 > 0.4
+    for n, line in zip(sheet.slots, left.lines, strict=False):
+        ratio = 0.37 * sheet.ratios[1]
+        factor = np.exp(np.interp(np.log(ratio), *np.log(line.get_data())))
+        drive = esc.index(esc.Geneva(n, pins=1), 1.0, 2.5, follower_inertia=2.5 * ratio)
+        assert 2.5 * factor == pytest.approx(getattr(drive, sheet.column), rel=1e-3)
+        assert left.get_ylim()[0] <= factor <= left.get_ylim()[1]
+        assert right.get_xlim()[0] <= 2.5 * factor <= right.get_xlim()[1]
 
 
 # --- command line -------------------------------------------------------------------------

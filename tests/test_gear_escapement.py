@@ -5,7 +5,6 @@ import pytest
 
 from escapement import Escapement, GearDriven, Inertia, sweep
 from escapement.base.errors import InvalidValue
-from escapement.base.status import Status
 from escapement.constant_speed import index
 
 DRIVES = [

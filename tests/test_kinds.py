@@ -5,11 +5,9 @@ import argparse
 import pytest
 
 from escapement import mechanisms
-from escapement.base.quantity import quantity
 from escapement.cli import _arguments
 from escapement.cli._arguments import Parser, UsageError
-from escapement.mechanisms import Geneva
-from escapement.mechanisms.kind import Kind
+from escapement.mechanisms import GearDriven
 
 
 def understand(*argv):

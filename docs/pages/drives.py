@@ -11,6 +11,7 @@ from escapement.plots.planetary import plot_planetary
 from escapement.plots.style import legend_above
 from escapement.sources import meyer
 from escapement.sources.filemon.filemon_figures import plot_reversal_curves
+from escapement.sources.filemon.nomograms import NOMOGRAMS, plot_nomogram
 from escapement.sources.prikhodko.prikhodko_figures import (
     plot_position_function,
     plot_velocity_plans,
@@ -57,6 +58,14 @@ def indexing_cam() -> Figure:
 def reversal_curves() -> Figure:
     """Filemon's figure 10."""
     return plot_reversal_curves().figure
+
+
+@drawn
+def nomogram() -> Figure:
+    """A nomogram from which torques are read by hand."""
+    figure = plot_nomogram(NOMOGRAMS["16b"])
+    figure.set_size_inches(9.6, 6.6)
+    return figure
 
 
 PLANETARY = esc.EllipticalPlanetary(sun_radius=0.016, planet_radius=0.009)

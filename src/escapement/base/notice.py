@@ -6,9 +6,12 @@ import os
 import sys
 import time
 
+_AGAIN = 10.0
+"""Time between two lines on the progress of compiling [s]."""
+
 
 class Notice:
-    """Explains the wait on first use in a line, and counts what is compiled.
+    """Explains the wait on first use, with a line of progress now and then.
 
     Numba compiles under a lock, so calls never overlap. The garbage collector rests meanwhile: it
     would look through all objects of the compiler again and again.
@@ -21,7 +24,7 @@ class Notice:
     def __init__(self) -> None:
         self.silent = bool(os.environ.get("ESCAPEMENT_QUIET"))
         self._depth = self.done = 0
-        self._start = self.spent = 0.0
+        self._start = self.spent = self._shown = 0.0
         self._collects = False
         self._said: set[str] = set()
         self.lost = ""
@@ -50,6 +53,9 @@ class Notice:
         """It is compiled."""
         self._depth, self.done = self._depth - 1, self.done + 1
         self.spent = time.monotonic() - self._start
+        if self.spent > self._shown + _AGAIN:
+            self._shown = self.spent
+            self._say(f"compiled {self.done} functions in {self.spent:.0f} s")
         if self._depth == 0 and self._collects:
             gc.enable()
 

@@ -132,10 +132,12 @@ def reproduce(units: str | None = None) -> report.Reproduction:
 
 
 def _panels() -> report.Panels:
-    """Figures 3 to 12 and 15; the scan does not contain the nomograms 13, 14 and 16."""
+    """Figures 3 to 12 and 15, and the nomograms 13 and 16."""
     from escapement.sources.filemon.filemon_figures import FIGURES
+    from escapement.sources.filemon.nomograms import NOMOGRAMS, plot_nomogram
 
-    return {f"filemon_figure_{name}": plot for name, plot in FIGURES.items()}
+    sheets = {name: partial(plot_nomogram, sheet) for name, sheet in NOMOGRAMS.items()}
+    return {f"filemon_figure_{name}": plot for name, plot in (FIGURES | sheets).items()}
 
 
 def _why(slots: int, column: str, printed: str, value: float) -> Iterator[str]:
