@@ -20,8 +20,7 @@ THICK = replace(IDEAL.mechanism, crank_radius=0.01, pin_radius=0.0005)
 @pytest.mark.parametrize(
     ("timer", "kind"),
     [
-        (IDEAL, Kind.IDEAL),
-        (replace(IDEAL, load_torque=0.001), Kind.IDEAL),
+        (replace(IDEAL, load_torque=0.001), Kind.STEADY),
         (replace(IDEAL, mechanism=THICK), Kind.STEADY),
         (replace(IDEAL, driver_drag=1e-8, driver_bearing_torque=1e-4), Kind.STEADY),
         (replace(IDEAL, follower_viscous=1e-6), Kind.WHOLE),
@@ -31,7 +30,7 @@ THICK = replace(IDEAL.mechanism, crank_radius=0.01, pin_radius=0.0005)
 )
 def test_each_kind_gives_the_bits_of_the_whole(timer, kind):
     scene = timer.scene
-    assert kind_of(scene.path, scene.torque, scene[FIXED:]) == kind
+    assert kind_of(scene.torque, scene[FIXED:]) == kind
     cells, found = cells_of(scene.path, scene.edges), []
     for each in Kind:
         if each >= kind:

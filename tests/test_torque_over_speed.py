@@ -221,8 +221,8 @@ def test_only_a_torque_over_the_speed_needs_its_kernels():
     others = {"torque": esc.Motor(0.02, 300.0)}, {"spring_rate": 1e-4}, {"follower_viscous": 1e-6}
 
     def kind(timer):
-        return kind_of(timer.scene.path, timer.scene.torque, timer.scene[FIXED:])
+        return kind_of(timer.scene.torque, timer.scene[FIXED:])
 
-    assert kind(TIMER) == Kind.IDEAL
+    assert kind(TIMER) == Kind.STEADY
     assert {kind(replace(TIMER, **other)) for other in others} == {Kind.WHOLE}
     assert kind(replace(TIMER, torque=FALLING)) == Kind.SPEED

@@ -102,13 +102,11 @@ def _solve_others() -> None:
     esc.terminal(esc.Escapement(wheel, inertia, _TORQUE, friction=2.0))
 
 
-def _compile_for_losses() -> None:
-    """The long kernels for losses in bearings and air, and for torques over the speed."""
-    from escapement.dynamics.needs import Kind
+def _compile_for_speed() -> None:
+    """The long kernels for torques over the speed."""
     from escapement.engines.energy.calls import kernel_addresses
 
-    for kind in (Kind.SPEED, Kind.STEADY):
-        kernel_addresses(kind)
+    kernel_addresses()
 
 
 def _solve_contact() -> None:
@@ -145,5 +143,5 @@ def _solve_drives() -> None:
 
 
 _FIRST = _solve_free, _solve_others
-_APART = _compile_for_losses, _solve_contact, _solve_two_bodies, _solve_drives
+_APART = _compile_for_speed, _solve_contact, _solve_two_bodies, _solve_drives
 """What two processes solve, which takes both about as long."""

@@ -19,7 +19,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from escapement.constant_speed.wall_changes import follower_moment, reversals_between
+from escapement.constant_speed.wall_changes import follower_moment, reversals_between, united
 from escapement.dynamics.law import (
     dragged_slope,
     friction_ratio,
@@ -176,7 +176,7 @@ def cycle_figures(packed, edges, half, efficiency):
 def figures_of(scene, edges, half, efficiency):
     """As `cycle_figures`, of a scene."""
     reversals = reversals_between(edges, scene)
-    cuts = np.sort(np.concatenate((edges, reversals, np.array([half]))))
+    cuts = united(united(edges, reversals), np.full(1, half))
     samples, square, pose = np.empty((N + 2, RUBBING + 1)), np.empty(N), np.empty((4, N))
     tops, angles = np.full(len(_SIGNS), -np.inf), np.full(len(_SIGNS), np.nan)
     waiting, used = np.empty((_WAITING, _ROW)), 0
@@ -187,8 +187,7 @@ def figures_of(scene, edges, half, efficiency):
         side = 1.0 if follower_moment(middle, scene) >= 0.0 else -1.0
         slide = sliding_sign(middle, side, scene)
         pending[0, 0], pending[0, 1] = cuts[j], cuts[j + 1]
-        count = 1 if cuts[j + 1] > cuts[j] else 0
-        last_side = side if count else last_side
+        count, last_side = 1, side
         while count > 0:
             count -= 1
             left, right = pending[count, 0], pending[count, 1]

@@ -5,6 +5,7 @@ import numpy as np
 from escapement.constant_speed.cycle_figures import CycleFigures, figures_of, join_steps
 from escapement.constant_speed.knock import Knock, hardest_knock
 from escapement.constant_speed.ringing import ringing
+from escapement.constant_speed.wall_changes import united
 from escapement.dynamics.law import scene_of, scene_with
 from escapement.dynamics.load import cell_of_round, has_load_curve, in_torque_units
 from escapement.dynamics.needs import NUMBERS
@@ -51,7 +52,7 @@ def fill_rows(packed, half, numbers, units, over, table):
             if has_load_curve(shared):
                 knots, load = cell_of_round(shared.load_curve, k)
                 step = altered(scene, "load_curve", _in_units(load, units[i]))
-                cuts = np.unique(np.concatenate((edges, knots)))
+                cuts = united(edges, knots)
             figures, _reversals = figures_of(step, cuts, half, row[EFFICIENCY])
             _put(steps[k], 0, figures)
         _put(found, 0, join_steps(steps, exit_ - entry + shared.dwell))

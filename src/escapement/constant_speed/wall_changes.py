@@ -117,3 +117,18 @@ def _least(low, high, sign, scene):
         else:
             high = middle
     return 0.5 * (low + high)
+
+
+@inner_jit(allocates=True)
+def united(one, other):
+    """The values of two ascending rows as one ascending row, each value once."""
+    # `np.union1d` and `np.sort` take longer to compile
+    found, used, i, j = np.empty(one.size + other.size), 0, 0, 0
+    while i < one.size or j < other.size:
+        if j == other.size or (i < one.size and one[i] <= other[j]):
+            value, i = one[i], i + 1
+        else:
+            value, j = other[j], j + 1
+        if used == 0 or value > found[used - 1]:
+            found[used], used = value, used + 1
+    return found[:used]

@@ -121,7 +121,7 @@ def signed_loss(side, scene):
     return scene.mu_plus if side > 0.0 else -scene.mu_minus
 
 
-@where_known("pin", lambda scene: True)
+@inner_jit
 def is_ideal(scene):
     """Whether the pin is thin and slides towards the axis, and the journals have no friction."""
     plain = scene.pin == 0.0 and scene.driver_journal == 0.0 and scene.follower_journal == 0.0
@@ -190,7 +190,7 @@ def friction_ratio(g, u, radius, side, scene, slide_sign=0.0, ratio_sign=0.0):
     return (friction * slide + side * lost) / lever
 
 
-@where_known("follower_drag", lambda g, dg, scene, turn=0.0: dg)
+@inner_jit
 def dragged_slope(g, dg, scene, ratio_sign=0.0):
     """k = g' + c_f g |g|."""
     return dg + scene.follower_drag * (g * sign_of(g, ratio_sign) * g)
@@ -202,7 +202,7 @@ def root_of(w, scene):
     return np.sqrt(max(w, 0.0)) if is_viscous(scene) else 0.0
 
 
-@where_known("driver_drag", lambda pull, w, root, scene: pull)
+@inner_jit
 def drive(pull, w, root, scene):
     """D: torque of the drive minus the driver's drag at the squared speed w; see `root_of`."""
     return pull - scene.driver_drag * w - scene.driver_viscous * root

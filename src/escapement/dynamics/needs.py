@@ -1,8 +1,8 @@
 """What a scene needs is part of its type, so that kernels are compiled for that alone.
 
-A scene of kind `Kind.IDEAL` has friction and a load, one of kind `Kind.STEADY` also losses in pins,
-bearings and air, one of kind `Kind.WHOLE` has everything but a torque over the speed, and one of
-kind `Kind.SPEED` has that too. In the longest kernels, numbers that a kind does without are
+A scene of kind `Kind.STEADY` has a constant torque and load, and losses in pins, bearings and air,
+one of kind `Kind.WHOLE` has everything but a torque over the speed, and one of kind `Kind.SPEED`
+has that too. In the longest kernels, numbers that a kind does without are
 `Known`: what they decide is decided when a kernel is compiled, and neither passed on nor computed.
 All other kernels are compiled once, for scenes of any kind.
 """
@@ -14,8 +14,6 @@ import numba
 import numpy as np
 from numba.extending import intrinsic
 
-from escapement.mechanisms.path import Path
-from escapement.mechanisms.slotted import offset_of
 from escapement.model.scene import Scene
 from escapement.numerics.jit import in_both_forms
 from escapement.numerics.known import Known
@@ -29,9 +27,6 @@ CONSTANT: Any = (0.0, 0.0, 1.0)
 NO_CURVE: Any = (0.0,)
 """No load that changes, and no fall of the torque, as `Scene.load_curve` and `fall` hold it."""
 _NO, _ONE, _UNKNOWN = Known(0.0), Known(1.0), Known(-1.0)
-_LOSSES = dict.fromkeys(
-    ("bearing", "driver_drag", "follower_drag", "pin", "driver_journal", "follower_journal"), _NO
-)
 _REST = {
     **dict.fromkeys(("driver_viscous", "follower_viscous", "motor"), _NO),
     **dict.fromkeys(("barrel", "load_train"), _NO),
@@ -44,37 +39,33 @@ _AT_ALL_SPEEDS = {"pace": _NO}
 class Kind(IntEnum):
     """How much a scene needs; each kind can do what those before it can."""
 
-    IDEAL = 0
-    STEADY = 1
-    WHOLE = 2
-    SPEED = 3
+    STEADY = 0
+    WHOLE = 1
+    SPEED = 2
 
 
 _KNOWN: dict[Kind, dict[str, Any]] = {
-    Kind.IDEAL: {**_LOSSES, **_REST, **_AT_ALL_SPEEDS},
     Kind.STEADY: {**_REST, **_AT_ALL_SPEEDS},
     Kind.WHOLE: _AT_ALL_SPEEDS,
     Kind.SPEED: {},
 }
 """The numbers that scenes of a kind do without."""
-_PLAIN = np.array([float(_KNOWN[Kind.IDEAL].get(name, np.nan)) for name in NUMBERS])
+_PLAIN = np.array([float(_KNOWN[Kind.STEADY].get(name, np.nan)) for name in NUMBERS])
 _WITHOUT = {kind: [NUMBERS.index(name) for name in known] for kind, known in _KNOWN.items()}
 
 
-def kind_of(path: Path, torque: Any, numbers: Any) -> Kind:
-    """The least kind that can do scenes of one path and torque.
+def kind_of(torque: Any, numbers: Any) -> Kind:
+    """The least kind that can do scenes of one torque.
 
     Parameters
     ----------
-    path, torque : as in `Scene`.
+    torque : as in `Scene`.
     numbers : for each of `NUMBERS` a number, or an array of those of many scenes.
     """
-    least = Kind.IDEAL if len(torque) == len(CONSTANT) else Kind.WHOLE
+    least = Kind.STEADY if len(torque) == len(CONSTANT) else Kind.WHOLE
     plain = (np.reshape(numbers, (len(NUMBERS), -1)) == _PLAIN[:, None]).all(axis=1)
     for kind in Kind:
-        # only a slot through the axis is ideal
-        fits = kind > Kind.IDEAL or offset_of(path) == 0.0
-        if kind >= least and fits and plain[_WITHOUT[kind]].all():
+        if kind >= least and plain[_WITHOUT[kind]].all():
             return kind
     return Kind.SPEED
 

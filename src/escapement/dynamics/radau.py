@@ -264,6 +264,14 @@ def attempt(y, h, mode, case, rtol, work):
 
 
 @inner_jit
+def go_on(y, work):
+    """Make the end of the last step the start of the next one."""
+    for k in range(STATE):
+        y[k], work.stages[0, k] = work.end[k], work.stages[STAGES, k]
+    work.span[1] = 1.0
+
+
+@inner_jit
 def growth(error):
     """Factor on the length of a step with this error, for that of the next one."""
     return min(max(0.9 * error ** (-1.0 / 6.0), 0.2), 6.0) if error > 0.0 else 6.0

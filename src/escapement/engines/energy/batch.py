@@ -9,7 +9,7 @@ import numpy as np
 from escapement.base.status import Status
 from escapement.dynamics.figure_table import PEAKS
 from escapement.dynamics.law import scene_of, scene_with
-from escapement.dynamics.needs import CONSTANT, NO_CURVE, NUMBERS, Kind, kind_of
+from escapement.dynamics.needs import CONSTANT, NO_CURVE, NUMBERS, kind_of
 from escapement.dynamics.painleve import (
     FrictionLimit,
     beyond_painleve,
@@ -155,13 +155,11 @@ def solve(
     rows = np.ascontiguousarray(numbers.T, dtype=float)
     table, status = np.empty((len(rows), FIGURES)), np.zeros(len(rows), dtype=np.uint8)
     scene, own_pins = _shared(mechanism, rows if errors is None else rows[:0])
-    kind, size, at_once = kind_of(scene.path, CONSTANT, numbers[:_COUNT]), 0, max(len(rows), 1)
+    kind, size, at_once = kind_of(CONSTANT, numbers[:_COUNT]), 0, max(len(rows), 1)
     wheel: Any = mechanism
     if errors is not None:
         size = int(np.lcm(errors[1].shape[1], errors[2].shape[1]))
         at_once = max(_AT_ONCE // size, 1)
-        if errors[2][:, :, 1].any():  # an ideal slot has no offset
-            kind = max(kind, Kind.STEADY)
     fixed = kernel_addresses(kind), packed(scene)
     cells = NO_CELLS if size or own_pins else cells_of(scene.path, scene.edges)
     for first in range(0, len(rows), at_once):
@@ -201,7 +199,7 @@ def peaks(
     rows, speeds = np.ascontiguousarray(numbers.T, dtype=float), np.ascontiguousarray(speeds)
     scene, own_pins = _shared(mechanism, rows)
     table = np.tile([0.0 if name in wanted else np.inf for name in PEAKS], (len(rows), 1))
-    kind = kind_of(scene.path, CONSTANT, numbers[:_COUNT])
+    kind = kind_of(CONSTANT, numbers[:_COUNT])
     cells = NO_CELLS if own_pins else cells_of(scene.path, scene.edges)
     peak_rows(kernel_addresses(kind), packed(scene), cells, NO_PATTERN, rows, speeds, rtol, table)
     return {name: column for name, column in zip(PEAKS, table.T, strict=True) if name in wanted}

@@ -99,7 +99,7 @@ def prepared(escapement: Escapement) -> tuple[Any, ...]:
     kept = escapement.kept
     if _KEY not in kept:
         scene, pattern = scene_and_pattern(escapement)
-        kind = max(kind_of(one.path, one.torque, one[FIXED:]) for one in escapement.scenes)
+        kind = max(kind_of(one.torque, one[FIXED:]) for one in escapement.scenes)
         kind = max(kind, Kind.WHOLE) if scene.load_curve.size > 1 else kind
         cells = NO_CELLS if pattern.size else cells_of(scene.path, scene.edges)
         kept[_KEY] = kernel_addresses(kind), packed(scene), cells, pattern

@@ -48,6 +48,8 @@ def workspace():
     kernel that needs the record in a loop takes it from this memory within the loop.
     """
     memory = np.empty(1, WORKSPACE)
-    memory[0].nodes[:] = POINTS
+    # assigning to a slice takes longer to compile
+    for i in range(N):
+        memory[0].nodes[i] = POINTS[i]
     memory[0].points = N
     return memory

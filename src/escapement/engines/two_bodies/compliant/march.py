@@ -14,6 +14,7 @@ from escapement.dynamics.radau import (
     ROUNDING,
     STAGES,
     attempt,
+    go_on,
     growth,
     locate,
     prepare,
@@ -285,7 +286,7 @@ def march(y, clocks, held, bodies, pitches, deepest, rtol, engagements, end, lim
             continue
         idle = idle + 1 if h <= ROUNDING * clock.time else 0
         clock.time = end if end - clock.time <= h else clock.time + h
-        y[:], work.stages[0], work.span[1] = work.end, work.stages[STAGES], 1.0
+        go_on(y, work)
         if max(abs(y[2]), abs(y[3])) > 10.0 * joint.slip:
             clock.moved = clock.time
         _write(rows[n], clock, case, y, work.series)
