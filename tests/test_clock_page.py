@@ -35,3 +35,10 @@ def test_rate_and_amplitude_are_those_of_the_page(name):
     late = 86400.0 * (cycle.period / (2.0 * math.pi) - 1.0)
     row = f"| {name} | {cycle.period:.6f} | {late:.2f} | {math.degrees(amplitude):.3f} |"
     assert row in PAGE.read_text(encoding="utf-8")
+
+
+def test_the_contraction_of_a_clock_is_that_of_its_swings():
+    """What is left of the way to the cycle shrinks by it in every full swing."""
+    cycle = esc.terminal(CLOCK)
+    speeds = esc.simulate(CLOCK, engagements=60).handoff_velocities - cycle.handoff_velocity
+    assert speeds[-1] / speeds[-2] == pytest.approx(cycle.contraction, rel=1e-3)

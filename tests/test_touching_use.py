@@ -79,8 +79,8 @@ def test_what_needs_a_transmission_is_refused():
 @pytest.mark.parametrize(
     ("argv", "told"),
     [
-        (("b.csv", "--beats", "deadbeat", "--wheel-radius", 1), "--wheel-radius must not come"),
-        (("b.csv", "--beats", "deadbeat", "--fit", "both"), "--fit must not come with beats"),
+        (("--beats", "b.csv", "deadbeat", "--wheel-radius", 1), "--wheel-radius must not come"),
+        (("--beats", "b.csv", "deadbeat", "--fit", "both"), "--fit must not come with beats"),
         (("a.csv", "runaway", "--pin-radius", 1), "angles of a runaway .* add --fit friction,torq"),
     ],
 )

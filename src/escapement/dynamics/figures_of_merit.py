@@ -101,7 +101,8 @@ class Figures(JudgedResult, Shown):
         the start [s], see `fall_times`. They do not jump.
     handoff_velocity : driver speed at the terminal handoff [rad/s].
     contraction : factor by which the cycle shrinks a small deviation of the squared handoff
-        speed from its terminal value [-].
+        speed from its terminal value [-]; of pallets that by which a pitch, of clocks a full
+        swing, shrinks the deviation that lasts longest.
     acceleration_max, follower_acceleration_max : greatest magnitudes over the
         terminal cycle [rad/s^2].
     contact_moment_max : greatest magnitude of the moment on the follower [N m].

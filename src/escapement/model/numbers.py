@@ -33,9 +33,10 @@ def numbers_of(escapement: Escapement) -> dict[str, float]:
             found[entry.name] = float(settings[entry.name])
     found = {"torque": settings["torque"], **found, **numbers_of_trains(escapement.trains)}
     if mechanism.pitch is not None:
-        numbers = quantities(type(mechanism))
+        numbers = quantities(type(mechanism)).items()
+        varies = {name: x.default for name, x in numbers if not (x.whole or x.half)}
         for name, value in mechanism.settings.items():
-            if name in numbers and not numbers[name].whole and value != numbers[name].default:
+            if name in varies and value != varies[name]:
                 found[name] = float(value)
     elif length and not meshed:
         lengths = mechanism.lengths.items()

@@ -17,7 +17,7 @@ from escapement.dynamics.figure_table import FIGURES
 from escapement.dynamics.figures_of_merit import Figures
 from escapement.engines import simulate as simulation
 from escapement.model.escapement import Escapement
-from escapement.model.numbers import full_torque, with_number
+from escapement.model.numbers import full_torque, numbers_of, with_number
 from escapement.model.similar import similar
 from escapement.tolerance.derivatives import slopes_of
 from escapement.tolerance.differences import Slope
@@ -29,11 +29,12 @@ _PEAKS = {
     "acceleration_max": "driver acceleration", "follower_acceleration_max": "follower acceleration",
     "contact_force_max": "contact force",
 }  # fmt: skip
+_FIGURES = ("period", "rise_time", "settling_time", *_PEAKS)
 COMPARED: dict[str, Result] = {
     "torque": Result("torque", "torque of the drive"),
     "total_inertia": Result("inertia", "sum of both moments of inertia"),
     "turn_deg": Result("degrees", "angle that the driver turns in a period"),
-    **{name: FIGURES[name] for name in ("period", "rise_time", "settling_time")},
+    **{name: FIGURES[name] for name in _FIGURES[:3]},
     **{
         f"period_by_{name}": Result("ratio", f"per cent of period per per cent of {name}")
         for name in _BY
@@ -106,20 +107,14 @@ def compare(
         raise validate.fail("escapements", "two or more designs", len(escapements), "give another")
     designs = [_cycle(one, k) for k, one in enumerate(escapements)]
     if equal_period:
-        (first, leading), *_ = designs
-        designs = [
-            _cycle(
-                similar(
-                    one, full_torque(first) / full_torque(one), leading.period / figures.period
-                ),
-                k,
-            )
-            for k, (one, figures) in enumerate(designs)
-        ]
+        first, leading = designs[0]
+        for k, (one, figures) in enumerate(designs):
+            torque, time = full_torque(first) / full_torque(one), leading.period / figures.period
+            designs[k] = _cycle(similar(one, torque, time), k)
     kinds = [one.mechanism.kind for one, _ in designs]
+    names = [f"{kind} {k}" if kinds.count(kind) > 1 else kind for k, kind in enumerate(kinds, 1)]
     return tuple(
-        _compared(f"{kind} {k + 1}" if kinds.count(kind) > 1 else kind, *design, stiffness)
-        for k, (kind, design) in enumerate(zip(kinds, designs, strict=True))
+        _compared(name, *design, stiffness) for name, design in zip(names, designs, strict=True)
     )
 
 
@@ -135,35 +130,27 @@ def _compared(
     name: str, escapement: Escapement, figures: Figures, stiffness: float | None
 ) -> Compared:
     """All values of one design, and the reasons for those that are missing."""
-    values = dict.fromkeys(COMPARED, math.nan)
-    reasons = dict[str, str]()
     referred: Any = escapement.referred
-    values["torque"] = full_torque(escapement)
-    values["total_inertia"] = referred["driver_inertia"] + referred["follower_inertia"]
-    values["turn_deg"] = degrees(escapement.mechanism.cell_angle)
-    for key in ("period", "rise_time", "settling_time", *_PEAKS):
-        values[key] = float(getattr(figures, key))
-        if key == "contact_force_max" and not escapement.mechanism.crank_radius:
-            reasons[key] = "a force needs a crank_radius"
-    found = _sensitivities(escapement, figures) | _rebound(escapement, figures)
-    found |= _losses(figures) | _blows(escapement, stiffness)
-    for key, value in found.items():
-        if isinstance(value, str):
-            reasons[key] = value
-        else:
-            values[key] = value
+    found: dict[str, Any] = {
+        "torque": full_torque(escapement),
+        "total_inertia": referred["driver_inertia"] + referred["follower_inertia"],
+        "turn_deg": degrees(escapement.mechanism.cell_angle),
+    } | {key: float(getattr(figures, key)) for key in _FIGURES}
+    if not escapement.mechanism.crank_radius:
+        found["contact_force_max"] = "a force needs a crank_radius"
+    found |= _sensitivities(escapement, figures) | _losses(figures)
+    found["period_with_rebound"] = _rebound(escapement, figures)
+    found |= _blows(escapement, stiffness)
+    reasons = {key: value for key, value in found.items() if isinstance(value, str)}
+    values = {key: math.nan if key in reasons else found.get(key, math.nan) for key in COMPARED}
     return Compared(name, escapement, figures, values, reasons)
 
 
 def _sensitivities(escapement: Escapement, figures: Figures) -> dict[str, float | str]:
     """Relative derivatives of the period, or the reason why there is none."""
     mechanism: Any = escapement.mechanism
-    given = {"torque": full_torque(escapement), "friction": escapement.friction}
-    given |= {
-        f"{body}_inertia": getattr(escapement.inertia, body) for body in ("driver", "follower")
-    }
-    given = {name: value for name, value in given.items() if value}
-    found: dict[str, float | str] = {}
+    numbers, found = numbers_of(escapement), dict[str, float | str]()
+    given = {name: numbers[name] for name in _BY if numbers.get(name)}
     if not escapement.friction:
         found["period_by_friction"] = "there is no friction in the contact"
     apart, size = "centre_distance", float(mechanism.crank_radius or 0.0)
@@ -193,18 +180,10 @@ def _sensitivities(escapement: Escapement, figures: Figures) -> dict[str, float 
     return found
 
 
-def _rebound(escapement: Escapement, figures: Figures) -> dict[str, float | str]:
+def _rebound(escapement: Escapement, figures: Figures) -> float | str:
     """Change of the period with another restitution."""
-    key = "period_with_rebound"
-    if not escapement.contact:
-        return {key: "pins fit their slots exactly, without blows"}
-    try:
-        found = simulation.terminal(replace(escapement, restitution=REBOUND))
-    except InvalidValue as error:
-        return {key: str(error)}
-    if found.status is not Status.OK:
-        return {key: f"with a restitution of {REBOUND:g}: {found.message}"}
-    return {key: found.period / figures.period - 1.0}
+    found = _changed(escapement, restitution=REBOUND)
+    return found if isinstance(found, str) else found.period / figures.period - 1.0
 
 
 def _losses(figures: Figures) -> dict[str, float | str]:
@@ -219,16 +198,22 @@ def _losses(figures: Figures) -> dict[str, float | str]:
 
 def _blows(escapement: Escapement, stiffness: float | None) -> dict[str, float | str]:
     """Greatest accelerations and force where the bodies yield."""
-    keys = [f"{name}_in_blows" for name in _PEAKS]
-    if stiffness is None:
-        return dict.fromkeys(keys, "no stiffness is given")
+    found: Any = "no stiffness is given"
+    if stiffness is not None:
+        found = _changed(escapement, stiffness=stiffness)
+    return {
+        f"{name}_in_blows": found if isinstance(found, str) else float(getattr(found, name))
+        for name in _PEAKS
+    }
+
+
+def _changed(escapement: Escapement, **change: float) -> Figures | str:
+    """Figures of a design whose blows are changed, or the reason why there are none."""
     if not escapement.contact:
-        return dict.fromkeys(keys, "pins fit their slots exactly, without blows")
+        return "pins fit their slots exactly, without blows"
     try:
-        yielding = replace(escapement, stiffness=stiffness)
-        found = simulation.terminal(yielding)
+        found = simulation.terminal(replace(escapement, **change))  # type: ignore[arg-type]
     except InvalidValue as error:
-        return dict.fromkeys(keys, str(error))
-    if found.status is not Status.OK:
-        return dict.fromkeys(keys, f"with this stiffness: {found.message}")
-    return {key: float(getattr(found, name)) for key, name in zip(keys, _PEAKS, strict=True)}
+        return str(error)
+    ((name, value),) = change.items()
+    return found if found.status is Status.OK else f"with {name} {value:g}: {found.message}"

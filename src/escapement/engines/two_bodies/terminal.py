@@ -16,7 +16,7 @@ from escapement.dynamics.batch_spread import batch_spread
 from escapement.dynamics.codes import Ending
 from escapement.dynamics.figures_of_merit import Figures, cycle_figures
 from escapement.engines.two_bodies import simulate as following
-from escapement.engines.two_bodies.march import PAIR, SPEED, STEPS, THETA, TIME
+from escapement.engines.two_bodies.march import PAIR, SPEED, STEPS, THETA, TIME, TURNING
 from escapement.mechanisms.protocol import FloatArray
 from escapement.model.escapement import Escapement
 
@@ -127,17 +127,23 @@ def _figures(
         return replace(base, **cycle_figures(cycle), motion=cycle, message=message)
     if same > 10.0 * _SAME:
         base = replace(base, message=f"the pitches repeat to {same:.1g} of the speed")
-    ends = []
-    for share in (1.0 - 1e-5, 1.0 + 1e-5):
-        changed = state.copy()
-        changed[[SPEED, SPEED + 2]] *= share
-        ending, after, _theta, _end = following.march_from(escapement, changed, 1)
-        ends.append(after[-1, SPEED] ** 2 if ending == Ending.DONE else math.nan)
-    contraction = float((ends[1] - ends[0]) / (4e-5 * state[SPEED] ** 2))
     approach = following.motion_from(escapement, states[0], rtol, len(states) - 1, known=states)
-    found = cycle_figures(cycle) | {"contraction": contraction, "motion": cycle}
+    found = cycle_figures(cycle) | {"contraction": _contraction(escapement, state), "motion": cycle}
     start = float(states[0, SPEED] / escapement.time_unit)
     return replace(base, **found, approach=(start, approach))
+
+
+def _contraction(escapement: Escapement, state: FloatArray) -> float:
+    """Factor by which a pitch shrinks what a pitch before has left of a deviation; a pendulum's
+    amplitude then outlasts the speed of the wheel, which stops in every swing."""
+    ends = []
+    for share in (1.0 - 1e-4, 1.0 + 1e-4):
+        changed = state.copy()
+        changed[[SPEED, TURNING]] *= share
+        ending, after, _theta, _end = following.march_from(escapement, changed, 2)
+        ends.append(after[1:, _MOVING] if ending == Ending.DONE else np.full((2, 3), math.nan))
+    one, two = ends[1] - ends[0]
+    return float(two @ one / (one @ one))
 
 
 def _scattered(escapement: Escapement, base: Figures, states: FloatArray, rtol: float) -> Figures:
