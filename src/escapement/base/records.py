@@ -1,6 +1,6 @@
 """Records of what was computed, which print themselves from the declarations of their values."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
@@ -123,6 +123,17 @@ class Record:
             if rows or i:
                 print()
             table.show()
+
+
+def beside(records: Iterable[Record], system: str) -> list[list[str]]:
+    """A row for each single value of several records: its name, the values, and its unit."""
+    columns = [{row.name: row for row in one.rows(system)} for one in records]
+    lines = []
+    for name in dict.fromkeys(name for column in columns for name in column):
+        rows = [column.get(name) for column in columns]
+        unit = next((row.unit for row in rows if row is not None and row.unit), "")
+        lines.append([name, *("-" if row is None else row.value for row in rows), unit])
+    return lines
 
 
 def _lines(value: Any) -> list[Mapping[str, Any]]:

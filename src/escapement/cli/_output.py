@@ -16,7 +16,7 @@ from typing import Any
 import escapement as esc
 from escapement.base.errors import CannotCreate
 from escapement.base.files import FILMS, PAGES, check_target, creating, file_format, write_file
-from escapement.base.records import Record
+from escapement.base.records import Record, beside
 from escapement.base.spoken import speak
 from escapement.base.status import MESSAGES, Status
 from escapement.base.text import as_json, print_columns, words
@@ -112,17 +112,10 @@ def tell_several(args: Arguments, find: Callable[[Arguments], Found], name: str 
 
 def side_by_side(args: Arguments, records: Iterable[Record], heads: Iterable[str]) -> None:
     """Print the single values of several records, a column for each."""
-    shown = (one.without("message").rows(args.units) for one in records)
-    columns = [{row.name: row for row in rows} for rows in shown]
-    names = dict.fromkeys(name for column in columns for name in column)
-    lines, wide = [], max(map(len, names))
-    for name in names:
-        every = [column.get(name) for column in columns]
-        unit = next((row.unit for row in every if row is not None and row.unit), "")
-        lines.append(
-            [name.ljust(wide), *("-" if row is None else row.value for row in every), unit]
-        )
-    print_columns([["", *heads, ""]], lines)
+    lines = beside([one.without("message") for one in records], args.units)
+    wide = max(len(line[0]) for line in lines)
+    rows = [[line[0].ljust(wide), *line[1:]] for line in lines]
+    print_columns([["", *heads, ""]], rows)
 
 
 def speak_as(args: Arguments, path: Path, what: str) -> None:

@@ -26,8 +26,11 @@ NARROW = 24
 TALL = 28
 """Characters of a label that fit beside a panel."""
 _WIDE = 3.0  # from this ratio of the greatest result to the least, contours are in even ratios
-_STEPS = {1.0: (1.0, 1.5, 2.0, 3.0, 5.0, 7.0), 3.0: (1.0, 2.0, 5.0), np.inf: (1.0,)}
-"""Round numbers within a decade, by the greatest number of decades that they suit."""
+_STEPS = (
+    (1.0,), (1.0, 3.0), (1.0, 2.0, 5.0), (1.0, 1.5, 2.0, 3.0, 5.0, 7.0),
+    (1.0, 1.2, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0, 8.0),
+)  # fmt: skip
+"""Round numbers within a decade, in ratios that are about equal."""
 _EDGE = 0.04  # closer to the frame than this share of the map a number does not fit
 
 
@@ -116,8 +119,10 @@ def _levels(low: float, high: float, count: int) -> FloatArray:
     if not 0.0 < _WIDE * low < high:
         return np.asarray(ticker.MaxNLocator(count).tick_values(low, high))
     decades = np.log10(high / low)
-    steps = next(numbers for most, numbers in _STEPS.items() if decades <= most)
-    found = np.asarray(ticker.LogLocator(subs=steps).tick_values(low, high))
+    steps = min(_STEPS, key=lambda numbers: abs(len(numbers) * decades - count))
+    # the locator's own ends may lie within those of the results
+    locator = ticker.LogLocator(subs=steps, numticks=99)
+    found = np.asarray(locator.tick_values(0.1 * low, 10.0 * high))
     return found[np.searchsorted(found, low, "right") - 1 : np.searchsorted(found, high) + 1]
 
 

@@ -6,7 +6,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from escapement import plots
-from escapement.base.records import Record
+from escapement.base.records import Record, beside
 from escapement.base.results import Result
 from escapement.base.spoken import spoken
 from escapement.dynamics.figure_record import record_of
@@ -37,7 +37,7 @@ def of_friction(found: Designs) -> str:
     asked, first = found.requirement, found.designs[0].timer
     low, high = asked.friction
     frictions = [*dict.fromkeys((low, first.friction, high))]
-    columns = []
+    records = []
     for friction in frictions:
         timer = replace(first, friction=friction)
         record = record_of(terminal(timer), timer)
@@ -45,11 +45,7 @@ def of_friction(found: Designs) -> str:
             run = rundown(timer, turns=asked.turns)
             told = {"run_time": run.end_time, "run_ends": run.message}
             record |= Record(told, {"run_time": Result("time", "time of the whole run")})
-        columns.append({row.name: row for row in record.rows(spoken())})
+        records.append(record)
     header = "", *(f"friction {friction:g}" for friction in frictions), "unit"
-    rows = []
-    for name, row in columns[0].items():
-        values = [column[name].value if name in column else "-" for column in columns]
-        if not {*values} <= {"-", "done"}:
-            rows.append((name, *values, row.unit))
+    rows = [row for row in beside(records, spoken()) if not {*row[1:-1]} <= {"-", "done"}]
     return sections.section("Over the range of friction", sections.table(header, rows))
