@@ -19,8 +19,6 @@ from escapement.mechanisms.protocol import FloatArray
 
 LEVEL = 0.95
 """Confidence of every interval."""
-ROUNDING = 1e-12
-"""Ends of intervals that differ by less, as a share, are equal."""
 Influence = tuple[float, FloatArray]
 """A statistic of a sample, and the influence of each case."""
 
@@ -33,19 +31,9 @@ class Estimate(NamedTuple):
     high: float
 
 
-def outwards(low: float, high: float, step: float) -> tuple[float, float]:
-    """The ends of an interval at multiples of a step, none of them within the interval."""
-    # an end that is a multiple itself must stay one
-    return (
-        step * math.floor(low / step * (1.0 + ROUNDING * math.copysign(1.0, low))),
-        step * math.ceil(high / step * (1.0 - ROUNDING * math.copysign(1.0, high))),
-    )
-
-
 def per_cent(share: Estimate) -> str:
-    """The interval of a share in per cent, rounded outwards to a tenth: "67.6 to 69.0"."""
-    low, high = outwards(100.0 * share.low, 100.0 * share.high, 0.1)
-    return f"{low:.1f} to {high:.1f}"
+    """The interval of a share in per cent: "67.6 to 69.0"."""
+    return f"{100.0 * share.low:.1f} to {100.0 * share.high:.1f}"
 
 
 def mean(values: FloatArray) -> Influence:
