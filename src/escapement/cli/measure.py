@@ -25,7 +25,6 @@ _COLUMNS = {
     "--time-column": "of the times, which --fit needs (default: time, t or timestamp)",
 }
 _TESTS = {
-    "chi_squared": "chi-squared",
     "chi_squared_published": "chi-squared as published",
     "anderson_darling": "Anderson-Darling",
 }
@@ -66,10 +65,7 @@ def configure(parser: Parser) -> None:
     text = "reading of the output at which the follower angle is zero"
     add_number(zeros, "offset", text, "DEG", needs="phase", **rule)
     statistics = parser.add_argument_group("statistics")
-    text = (
-        "classes: a number, or sturges (default), scott, freedman-diaconis, square-root; the "
-        "chi-squared test uses fewer where that is needed to expect five errors in each"
-    )
+    text = "classes: a number, or sturges (default), scott, freedman-diaconis, square-root"
     statistics.add_argument("--bins", type=_class_rule, default="sturges", metavar="K", help=text)
     text, remedy = "level of the intervals (default: 0.99)", "give a share, as 0.99"
     add_number(statistics, "confidence", text, "P", exclusive=True, remedy=remedy)
