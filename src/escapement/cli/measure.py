@@ -6,9 +6,8 @@ from pathlib import Path
 from typing import Any
 
 import escapement as esc
-from escapement.base import headings, validate
+from escapement.base import headings
 from escapement.base.errors import InvalidValue
-from escapement.base.quantity import Quantity
 from escapement.base.records import Record
 from escapement.base.results import Result
 from escapement.base.units import SYSTEMS
@@ -73,7 +72,11 @@ def configure(parser: Parser) -> None:
         "counts of the encoders in a turn, or of input and output, as 6400,4096; with it the "
         "errors that they cause are printed"
     )
-    statistics.add_argument("--resolution", type=_resolution, metavar="N[,N]", help=text)
+    remedy = "give the counts in a turn, as 4096, or those of input and output, as 6400,4096"
+    rule = {"metavar": "N[,N]", "minimum": 2, "whole": True, "remedy": remedy}
+    _arguments.add_setting(
+        statistics, _arguments.Several(name="resolution", long_name=text, **rule)
+    )
     text = "greatest deviation of the encoders as a share of a turn (default: 0)"
     remedy = "give a share, 0.003 for 0.3 %"
     add_number(statistics, "linearity", text, "SHARE", remedy=remedy, needs="resolution")
@@ -92,20 +95,6 @@ def configure(parser: Parser) -> None:
     _arguments.add_plot(output, "draw errors, histogram and periodogram, or beats")
 
 
-def _resolution(text: str) -> tuple[int, int]:
-    """Counts in a turn of input and output; one number is that of both."""
-    remedy = "give the counts in a turn, as 4096, or those of input and output, as 6400,4096"
-    rule = Quantity(name="resolution", long_name=remedy, minimum=2, whole=True, remedy=remedy)
-    words = text.split(",")
-    try:
-        if len(words) > 2:
-            raise validate.fail("--resolution", "one number or two", text, remedy)
-        counts = [int(rule.parse("--resolution", word)) for word in words]
-    except InvalidValue as error:
-        raise UsageError(str(error)) from None
-    return counts[0], counts[-1]
-
-
 def _class_rule(text: str) -> int | str:
     """A number of classes, or the name of a rule, which `measure` checks."""
     return int(text) if text.lstrip("+-").isdecimal() else text
@@ -117,9 +106,10 @@ def execute(args: Arguments) -> int:
         return measure_beats.execute(args)
     # both zeros are fitted together, so one of them alone cannot be held
     zeros = args.phase, args.offset
+    counts = args.resolution if isinstance(args.resolution, tuple) else (args.resolution,) * 2
     options = {
         "encoder": args.resolution
-        and tuple(esc.Encoder(count, args.linearity or 0.0) for count in args.resolution),
+        and tuple(esc.Encoder(count, args.linearity or 0.0) for count in counts),
         "bins": args.bins,
         "confidence": args.confidence or 0.99,
         "zeros": None if None in zeros else tuple(map(math.radians, zeros)),
