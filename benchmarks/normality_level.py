@@ -12,7 +12,6 @@ from common import asked, tell
 
 from escapement.measurement import (
     anderson_darling,
-    chi_squared,
     histogram,
     published_chi_squared,
 )
@@ -25,7 +24,6 @@ TESTS = {
     "chi-squared as published": lambda errors, bins: (
         published_chi_squared(histogram(errors, bins)).p_value
     ),
-    "chi-squared": lambda errors, bins: chi_squared(errors, bins).p_value,
     "Anderson-Darling": lambda errors, bins: anderson_darling(errors).p_value,
 }
 LAWS = {

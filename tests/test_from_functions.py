@@ -113,7 +113,7 @@ def test_engines_agree_and_gears_lose_power():
 
 
 @pytest.mark.parametrize(("function", "options", "told"), [
-    (lambda x: np.abs(x - 0.2) + 2.0 * x, {}, "name the corners of a transmission"),
+    (lambda x: np.abs(x - 0.2) + 2.0 * x, {}, "or name the corners"),
     (lambda x: np.sin(3.0 * x) + x, {}, "a derivative of one sign"),
     (lambda x: 1.0, {}, "for each of an array"),
     (lambda x: x, {"cell_angle": 0.0}, "cell_angle must be greater than 0"),

@@ -240,7 +240,7 @@ def test_two_columns_on_the_command_line(command, report, tmp_path, monkeypatch)
 def test_two_reversals_are_found_however_close():
     for slots in (4, 6, 9):
         wheel = esc.Geneva(slots, pins=1)
-        limit = -1.0 / esc.transmission_extrema(wheel).acceleration_min.value
+        limit = esc.index(wheel, 1.0, 1.0, follower_inertia=1.0).reversal_limits[0]
         for excess in (1e-3, 1e-6, 1e-9):
             found = esc.index(wheel, 1.0, 1.0, follower_inertia=limit * (1.0 + excess))
             assert (found.reversals.size, found.zone) == (2, 2)

@@ -206,7 +206,7 @@ def test_a_resolution_for_each_shaft(command, tmp_path):
     for wrong in ("6400,1", "1,2,3", "x"):
         code, _, err = command(*words, wrong)
         assert code == 2
-        assert "--resolution" in err
+        assert "resolution" in err
     with pytest.raises(InvalidValue, match="resolution must be"):
         esc.read_readings(path, resolution=(1, 2, 3))
     with pytest.raises(InvalidValue, match="a pair of them"):

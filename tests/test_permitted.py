@@ -12,7 +12,6 @@ from scipy.stats import norm
 import escapement as esc
 from escapement.base.errors import InvalidValue
 from escapement.reports.assumptions import left_out
-from escapement.tolerance.intervals import outwards
 from escapement.tolerance.spread import grouped
 
 WHEEL = esc.Geneva(4, crank_radius=0.01, pin_radius=5e-4)
@@ -127,12 +126,6 @@ def test_equal_contributors_are_one():
     assert grouped({"a": 0.5, "b_0": 0.25, "b_1": 0.25 + 1e-12, "c_0": 0.1, "c_1": 0.2}) == {
         "a": ["a"], "b": ["b_0", "b_1"], "c_0": ["c_0"], "c_1": ["c_1"],
     }  # fmt: skip
-
-
-def test_intervals_are_rounded_outwards():
-    assert outwards(67.61, 68.92, 0.1) == pytest.approx((67.6, 69.0))
-    assert outwards(-0.26, -0.11, 0.1) == pytest.approx((-0.3, -0.1))
-    assert outwards(67.6, 68.9, 0.1) == pytest.approx((67.6, 68.9))
 
 
 CONFIG = """

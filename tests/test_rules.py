@@ -189,9 +189,8 @@ AT_CONSTANT_SPEED = [
     (lambda: esc.fewest_slots(-1.0), r"inertia_ratio must be at least 0, got -1\.0"),
 ]  # fmt: skip
 OF_SHAPES = [
-    (lambda: found(), "motion_ratio or dwell_ratio must be given"),
     (lambda: found(motion_ratio=1.3), "motion_ratio must be at most 1"),
-    (lambda: found(dwell_ratio=-0.3), "dwell_ratio must be at least 0"),
+    (lambda: found(motion_ratio=-0.3), "motion_ratio must be at least 0"),
     (lambda: found(motion_ratio=0.3, curves="circle"), "curves must be one of .*got 'circle'"),
     (lambda: found(motion_ratio=0.3, finest=10**4), "most_lobes and finest must"),
     (lambda: found(motion_ratio=0.3, most_unused=10**6), "most_unused must be .* at most 100000"),

@@ -8,7 +8,6 @@ from escapement.base import units as units
 from escapement.constant_speed import fewest_slots as fewest_slots
 from escapement.constant_speed import index as index
 from escapement.constant_speed import reversal_study as reversal_study
-from escapement.constant_speed import transmission_extrema as transmission_extrema
 from escapement.constant_speed.cam_drive import cam_drive as cam_drive
 from escapement.dynamics.figures_of_merit import Figures as Figures
 from escapement.dynamics.impacts import contact_summary as contact_summary

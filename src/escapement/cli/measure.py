@@ -6,9 +6,8 @@ from pathlib import Path
 from typing import Any
 
 import escapement as esc
-from escapement.base import headings, validate
+from escapement.base import headings
 from escapement.base.errors import InvalidValue
-from escapement.base.quantity import Quantity
 from escapement.base.records import Record
 from escapement.base.results import Result
 from escapement.base.units import SYSTEMS
@@ -25,7 +24,6 @@ _COLUMNS = {
     "--time-column": "of the times, which --fit needs (default: time, t or timestamp)",
 }
 _TESTS = {
-    "chi_squared": "chi-squared",
     "chi_squared_published": "chi-squared as published",
     "anderson_darling": "Anderson-Darling",
 }
@@ -66,10 +64,7 @@ def configure(parser: Parser) -> None:
     text = "reading of the output at which the follower angle is zero"
     add_number(zeros, "offset", text, "DEG", needs="phase", **rule)
     statistics = parser.add_argument_group("statistics")
-    text = (
-        "classes: a number, or sturges (default), scott, freedman-diaconis, square-root; the "
-        "chi-squared test uses fewer where that is needed to expect five errors in each"
-    )
+    text = "classes: a number, or sturges (default), scott, freedman-diaconis, square-root"
     statistics.add_argument("--bins", type=_class_rule, default="sturges", metavar="K", help=text)
     text, remedy = "level of the intervals (default: 0.99)", "give a share, as 0.99"
     add_number(statistics, "confidence", text, "P", exclusive=True, remedy=remedy)
@@ -77,7 +72,11 @@ def configure(parser: Parser) -> None:
         "counts of the encoders in a turn, or of input and output, as 6400,4096; with it the "
         "errors that they cause are printed"
     )
-    statistics.add_argument("--resolution", type=_resolution, metavar="N[,N]", help=text)
+    remedy = "give the counts in a turn, as 4096, or those of input and output, as 6400,4096"
+    rule = {"metavar": "N[,N]", "minimum": 2, "whole": True, "remedy": remedy}
+    _arguments.add_setting(
+        statistics, _arguments.Several(name="resolution", long_name=text, **rule)
+    )
     text = "greatest deviation of the encoders as a share of a turn (default: 0)"
     remedy = "give a share, 0.003 for 0.3 %"
     add_number(statistics, "linearity", text, "SHARE", remedy=remedy, needs="resolution")
@@ -96,20 +95,6 @@ def configure(parser: Parser) -> None:
     _arguments.add_plot(output, "draw errors, histogram and periodogram, or beats")
 
 
-def _resolution(text: str) -> tuple[int, int]:
-    """Counts in a turn of input and output; one number is that of both."""
-    remedy = "give the counts in a turn, as 4096, or those of input and output, as 6400,4096"
-    rule = Quantity(name="resolution", long_name=remedy, minimum=2, whole=True, remedy=remedy)
-    words = text.split(",")
-    try:
-        if len(words) > 2:
-            raise validate.fail("--resolution", "one number or two", text, remedy)
-        counts = [int(rule.parse("--resolution", word)) for word in words]
-    except InvalidValue as error:
-        raise UsageError(str(error)) from None
-    return counts[0], counts[-1]
-
-
 def _class_rule(text: str) -> int | str:
     """A number of classes, or the name of a rule, which `measure` checks."""
     return int(text) if text.lstrip("+-").isdecimal() else text
@@ -121,9 +106,10 @@ def execute(args: Arguments) -> int:
         return measure_beats.execute(args)
     # both zeros are fitted together, so one of them alone cannot be held
     zeros = args.phase, args.offset
+    counts = args.resolution if isinstance(args.resolution, tuple) else (args.resolution,) * 2
     options = {
         "encoder": args.resolution
-        and tuple(esc.Encoder(count, args.linearity or 0.0) for count in args.resolution),
+        and tuple(esc.Encoder(count, args.linearity or 0.0) for count in counts),
         "bins": args.bins,
         "confidence": args.confidence or 0.99,
         "zeros": None if None in zeros else tuple(map(math.radians, zeros)),

@@ -234,18 +234,12 @@ def reversal_study(
     )  # fmt: skip
 
 
-@jit
-def derivatives_at(path, theta):
+@inner_jit
+def _derivatives_at(path, theta):
     """(g, g', g'', g''') of a slotted path, from u' = a b - (a + b) g - u^2 + g^2."""
-    g, u, dg = transmission_at(path, theta)
-    total = path.numbers[RATE_SUM] - 2.0 * g
-    du = (
-        0.25 * path.numbers[RATE_SUM] ** 2
-        - path.numbers[HALF_RATE] ** 2
-        - path.numbers[RATE_SUM] * g
-        - u * u
-        + g * g
-    )
+    (g, u, dg), both = transmission_at(path, theta), path.numbers[RATE_SUM]
+    total, product = both - 2.0 * g, 0.25 * both * both - path.numbers[HALF_RATE] ** 2
+    du = product - both * g - u * u + g * g
     ddg, ddu = du * total - 2.0 * u * dg, -dg * total - 2.0 * u * du
     return g, dg, ddg, ddu * total - 4.0 * du * dg - 2.0 * u * ddg
 
@@ -255,7 +249,7 @@ def _root(path, ratio, low, high, rising, of_torque):
     """Root between two angles of 1 + F g', or of the slope of the torque g (1 + F g')."""
     theta = 0.5 * (low + high)
     for _ in range(100):
-        g, dg, ddg, dddg = derivatives_at(path, theta)
+        g, dg, ddg, dddg = _derivatives_at(path, theta)
         value, slope = 1.0 + ratio * dg, ratio * ddg
         if of_torque:
             value = dg + ratio * (dg * dg + g * ddg)
@@ -285,5 +279,5 @@ def _fill(paths, steepest, exits, wheel, ratio, zone, reversals, top, at_top):
         if zone[i] == 2:
             reversals[i, 1] = _root(path, f, steepest[k], exits[k], True, False)
         at_top[i] = _root(path, f, -exits[k], 0.0, False, True)
-        g, dg, _ddg, _dddg = derivatives_at(path, at_top[i])
+        g, dg, _ddg, _dddg = _derivatives_at(path, at_top[i])
         top[i] = g * (1.0 + f * dg)

@@ -100,7 +100,7 @@ class BeatFit(Fit):
 
 def fit_beats(
     beats: ArrayLike | Readings, escapement: Escapement, *, noise: float | None = None,
-    parts: str = "both", confidence: float = 0.95, times: bool = False,
+    parts: str = "both", confidence: float = 0.95,
 ) -> BeatFit:  # fmt: skip
     """Find the angle errors of pins and slots from measured beats.
 
@@ -108,7 +108,9 @@ def fit_beats(
     ----------
     beats : array_like, shape (N,), or Readings
         Times of the engagements in turn [s], from one change of pin to the next, in the terminal
-        cycle; NaN or masked where one is missing. The first is that of pin 0 in slot 0, which
+        cycle; NaN or masked where one is missing. Or the N + 1 instants of the changes of pin, by
+        any clock, as `read_beats` or `Readings.of_beats` give them; their jitter makes neighbouring
+        beats alternate, and the fit allows for it. The first beat is that of pin 0 in slot 0, which
         gives the parts their numbers. Each pin must have met each of its slots once; more rounds
         make the intervals narrower.
     escapement : Escapement
@@ -119,15 +121,12 @@ def fit_beats(
         Which of them may have errors: "both", "pins" or "slots".
     confidence : float
         Confidence level of the intervals, in (0, 1) [-].
-    times : bool
-        Whether `beats` are time stamps instead: the N + 1 instants of the changes of pin [s], by
-        any clock. Their jitter makes neighbouring beats alternate, and the fit allows for it.
 
     Returns
     -------
     BeatFit
         Its `message` says what cannot be determined, where the model does not explain the beats,
-        and which ticks were missed, doubled or out of place.
+        and which ticks are out of place.
 
     Raises
     ------
@@ -137,23 +136,20 @@ def fit_beats(
 
     Notes
     -----
-    The noise is assumed to be normal and independent from beat to beat, or from time stamp to time
-    stamp. Where stamps are given, or durations show with certainty that they are differences of
-    stamps, the result is the mean over all shares of both, weighted by their restricted
+    The noise is assumed to be normal and independent from beat to beat, or from instant to
+    instant. Where instants are given, or durations show with certainty that they are differences
+    of instants, the result is the mean over all shares of both, weighted by their restricted
     likelihood; so the intervals allow for a share that few beats do not determine.
 
-    Intervals that are much too short or too long, and that alone or with their neighbours make a
-    whole number of beats, are mended: the parts of an echo are joined, and a beat whose own
-    duration is not known is left out. A tick that is missed at the very beginning cannot be
-    noticed; pins and slots then count from the first beat that there is. A step from slot to
-    slot is measured where the pin strikes; where the pin picks the follower up, it is only known
-    to be less than the free step. If the axes are too far apart, all steps up to 2 tan(pi/n)
-    times the relative error of their distance cause no strike: give the real distance.
+    Pins and slots count from the first beat that was heard. A step from slot to slot is measured
+    where the pin strikes; where the pin picks the follower up, it is only known to be less than the
+    free step. If the axes are too far apart, all steps up to 2 tan(pi/n) times the relative error
+    of their distance cause no strike: give the real distance.
     """
     if not isinstance(escapement, Escapement):
         raise validate.fail("escapement", "an Escapement", escapement, "see escapement.Escapement")
     wheel: Any = escapement.mechanism
-    rounds = rounds_of(beats, wheel, times)
+    rounds = rounds_of(beats, wheel)
     if noise is not None:
         noise = validate.positive("noise", noise, "give the standard deviation of a beat in s")
     validate.choice("parts", parts, PARTS)

@@ -26,8 +26,6 @@ from escapement.measurement.readings import (
 from escapement.measurement.verdict import remarks_on, verdict_on
 from escapement.mechanisms.protocol import FloatArray, Mechanism
 
-_EXPECTED = 5  # the chi-squared distribution holds for so many errors in a class on average
-
 
 @dataclass(frozen=True, eq=False, repr=False, kw_only=True)
 class Measurement(Found):
@@ -81,14 +79,6 @@ class Measurement(Found):
     def published_test(self) -> normality.NormalityTest:
         """Normality as the paper tests it; see `published_chi_squared`."""
         return normality.published_chi_squared(self.histogram)
-
-    @cached_property
-    def chi_squared_test(self) -> normality.NormalityTest:
-        """Normality by a chi-squared test that keeps its level; see `chi_squared`.
-
-        It uses the same number of classes, or fewer, so that five errors are expected in each.
-        """
-        return normality.chi_squared(self.errors, min(self.bins, self.errors.size // _EXPECTED))
 
     @cached_property
     def anderson_darling_test(self) -> normality.NormalityTest:

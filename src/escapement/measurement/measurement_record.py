@@ -13,7 +13,7 @@ from escapement.measurement.estimate import Estimate, Fit
 from escapement.measurement.readings import Readings
 from escapement.measurement.timekeeping import Timekeeping
 
-TESTS = "chi_squared", "chi_squared_published", "anderson_darling"
+TESTS = "chi_squared_published", "anderson_darling"
 """Tests of normality, by JSON key."""
 _ANGLES = {
     *("phase", "phase_error", "offset", "offset_error", "mean", "standard_deviation", "interval"),
@@ -78,7 +78,7 @@ def _of_positions(result: Any) -> dict[str, Any]:
     """What is reported of a `Measurement`, by JSON key; angles in degrees."""
     errors, spectrum, sensor = result.errors, result.periodogram, result.sensor_share
     power = float(spectrum.power[spectrum.peak])
-    tests = result.chi_squared_test, result.published_test, result.anderson_darling_test
+    tests = result.published_test, result.anderson_darling_test
     return {
         "samples": errors.size,
         **_attributes(result.readings, "missing", "synthetic"),

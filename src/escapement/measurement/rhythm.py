@@ -10,11 +10,9 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
-from escapement.base import validate
 from escapement.base.errors import InvalidValue
-from escapement.measurement.loggers import row_of
 from escapement.measurement.onsets import Onsets
 from escapement.mechanisms.protocol import FloatArray
 
@@ -201,76 +199,3 @@ def _add_weak(found: dict[int, int], sounds: Onsets, count: int, apart: FloatArr
             near = int(np.abs(at - time).argmin())
             if abs(at[near] - time) <= reach[near]:
                 found[slot] = int(possible[near])
-
-
-_REMEDY = "give the times of the engagements in s, NaN for a missing one"
-_SHORT, _LONG = 0.7, 1.4  # errors of parts keep beats between these shares of the median
-_LONGEST = 20  # beats in a gap; the number of more cannot be counted surely
-_IRREGULAR = 0.25  # with a larger share of other intervals the median is no beat
-_INCREASING = 8  # so many durations do not increase throughout
-
-
-def counted_beats(given: ArrayLike) -> tuple[FloatArray, list[str]]:
-    """Durations of beats in turn [s], NaN where one is not known with certainty, and all faults.
-
-    Parameters
-    ----------
-    given : array_like, shape (N,)
-        Durations [s]; NaN or masked where one is missing.
-    """
-    beats = row_of("beats", given, _REMEDY)
-    wrong = np.flatnonzero(~np.isnan(beats) & ~((beats > 0.0) & np.isfinite(beats)))
-    if wrong.size:
-        index = int(wrong[0])
-        raise validate.fail(f"beat {index}", "finite and greater than 0", beats[index], _REMEDY)
-    known = beats[np.isfinite(beats)]
-    if known.size >= _INCREASING and (np.diff(known) > 0.0).all():
-        raise InvalidValue(
-            f"beats must be durations, got {known.size} values that increase throughout, as time "
-            "stamps do; give times=True if they are"
-        )
-    return _counted(beats, float(np.median(known))) if known.size else (beats, [])
-
-
-def _counted(beats: FloatArray, typical: float) -> tuple[FloatArray, list[str]]:
-    """Beats with the right number of them in place of intervals that are too short or too long."""
-    off = (beats < _SHORT * typical) | (beats > _LONG * typical)
-    if off.sum() > max(_IRREGULAR * beats.size, 1.0):
-        raise InvalidValue(
-            f"beats must be alike, got {off.sum()} of {beats.size} that differ by more than a "
-            f"third from their median of {typical:.3g} s; check how ticks are detected"
-        )
-    shares = beats / beats[~off & np.isfinite(beats)].mean()
-    # a missing beat keeps its place
-    ticks = np.cumsum([0.0, *np.nan_to_num(shares, nan=1.0)])
-    slots, apart = _followed(ticks, _Cycle(1.0, np.zeros(1)))
-    taken = _one_each(slots, apart)
-    # a tick that is passed over close to one that is taken may be the right one
-    close = np.flatnonzero(shares < _NEAR)
-    doubtful = {*close.tolist(), *(close + 1).tolist()}
-    found: list[float] = []
-    faults, numbers = [], np.diff(slots[taken]).tolist()
-    for start, stop, count in zip(taken[:-1].tolist(), taken[1:].tolist(), numbers, strict=True):
-        known = count == 1 and not {start, stop} & doubtful
-        found += [float(beats[start:stop].sum())] if known else [np.nan] * count
-        if stop - start > 1 or off[start]:
-            what = "and count as one" if known else f"and {count} beats are left out"
-            faults.append(f"{_named(start, shares[start:stop])}, {what}")
-    last, long = int(taken[-1]), np.array(numbers) > _LONGEST
-    if taken[0] or shares[last:].sum() >= _SHORT or long.any():
-        index = 0 if taken[0] else int(taken[np.argmax(long)]) if long.any() else last
-        raise InvalidValue(
-            f"beat {index} must be a whole number of beats, at most {_LONGEST}, alone or with its "
-            f"neighbours, got {shares[index]:.2f} times the mean of the others; take the recording "
-            "from the beat after it on, or put NaN for as many beats as there were"
-        )
-    if last < beats.size:
-        faults.append(f"{_named(last, shares[last:])}, behind the last beat, and is left out")
-    return np.array(found), faults
-
-
-def _named(index: int, shares: FloatArray) -> str:
-    """Intervals from an index on, and their sizes, in words."""
-    alone = shares.size == 1
-    name = f"beat {index} is" if alone else f"beats {index} to {index + shares.size - 1} are"
-    return f"{name} {' and '.join(f'{share:.2f}' for share in shares)} of the others"

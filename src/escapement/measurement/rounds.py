@@ -22,8 +22,8 @@ from escapement.base import validate
 from escapement.base.errors import InvalidValue
 from escapement.base.lazy import Lazy
 from escapement.base.text import Shown
+from escapement.measurement.loggers import row_of
 from escapement.measurement.readings import Readings
-from escapement.measurement.rhythm import counted_beats
 from escapement.mechanisms import Geneva
 from escapement.mechanisms.protocol import FloatArray, Mechanism
 
@@ -131,7 +131,7 @@ class Rounds(Shown):
     table : ndarray, shape (rounds, pattern)
         Beats [s], NaN where one is missing.
     faults : tuple of str
-        Ticks that were missed, doubled or out of place, in words.
+        Ticks that are out of place, in words.
     intervals : Intervals
         The measured beats as combinations of the means.
     means : ndarray, shape (pattern,)
@@ -196,24 +196,23 @@ class Rounds(Shown):
         return self.intervals.independent(rest, self.jitter)
 
 
-def rounds_of(given: ArrayLike | Readings, mechanism: Mechanism, times: bool = False) -> Rounds:
-    """Beats or time stamps as rounds, the last of which may end early; see `fit_beats`.
+def rounds_of(given: ArrayLike | Readings, mechanism: Mechanism) -> Rounds:
+    """Durations or instants of beats as rounds, the last of which may end early; see `fit_beats`.
 
-    Durations count as differences of time stamps only where they show it with certainty.
+    Durations count as differences of instants only where they show it with certainty.
     """
     if not isinstance(mechanism, Geneva):
         remedy = "other beats tell only rate and beat error, without a mechanism"
         raise validate.fail("mechanism", "a Geneva wheel", mechanism, remedy)
     pins, slots = mechanism.pins or 1, mechanism.slots
     size = math.lcm(pins, slots)
-    if times and not isinstance(given, Readings):
-        given = Readings.of_beats(given)
+    instants = isinstance(given, Readings)
     if isinstance(given, Readings):
         if given.half_widths is None:
             raise validate.fail("beats", "Readings of beats", given, "see escapement.read_beats")
-        given, times = np.diff(np.asarray(given.time)), True
-    values, faults = counted_beats(given)
-    faults += [*_displaced(values, size)]
+        given = np.diff(np.asarray(given.time))
+    values = _durations(given)
+    faults = [*_displaced(values, size)]
     table = np.full(-(-max(values.size, 1) // size) * size, np.nan)
     table[: values.size] = values
     known = np.flatnonzero(np.isfinite(table))
@@ -228,9 +227,28 @@ def rounds_of(given: ArrayLike | Readings, mechanism: Mechanism, times: bool = F
     design, joined = np.eye(size)[known % size], np.diff(known) == 1
     intervals = Intervals(table[known], design, np.ones(known.size), joined)
     # the shares are closer to each other by their square root near 1
-    found = intervals.average(SHARES, _ROOTS, 0.0 if times else _SURE)
+    found = intervals.average(SHARES, _ROOTS, 0.0 if instants else _SURE)
     means = found.values, found.covariance, found.scatter, found.weights
     return Rounds(table.reshape(-1, size), tuple(faults), intervals, *means)
+
+
+_SHORT, _LONG = 0.5, 1.5  # shares of the median beat beyond which a tick was missed or doubled
+_REMEDY = (
+    "give NaN for each beat near a tick that was missed or doubled, instants as Readings.of_beats, "
+    "or a file to escapement.read_beats, which counts the beats"
+)
+
+
+def _durations(given: ArrayLike) -> FloatArray:
+    """Durations of beats in turn [s], of which none is far from the median."""
+    beats = row_of("beats", given, _REMEDY)
+    known = np.isfinite(beats)
+    typical = float(np.median(beats[known])) if known.any() else 1.0
+    alike = (beats > max(_SHORT * typical, 0.0)) & (beats < _LONG * typical)
+    if (wrong := np.flatnonzero(~np.isnan(beats) & ~alike)).size:
+        rule = f"about as long as the others, {typical:.3g} s"
+        raise validate.fail(f"beat {wrong[0]}", rule, float(beats[wrong[0]]), _REMEDY)
+    return np.array(beats)
 
 
 _OUT, _ROUNDS = 6.0, 4  # standard deviations that no noise has, and rounds that show it
@@ -288,7 +306,7 @@ class BeatSpectrum(Shown):
 
     lines : all lines that the pattern can have, except the mean, by their frequency.
     mean : mean beat [s].
-    rounds : the measured beats; its `faults` name ticks that were missed, doubled or out of place.
+    rounds : the measured beats; its `faults` name ticks that are out of place.
     """
 
     lines: tuple[BeatLine, ...]
@@ -296,9 +314,7 @@ class BeatSpectrum(Shown):
     rounds: Rounds
 
 
-def beat_spectrum(
-    beats: ArrayLike | Readings, mechanism: Mechanism, *, times: bool = False
-) -> BeatSpectrum:
+def beat_spectrum(beats: ArrayLike | Readings, mechanism: Mechanism) -> BeatSpectrum:
     """Lines in the spectrum of measured beats, each with the parts that cause it.
 
     Errors of pins repeat with every turn of the driver, those of slots with every turn of the
@@ -308,19 +324,17 @@ def beat_spectrum(
     Parameters
     ----------
     beats : array_like, shape (N,), or Readings
-        Times of the engagements in turn [s], NaN or masked where one is missing, or time stamps,
-        as for `fit_beats`, which also says what is mended.
+        Times of the engagements in turn [s], NaN or masked where one is missing, or instants, as
+        for `fit_beats`.
     mechanism : Geneva
         The wheel.
-    times : bool
-        Whether they are time stamps.
 
     Raises
     ------
     InvalidValue
         When an argument breaks its rule.
     """
-    rounds = rounds_of(beats, mechanism, times)
+    rounds = rounds_of(beats, mechanism)
     wheel: Any = mechanism
     pins, size, within = wheel.pins or 1, rounds.pattern, rounds.intervals.freedom
     # standard deviation of a beat's noise

@@ -107,7 +107,7 @@ def table_path(edges: FloatArray, series: FloatArray) -> Path:
 
 def resolved(function: Callable[[FloatArray], FloatArray], edges: Iterable[float]) -> Series:
     """Series of a transmission that is analytic between edges, to rounding of the largest g."""
-    return fit(function, edges, ORDER, decayed=_DECAYED, kinks=0)
+    return fit(function, edges, ORDER, decayed=_DECAYED, noise=0.0)
 
 
 def chebyshev_table(

@@ -47,7 +47,7 @@ def load_cell(load: Load, pair: Pair, turned: float) -> LoadCell:
         return np.asarray(pair.follower_angle(theta)) + turned
 
     edges = _with_knots(load, pair.edges, angle)
-    series = fit(lambda theta: np.asarray(load(angle(theta))), edges, _ORDER, _DECAYED, kinks=0)
+    series = fit(lambda theta: np.asarray(load(angle(theta))), edges, _ORDER, _DECAYED, noise=0.0)
     numbers = np.array(series.rows.shape, float), series.edges, series.rows.reshape(-1)
     return LoadCell(edges, np.concatenate(numbers))
 

@@ -1,8 +1,8 @@
-"""Functions that are analytic in pieces, as Chebyshev series: fit, slopes, zeros and extremes.
+"""Functions that are analytic in pieces, as Chebyshev series: fit, slopes and zeros.
 
 A function is interpolated in Chebyshev points, halving the interval until the
 coefficients have decayed. Its zeros are those of the series, polished on the
-function itself; its derivative and its integral are exact for the series.
+function itself; its derivative is exact for the series.
 Only values of the function are needed.
 
 Source: L. N. Trefethen, Approximation Theory and Approximation Practice (2013),
@@ -24,20 +24,12 @@ from escapement.base.errors import InvalidValue
 Array = NDArray[np.float64]
 Function = Callable[[Array], Array]
 
-MOST_KINKS = 5000
-_DEEPEST = 24  # halvings around a kink, which locate it to 6e-8 of the interval
+_MOST_PIECES = 5000
+_DEEPEST = 24  # halvings, after which what is rough is a kink
 _NOISE = 4.0 * np.finfo(float).eps  # times slope and x, the error of a value due to rounding of x
 _RIPPLE = 1e-6  # tails below this share of the largest value are rounding errors
-_JUMP = 1e-9  # share of the largest value by which series and function differ at a jump
-_CLOSE = 1e-9  # share of a piece's length; a stationary point closer to its end is the end
+_JUMP = 1e-9  # share of the largest value by which series and function differ beside a kink
 _VANISHING = 1e-30  # share of a piece's length; a zero closer to its end is the end
-
-
-class Extremum(NamedTuple):
-    """A value and the angle that has it; of a transmission [-] and from dead centre [rad]."""
-
-    value: float
-    angle: float
 
 
 class Series(NamedTuple):
@@ -62,11 +54,6 @@ class Series(NamedTuple):
         """Series of the derivative by x."""
         slopes = self.rows @ _slope_matrix(self.rows.shape[1])
         return Series(self.edges, slopes * (2.0 / np.diff(self.edges))[:, None])
-
-    def integrals(self) -> Array:
-        """Integral from each edge to the next."""
-        orders = np.arange(0, self.rows.shape[1], 2)  # the integral of odd polynomials is zero
-        return np.asarray(np.diff(self.edges) * (self.rows[:, ::2] @ (1.0 / (1.0 - orders**2))))
 
     def limits(self) -> Array:
         """Values of each series at both of its ends, shape (n, 2)."""
@@ -121,7 +108,7 @@ def fit(
     points: Iterable[float],
     order: int = 33,
     decayed: float = 4e-15,
-    kinks: int = MOST_KINKS,
+    noise: float = _NOISE,
 ) -> Series:
     """Series of a function to rounding.
 
@@ -130,20 +117,20 @@ def fit(
     function : callable
         Array of x to array of values of the same shape.
     points : iterable of float
-        Between neighbours the function is analytic. A kink elsewhere costs pieces and is
-        located to 6e-8 of its interval, where the series is a straight line.
+        Between neighbours the function is analytic.
     order : int
         Coefficients of a series.
     decayed : float
         The last eighth of them must be this share of the largest value: values carry a few
         rounding errors.
-    kinks : int
-        How many the function may have.
+    noise : float
+        Error of a value over its slope times x; 0 if values are resolved only relative to the
+        greatest, as those of a kernel's table.
 
     Raises
     ------
     InvalidValue
-        When the function has more kinks.
+        When the function is not analytic between the points.
     """
     edges, tail = np.unique(np.fromiter(points, dtype=float)), order // 8
     low, high, scale = edges[:-1], edges[1:], 0.0
@@ -155,24 +142,18 @@ def fit(
         rows = interpolate(values)
         scale = max(scale, float(np.abs(values).max()))
         tails = np.abs(rows[:, -tail:]).max(axis=1)
-        # a kernel's table, which has no kinks, is resolved only relative to the greatest value
-        floor = np.maximum(decayed * scale, _rounding(values, low, high) if kinks else 0.0)
+        floor = np.maximum(decayed * scale, noise * _steepness(values, low, high))
         # no point detects a kink close to an end, but the value at the end does
         misses = np.abs(Series(edges, rows).limits() - ends).max(axis=1)
         rough = (tails > floor) | (misses > np.maximum(_JUMP * scale, 4.0 * floor))
-        if rough.sum() > MOST_KINKS:
+        if rough.sum() > _MOST_PIECES:
             # ripples of the size of rounding are not resolved further
             rough = np.maximum(misses, tails) > _RIPPLE * scale
-        if rough.sum() > (kinks if depth == _DEEPEST else MOST_KINKS):
+        if rough.sum() > (0 if depth == _DEEPEST else _MOST_PIECES):
             raise InvalidValue(
-                f"a load torque or transmission must be smooth except for at most {kinks} kinks, "
-                f"got more, one of them near {low[rough][0]:.9g} rad; smooth it, give fewer points "
-                "of a load, or name the corners of a transmission"
+                "a transmission must be smooth between its corners, got a kink near "
+                f"{low[rough][0]:.9g} rad; smooth it, or name the corners"
             )
-        if depth == _DEEPEST:
-            rows[rough] = 0.0
-            rows[rough, :2] = 0.5 * ends[rough] @ np.array([[1.0, -1.0], [1.0, 1.0]])
-            rough[:] = False
         starts.append(low[~rough])
         done.append(rows[~rough])
         if not rough.any():
@@ -185,22 +166,20 @@ def fit(
     return Series(np.append(left[along], edges[-1]), np.concatenate(done)[along])
 
 
-def _rounding(values: Array, low: Array, high: Array) -> Array:
-    """Error of the values of `interpolate` due to the rounding of x."""
+def _steepness(values: Array, low: Array, high: Array) -> Array:
+    """Greatest slope between the values of `interpolate`, times x."""
     steps = np.diff(_nodes_and_transform(values.shape[1])[0])
     steepest = np.abs(np.diff(values) / steps).max(axis=1) / (0.5 * (high - low))
-    return np.asarray(_NOISE * steepest * np.maximum(np.abs(low), np.abs(high)))
+    return np.asarray(steepest * np.maximum(np.abs(low), np.abs(high)))
 
 
 def zeros(function: Function, points: Iterable[float]) -> Array:
-    """Where a function is zero or jumps over it, ascending; touching zeros included.
+    """Where a function is zero, ascending; touching zeros included.
 
     Parameters as for `fit`.
     """
     series = fit(function, points)
-    limits = series.limits()
-    jumps = series.edges[1:-1][limits[:-1, 1] * limits[1:, 0] < 0.0]
-    return np.unique(np.concatenate([jumps, _polish(function, series, *series.roots())]))
+    return np.unique(_polish(function, series, *series.roots()))
 
 
 def _polish(function: Function, series: Series, roots: Array, piece: NDArray[np.intp]) -> Array:
@@ -221,31 +200,3 @@ def _polish(function: Function, series: Series, roots: Array, piece: NDArray[np.
     for end in (low, high):
         roots = np.where(np.abs(roots - end) < _VANISHING * (high - low), end, roots)
     return roots
-
-
-def extremes(function: Function | Series, series: Series) -> tuple[Extremum, Extremum]:
-    """Greatest and least value of a function, each with the first point that has it.
-
-    At a jump the limits from both sides count.
-    """
-    edges, rows = series.edges, series.rows
-    at_edges, limits = function(edges), series.limits()
-    # the value on the other side of a jump is not among the values
-    beside, both = (np.column_stack([x[:-1], x[1:]]) for x in (at_edges, edges))
-    jump = np.abs(limits - beside) > _JUMP * np.abs(at_edges).max()
-    # between its ends a series stays within its coefficients' sum
-    span = np.abs(rows[:, 1:]).sum(axis=1)
-    worth = (rows[:, 0] + span >= at_edges.max()) | (rows[:, 0] - span <= at_edges.min())
-    slope = series.derivative()
-    slope.rows[~worth] = 0.0
-    inside, piece = slope.roots()
-    margin = _CLOSE * np.diff(edges)[piece]
-    inside = inside[(inside > edges[piece] + margin) & (inside < edges[piece + 1] - margin)]
-    values = np.concatenate([at_edges, limits[jump], function(inside)])
-    points = np.concatenate([edges, both[jump], inside])
-    order = np.argsort(points, kind="stable")
-    points, values = points[order], values[order]
-    equal = _NOISE * np.abs(values).max()
-    firsts = np.argmax([values >= values.max() - equal, values <= values.min() + equal], axis=1)
-    top, bottom = (Extremum(float(values[k]), float(points[k])) for k in firsts)
-    return top, bottom

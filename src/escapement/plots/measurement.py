@@ -10,7 +10,6 @@ from escapement.base import validate
 from escapement.measurement import Measurement, MotionFit, position
 from escapement.measurement.encoder import sensor_uncertainty
 from escapement.measurement.positions import spread_samples
-from escapement.mechanisms.protocol import FloatArray
 from escapement.plots import style
 from escapement.plots.style import Named
 
@@ -179,8 +178,7 @@ def plot_periodogram(result: Measurement, ax: Axes | None = None, *, legend: boo
     """
     ax = _ready(result, ax)
     found = result.periodogram
-    keep = _outline(found.frequency.size, np.nan_to_num(found.power))
-    ax.plot(found.frequency[keep], 100.0 * found.power[keep], color=style.BLUE, lw=0.9)
+    ax.plot(found.frequency, 100.0 * found.power, color=style.BLUE, lw=0.9)
     level = 100.0 * found.level(_FALSE_ALARM)
     ax.axhline(level, lw=1.0, **style.BROKEN, label=f"{100.0 * _FALSE_ALARM:g} % false alarm")
     cells = 2.0 * np.pi / result.mechanism.cell_angle
@@ -250,11 +248,3 @@ def _finished(
     """The same axes with the names of both, and a legend that says what is synthetic."""
     title = "synthetic data" if result.readings.synthetic else None
     return style.finished(ax, x, y, columns, title, legend=legend)
-
-
-def _outline(count: int, values: FloatArray) -> np.ndarray:
-    """Indices of points that keep every peak visible in print."""
-    if count <= 2 * _MOST_POINTS:
-        return np.arange(count)
-    parts = np.array_split(np.arange(count), _MOST_POINTS)
-    return np.unique([part[end(values[part])] for part in parts for end in (np.argmin, np.argmax)])

@@ -2,7 +2,6 @@
 
 from escapement.synthesis.mechanism_search import Candidate as Candidate
 from escapement.synthesis.mechanism_search import find_mechanisms as find_mechanisms
-from escapement.synthesis.mechanism_search import lobes_for as lobes_for
 from escapement.synthesis.mechanism_search import motion_ratio_chart as motion_ratio_chart
 from escapement.synthesis.wheel import FollowerMotion as FollowerMotion
 from escapement.synthesis.wheel import GearPair as GearPair

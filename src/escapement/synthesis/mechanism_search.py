@@ -15,7 +15,6 @@ from escapement.base.errors import InvalidValue
 from escapement.mechanisms import GearDriven
 from escapement.mechanisms.gear_equation import CURVES, MOST_LOBES, lobe_ratios
 from escapement.mechanisms.protocol import FloatArray
-from escapement.numerics.chebyshev import zeros
 from escapement.synthesis.wheel import MotionPeaks, motion_peaks
 
 _MOST = 100_000
@@ -48,9 +47,8 @@ class Candidate:
 
 def find_mechanisms(
     stations: int,
-    motion_ratio: float | None = None,
+    motion_ratio: float,
     *,
-    dwell_ratio: float | None = None,
     tolerance: float = 0.02,
     curves: str | Sequence[str] = CURVES[:2],
     most_lobes: int = 24,
@@ -68,8 +66,8 @@ def find_mechanisms(
     ----------
     stations : int
         Stations n, >= 3.
-    motion_ratio, dwell_ratio : float
-        Wanted moving share V of the cycle, or 1 - V [-]: one of the two.
+    motion_ratio : float
+        Wanted moving share V of the cycle [-].
     tolerance : float
         Greatest deviation from it [-].
     curves : str or sequence of str
@@ -100,7 +98,9 @@ def find_mechanisms(
         When an argument breaks its rule.
     """
     n = validate.integer("stations", stations, 3, "the wheel needs 3 stations or more")
-    wanted = _wanted(motion_ratio, dwell_ratio)
+    wanted = validate.non_negative("motion_ratio", motion_ratio, "give a share of the cycle")
+    if wanted > 1.0:
+        raise validate.fail("motion_ratio", "at most 1", motion_ratio, "give a share of the cycle")
     given = [curves] if isinstance(curves, str) else curves
     names = [validate.choice("curves", name, CURVES) for name in given]
     most = validate.integer("most_lobes", most_lobes, 0, "give a number of lobes")
@@ -134,21 +134,6 @@ def find_mechanisms(
         return round(abs(one.motion_ratio - wanted), 12), one.peaks.acceleration_max
 
     return sorted(found, key=rank)
-
-
-def _wanted(motion_ratio: float | None, dwell_ratio: float | None) -> float:
-    if (motion_ratio is None) == (dwell_ratio is None):
-        raise InvalidValue(
-            "motion_ratio or dwell_ratio must be given, and not both, got "
-            f"{motion_ratio!r} and {dwell_ratio!r}; one is 1 minus the other"
-        )
-    name, value = "motion_ratio", motion_ratio
-    if motion_ratio is None:
-        name, value = "dwell_ratio", dwell_ratio
-    share = validate.non_negative(name, value, "give a share of the cycle")
-    if share > 1.0:
-        raise validate.fail(name, "at most 1", value, "give a share of the cycle")
-    return 1.0 - share if motion_ratio is None else share
 
 
 def _with_one_pin(n: int, curves: Sequence[str], lobes: Sequence[Fraction]) -> Iterator[GearDriven]:
@@ -208,43 +193,3 @@ def motion_ratio_chart(stations: int, lobes: ArrayLike, curve: str = CURVES[0]) 
         raise validate.fail("lobes", rule, lobes, "give numbers of lobes")
     found = (lobe_ratios(n, Fraction(float(m)), name) for m in values.reshape(-1))
     return np.array([next(iter(ratios), math.nan) for ratios in found]).reshape(values.shape)
-
-
-def lobes_for(stations: int, motion_ratio: float, curve: str = CURVES[0]) -> list[float]:
-    """Numbers of lobes that give a ratio of times with one pin, ascending.
-
-    This is the inverse of the chart, up to 100 000 lobes. They are real numbers: take a rational
-    number nearby.
-
-    Parameters
-    ----------
-    stations : int
-        Stations n, >= 3.
-    motion_ratio : float
-        Wanted V0 [-], in (0, 1).
-    curve : str
-        "hypocycloid", "epicycloid" or a cognate of theirs.
-
-    Returns
-    -------
-    list of float
-        Empty if the chart does not reach this ratio; near the least ratio of a hypocycloid there
-        are two.
-    """
-    n = validate.integer("stations", stations, 3, "the wheel needs 3 stations or more")
-    name = validate.choice("curve", curve, CURVES)
-    wanted = validate.positive("motion_ratio", motion_ratio, "give V0 between 0 and 1")
-    if wanted >= 1.0:
-        raise validate.fail("motion_ratio", "below 1", motion_ratio, "give V0 between 0 and 1")
-    # with x = pi V0 and c = +-2/k - 1 the equation is c sin x = sin(c x + gamma); c goes
-    # from m = 0 to alpha = pi - gamma, or to the hypocycloid through the wheel's centre
-    gamma, x = 2.0 * math.pi / n, math.pi * wanted
-    outside = name in CURVES[1::2]
-    start = 1.0 if outside else -1.0
-    low, high = start + 2.0 / n, 1.0 + (math.pi - gamma) / x if outside else -2.0 / n
-    if high < low - _EDGE:
-        return []
-    ends = low - _EDGE, high + _EDGE  # so that m = 0 is on the chart
-    roots = zeros(lambda c: c * math.sin(x) - np.sin(c * x + gamma), ends)
-    found = np.maximum((roots - start) * n / 2.0 - 1.0, 0.0)
-    return [float(m) for m in found if m <= MOST_LOBES]

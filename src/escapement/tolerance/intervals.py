@@ -3,8 +3,7 @@
 The interval of a moment comes from the scatter of its influence values: for a statistic T they
 are the first-order contributions of each case, so that their standard deviation over sqrt(n) is
 the standard error of T for every distribution. That of a share is Clopper and Pearson's, that of
-a quantile counts the cases below it. Cases of a Latin hypercube are not independent; there the
-scatter over several independent hypercubes gives the interval.
+a quantile counts the cases below it.
 """
 
 from __future__ import annotations
@@ -19,8 +18,6 @@ from escapement.mechanisms.protocol import FloatArray
 
 LEVEL = 0.95
 """Confidence of every interval."""
-ROUNDING = 1e-12
-"""Ends of intervals that differ by less, as a share, are equal."""
 Influence = tuple[float, FloatArray]
 """A statistic of a sample, and the influence of each case."""
 
@@ -33,19 +30,9 @@ class Estimate(NamedTuple):
     high: float
 
 
-def outwards(low: float, high: float, step: float) -> tuple[float, float]:
-    """The ends of an interval at multiples of a step, none of them within the interval."""
-    # an end that is a multiple itself must stay one
-    return (
-        step * math.floor(low / step * (1.0 + ROUNDING * math.copysign(1.0, low))),
-        step * math.ceil(high / step * (1.0 - ROUNDING * math.copysign(1.0, high))),
-    )
-
-
 def per_cent(share: Estimate) -> str:
-    """The interval of a share in per cent, rounded outwards to a tenth: "67.6 to 69.0"."""
-    low, high = outwards(100.0 * share.low, 100.0 * share.high, 0.1)
-    return f"{low:.1f} to {high:.1f}"
+    """The interval of a share in per cent: "67.6 to 69.0"."""
+    return f"{100.0 * share.low:.1f} to {100.0 * share.high:.1f}"
 
 
 def mean(values: FloatArray) -> Influence:
@@ -70,48 +57,31 @@ def capability(values: FloatArray, low: float, high: float) -> Influence:
     return value, (sense * middle_gradient - 3.0 * value * spread) / (3.0 * size)
 
 
-def estimate(
-    statistic: Callable[[FloatArray], Influence], values: FloatArray, groups: int = 1
-) -> Estimate:
-    """A statistic of a sample, whose cases come in equal groups if they are not independent."""
-    from scipy.stats import norm, t
+def estimate(statistic: Callable[[FloatArray], Influence], values: FloatArray) -> Estimate:
+    """A statistic of a sample of independent cases."""
+    from scipy.special import ndtri
 
     value, influence = statistic(values)
-    if groups == 1:
-        error = float(influence.std() / math.sqrt(values.size))
-        factor = float(norm.ppf(0.5 + 0.5 * LEVEL))
-    else:
-        parts = np.array([statistic(part)[0] for part in np.array_split(values, groups)])
-        error = float(parts.std(ddof=1) / math.sqrt(groups))
-        factor = float(t.ppf(0.5 + 0.5 * LEVEL, groups - 1))
-    return Estimate(value, value - factor * error, value + factor * error)
+    half = float(ndtri(0.5 + 0.5 * LEVEL) * influence.std() / math.sqrt(values.size))
+    return Estimate(value, value - half, value + half)
 
 
-def share(inside: Any, groups: int = 1) -> Estimate:
+def share(inside: Any) -> Estimate:
     """The share of cases for which something is true."""
     from scipy.stats import binomtest
 
     found = np.asarray(inside)
-    if groups > 1 and 0 < found.sum() < found.size:
-        value, low, high = estimate(mean, found.astype(float), groups)
-        return Estimate(value, max(low, 0.0), min(high, 1.0))
     test = binomtest(int(found.sum()), found.size)
     interval = test.proportion_ci(LEVEL, method="exact")
     return Estimate(float(found.mean()), float(interval.low), float(interval.high))
 
 
-def quantile(values: FloatArray, level: float, groups: int = 1) -> Estimate:
+def quantile(values: FloatArray, level: float) -> Estimate:
     """The value below which a share of the cases lies."""
     from scipy.stats import binom
 
     ordered, n = np.sort(values), values.size
     value = float(np.quantile(values, level))
-    if groups > 1:
-        below = estimate(mean, (values <= value).astype(float), groups)
-        # even if all hypercubes give the same share, the sample is not more certain than one case
-        room = 0.5 * (below.high - below.low) or 0.5 / n
-        levels = np.clip([level - room, level + room], 0.0, 1.0)
-        return Estimate(value, *np.quantile(values, levels).tolist())
     tail = 0.5 * (1.0 - LEVEL)
     low, high = (int(binom.ppf(p, n, level)) for p in (tail, 1.0 - tail))
     ends = ordered[max(low - 1, 0)], ordered[min(high, n - 1)]

@@ -109,7 +109,6 @@ class Inverse:
     def _draws(self, method: str, size: int, seed: int = 0) -> dict[str, FloatArray]:
         """Values of every number in the units of the study, from its own distributions."""
         table = {**self.plan.configuration["sample"], "method": method, "size": size, "seed": seed}
-        table.pop("hypercubes", None)
         return self._planned(table).sampled
 
     def _planned(self, sample: dict[str, Any]) -> StudyPlan:

@@ -149,13 +149,12 @@ def scatter_of(
     active = np.flatnonzero(covariance.diagonal() > 1e-6 * total)
     factors = equal_factors(covariance[np.ix_(active, active)])
     factor_of = dict(zip([names[i] for i in active], factors.tolist(), strict=True))
-    groups = plan.configuration["sample"].get("hypercubes", 1) if answered.all() else 1
     inside = capability = ends = None
     if figure in limits:
         ends = limits[figure]
-        inside = intervals.share((values >= ends[0]) & (values <= ends[1]), groups)
+        inside = intervals.share((values >= ends[0]) & (values <= ends[1]))
         capable = partial(intervals.capability, low=ends[0], high=ends[1])
-        capability = estimate(capable, kept, groups)
+        capability = estimate(capable, kept)
     return Scatter(
         nominal=problem.value(figure, points),
         worst=worst,
@@ -163,9 +162,9 @@ def scatter_of(
         slopes={name: slope.steeper for name, slope in zip(names, slopes, strict=True)},
         contributions=shares,
         balanced={name: factor_of[name] for name in shares if name in factor_of},
-        mean=estimate(intervals.mean, kept, groups),
-        deviation=estimate(intervals.deviation, kept, groups),
-        quantiles={level: intervals.quantile(kept, level, groups) for level in LEVELS},
+        mean=estimate(intervals.mean, kept),
+        deviation=estimate(intervals.deviation, kept),
+        quantiles={level: intervals.quantile(kept, level) for level in LEVELS},
         inside=inside,
         capability=capability,
         limits=ends,

@@ -1,6 +1,5 @@
 """What is told of the scatter of a figure: its record, and its tables."""
 
-import math
 from collections.abc import Mapping, Sequence
 from typing import Any
 
@@ -9,13 +8,11 @@ from escapement.base.results import Result
 from escapement.base.text import words
 from escapement.base.units import factor, printed
 from escapement.study.plan import unit_kind
-from escapement.tolerance.intervals import outwards, per_cent
+from escapement.tolerance.intervals import per_cent
 from escapement.tolerance.permitted import Permitted
 from escapement.tolerance.scatter import Scatter
 from escapement.tolerance.spread import grouped
 
-DIGITS = 6
-"""Significant figures in tables."""
 _OF_FIGURE = (
     "nominal", "worst_case", "standard_deviation_first_order", "mean", "standard_deviation",
     "quantiles",
@@ -58,15 +55,15 @@ def tables_of(scatter: Scatter, name: str, system: str) -> list[Table]:
     rows: list[tuple[Any, ...]] = [
         ("nominal", record["nominal"], "", ""),
         ("worst case", "", *record["worst_case"]),
-        ("mean, 95 % interval", *_told(record["mean"])),
-        ("standard deviation", *_told(record["standard_deviation"])),
+        ("mean, 95 % interval", *record["mean"]),
+        ("standard deviation", *record["standard_deviation"]),
         ("to first order", record["standard_deviation_first_order"], "", ""),
-        ("one case of twenty lies below", *_told(record["quantiles"]["0.05"])),
-        ("one case of twenty lies above", *_told(record["quantiles"]["0.95"])),
+        ("one case of twenty lies below", *record["quantiles"]["0.05"]),
+        ("one case of twenty lies above", *record["quantiles"]["0.95"]),
     ]
     if "yield" in record:
-        rows += [("share within limits", *_told(record["yield"]))]
-        rows += [("C_pk", *_told(record["capability"]))]
+        rows += [("share within limits", *record["yield"])]
+        rows += [("C_pk", *record["capability"])]
     title = f"{words(name)} [{unit}]" if unit else words(name)
     tables = [_table(title, ("", "value", "from", "to"), rows)]
     if parts := scatter.contributions:
@@ -113,15 +110,6 @@ def permitted_table(share: float, permitted: Mapping[str, Permitted], system: st
     )
     header = ("number", "unit", "all, from", "to", "alone, from", "to", "factor", "")
     return _table(title, header, rows)
-
-
-def _told(estimate: Sequence[float]) -> tuple[float, float, float]:
-    """An estimate with its interval rounded outwards to the figures that a table shows."""
-    value, low, high = estimate
-    size = max(abs(low), abs(high))
-    if not 0.0 < size < math.inf:
-        return value, low, high
-    return value, *outwards(low, high, 10.0 ** (math.floor(math.log10(size)) - DIGITS + 1))
 
 
 def _table(title: str, names: Sequence[str], rows: list[tuple[Any, ...]]) -> Table:

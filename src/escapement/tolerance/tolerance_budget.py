@@ -38,8 +38,6 @@ from escapement.tolerance.spread import Spread, form_of, spreads_of
 
 WIDTHS = ("tolerance", "relative_tolerance")
 """Limits of a figure by their distance from its nominal value."""
-HYPERCUBES = 20
-"""Number of Latin hypercubes that a sample consists of; their scatter gives the intervals."""
 
 
 @dataclass(frozen=True, repr=False)
@@ -80,7 +78,6 @@ def budget(
     *,
     limits: Mapping[str, Limits | Mapping[str, float]] | None = None,
     figures: Sequence[str] = (),
-    method: str = "random",
     size: int = 10_000,
     seed: int = 0,
     correlations: Sequence[tuple[str, str, float]] = (),
@@ -105,9 +102,6 @@ def budget(
         distance from the nominal value: {"relative_tolerance": 0.05} or {"tolerance": 0.002}.
     figures : sequence of str, optional
         Figures besides those with limits. Default: the period.
-    method : str
-        "random" or "latin-hypercube", of which twenty are drawn; "random" gives the intervals
-        that hold without further assumptions.
     size, seed : int
         Number of cases of the sample, and the seed of its random numbers.
     correlations : sequence of (name, name, number), optional
@@ -130,12 +124,7 @@ def budget(
     InvalidValue
         When an argument breaks its rule, or the nominal design has no terminal cycle.
     """
-    sample: dict[str, Any] = {"method": method, "size": size, "seed": seed, **tolerances}
-    if method == "latin-hypercube":
-        sample["hypercubes"] = HYPERCUBES
-        if validate.integer("size", size, FEWEST, "give more cases") % HYPERCUBES:
-            rule = f"a multiple of {HYPERCUBES} with method 'latin-hypercube'"
-            raise validate.fail("size", rule, size, f"give {size + -size % HYPERCUBES}")
+    sample: dict[str, Any] = {"method": "random", "size": size, "seed": seed, **tolerances}
     if len(correlations):
         sample["correlations"] = [*correlations]
     named = [figures] if isinstance(figures, str) else figures
@@ -163,10 +152,10 @@ def budget_of(
     are the means.
     """
     drawn = plan.configuration.get("sample", {})
-    if "sweep" in plan.configuration or drawn.get("method") not in ("random", "latin-hypercube"):
+    if "sweep" in plan.configuration or drawn.get("method") != "random":
         raise InvalidValue(
-            "a budget must have a sample alone, with method 'random' or 'latin-hypercube', got "
-            f"{drawn.get('method', 'a sweep')!r}; leave [sweep] out"
+            "a budget must have a sample alone, with method 'random', of which the cases are "
+            f"independent, got {drawn.get('method', 'a sweep')!r}; leave [sweep] out"
         )
     checked = {name: _checked(plan, name, pair) for name, pair in limits.items()}
     wanted = _wanted(yields, limits)
