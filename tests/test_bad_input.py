@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import escapement as esc
-from bad_calls import BAD, INERTIA, MACHINES, WHEEL, built, fault, ivp, maker, study, wheel
+from bad_calls import BAD, INERTIA, MACHINES, WHEEL, built, fault, maker, study, wheel
 from escapement.base.errors import InvalidValue
 from escapement.base.quantity import Quantity, Truth
 from escapement.cli import main
@@ -90,13 +90,6 @@ def test_numbers_of_numpy_are_numbers():
     assert wheel(slots=np.int8(5), internal=np.False_) == wheel(slots=5)
     with pytest.raises(InvalidValue, match="friction must be a finite number, got masked"):
         built(friction=np.ma.masked)
-
-
-@pytest.mark.parametrize("settings", [{"engine": ["ivp"]}, {"rtol": [1e-9]}, {"method": {}}])
-def test_settings_of_no_sense_are_refused_like_others(settings):
-    with pytest.raises(InvalidValue) as caught:
-        ivp(**settings)
-    check_message(str(caught.value), *settings)
 
 
 OBJECTS = [(built, "mechanism", value) for value in (4, None, "geneva", esc.Geneva, INERTIA)]
