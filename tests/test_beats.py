@@ -8,7 +8,6 @@ import pytest
 from numpy.testing import assert_allclose
 
 import escapement as esc
-from escapement.engines.energy.beat_times import pattern_beats
 from escapement.measurement.rounds import SHARES, rounds_of
 from escapement.plots import plot_beat_spectrum, plot_beats
 
@@ -28,14 +27,6 @@ def beats_of(drive, late=(), ahead=(), rounds=1, noise=0.0, seed=0):
     cycle = esc.terminal(replace(drive, mechanism=replace(drive.mechanism, **errors)))
     beats = np.tile(cycle.beats, rounds)
     return beats * (1.0 + noise * np.random.default_rng(seed).normal(size=beats.size))
-
-
-def test_beats_alone_are_those_of_the_terminal_cycle():
-    wheel = replace(
-        design().mechanism, pin_angle_errors=tuple(PINS), slot_offsets=(1e-5, 0, 0, 0, 0)
-    )
-    drive = replace(design(), mechanism=wheel, load_torque=1e-4)
-    assert_allclose(pattern_beats(drive, 1e-12), esc.terminal(drive).beats, rtol=1e-12)
 
 
 def test_without_noise_every_error_is_found():

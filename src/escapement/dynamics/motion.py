@@ -198,8 +198,6 @@ class Motion(JudgedResult, Shown):
         InvalidValue
             If a time is not finite or lies outside [0, end_time].
         """
-        if np.ma.is_masked(t):
-            raise fail("t", "free of masked values", t, "give only the valid values")
         try:
             times = np.asarray(t, dtype=float)
         except (TypeError, ValueError, OverflowError):

@@ -214,18 +214,9 @@ def rundown(
     spent = _spent_after(escapement)
     if turns is not None and duration is not None:
         raise validate.fail("duration", "left out with turns", duration, "leave one of them out")
-    first = simulate(escapement, 1, initial_speed=initial_speed, rtol=rtol)
-    if first.outcome is Status.INVALID:
-        none = first.handoff_times
-        return Rundown(
-            escapement,
-            times=none,
-            nominal_period=math.nan,
-            end_time=0.0,
-            end_turns=0.0,
-            status=first.outcome,
-            message=first.message,
-        )
+    if misfit := escapement.mechanism.misfit:
+        none = 0.0, 0.0, Status.INVALID, misfit
+        return Rundown(escapement, np.empty(0), math.nan, *none)
     count = None if duration is not None else _engagements(turns, escapement, spent)
     nominal = terminal(escapement.held, rtol=rtol).period
     motion = simulate(escapement, count, duration=duration, initial_speed=initial_speed, rtol=rtol)

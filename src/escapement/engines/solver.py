@@ -155,12 +155,7 @@ def choose_solver(solver: Solver | None, *separate: Any) -> Solver:
     InvalidValue
         When both are given, or a setting breaks its rule.
     """
-    if solver is None and separate == _NOTHING:
-        return DEFAULT_SOLVER
-    try:
-        return _kept(solver, *separate)
-    except TypeError:  # a list, say, is no key of a cache: the check tells which rule it breaks
-        return _kept.__wrapped__(solver, *separate)
+    return DEFAULT_SOLVER if solver is None and separate == _NOTHING else _kept(solver, *separate)
 
 
 DEFAULT_SOLVER, _NOTHING = Solver(), (None,) * len(fields(Solver))

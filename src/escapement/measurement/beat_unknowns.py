@@ -23,7 +23,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from escapement.base.errors import InvalidValue
-from escapement.engines.energy.beat_times import pattern_beats
+from escapement.engines.simulate import terminal
 from escapement.mechanisms import Geneva
 from escapement.mechanisms.pattern import follower_angle_at
 from escapement.mechanisms.protocol import FloatArray
@@ -129,8 +129,9 @@ class Parts:
 
     def beats(self, unknowns: FloatArray) -> FloatArray | None:
         """Beats of one pattern [s], None where the wheel cannot run."""
-        computed = pattern_beats(self.built(unknowns), _RTOL)
-        return None if computed is None else unknowns[0] * computed
+        computed = terminal(self.built(unknowns), rtol=_RTOL).beats
+        # perfect parts have one beat
+        return unknowns[0] * np.resize(computed, self.wheel.pattern.size) if computed else None
 
     def residuals(self, unknowns: FloatArray, means: FloatArray, root: FloatArray) -> FloatArray:
         """Computed less mean beats, made independent; great where the wheel cannot run."""

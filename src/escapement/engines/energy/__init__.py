@@ -50,7 +50,6 @@ Files, in the order in which they are best read:
     case_figures figures of merit of one case, transient included
     batch      figures of merit of many scenes
     terminal   the figures that `escapement.terminal` returns
-    beat_times the times of the engagements of a cycle
 
 A wheel has a round of pairs of pins and slots, which then meet again. Perfect parts make one pair;
 imperfect ones make a pattern of pairs, each with a path of its own. Everything from `pairs` on goes
