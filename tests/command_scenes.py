@@ -170,21 +170,23 @@ def motions(kind, length, **solver):
     return [*scenes, *sized(kind, **DRIVE, **lost, **length)]
 
 
+def _lasting(kind):
+    """A scene that ends by its duration."""
+    duration = {"outlines": 0.005, "deadbeat": 3.0, "recoil": 3.0}.get(kind, 0.1)
+    drive = {**TOUCHING_DRIVES.get(kind, DRIVE), "duration": duration, "tried": ["duration"]}
+    return {**WHEELS[kind], **drive, **FRICTION[kind]}
+
+
 def _run(kind):
-    drive = TOUCHING_DRIVES.get(kind, DRIVE)
-    lasting = {**WHEELS[kind], **drive, **FRICTION[kind], "tried": ["duration"]}
-    lasting["duration"] = {"outlines": 0.005, "deadbeat": 3.0, "recoil": 3.0}.get(kind, 0.1)
+    lasting = _lasting(kind)
     ivp = [{**lasting, **IVP, "tried": SOLVER}] if kind == "geneva" else []
     return [*motions(kind, {"engagements": 2}, rtol=1e-8), lasting, *ivp]
 
 
 def _rundown(kind):
-    drive = TOUCHING_DRIVES.get(kind, DRIVE)
-    lasting = {**WHEELS[kind], **drive, **FRICTION[kind], "tried": ["duration"]}
-    lasting["duration"] = {"outlines": 0.005, "deadbeat": 3.0, "recoil": 3.0}.get(kind, 0.1)
     # compliant walls take seconds, and `run` has them
     rigid = [one for one in motions(kind, {"turns": 2}, rtol=1e-8) if "stiffness" not in one]
-    return [*rigid, lasting]
+    return [*rigid, _lasting(kind)]
 
 
 def _explore(kind):
@@ -258,13 +260,8 @@ def _index(kind):
     rings = {"load_frequency": 7, "load_damping": 0.1, "load_tolerance": 1e-3}
     if kind not in ERRORS:
         return [{**one, **case} for one in _wheels(kind)]
-    stress = {
-        "pin_length": 0.01,
-        "pin_gap": 1e-3,
-        "pressure_limit": 1e8,
-        "pressure_pin_radius": 1e-3,
-        "running_time": 3600,
-    }
+    stress = {"pin_length": 0.01, "pin_gap": 1e-3, "pressure_pin_radius": 1e-3}
+    stress |= {"pressure_limit": 1e8, "running_time": 3600}
     stress |= {"pin_material": "brass", "wheel_material": "206e9,0.3"}
     found = [{**WHEELS[kind], **case, **stress, **FRICTION[kind]}]
     if kind == "geneva":
@@ -327,8 +324,7 @@ def scenes_of(command, kind):
 CHANGED = {
     **{"curve": "hypocycloid", "table": "other.csv", "engine": "energy", "method": "RK45"},
     **{"contact_law": "hunt-crossley", "atol": 1e-6, "rtol": 1e-11, "max_step": 1e-3},
-    "duration": 0.2,
-    "confidence": 0.9,
+    **{"duration": 0.2, "confidence": 0.9},
     **{"select": "friction=0.2", "result": "rise_time", "angle_unit": "rad", "bins": 9},
     **{"fit": "driver_inertia", "input_column": "again_deg", "output_column": "again_deg"},
     **{"indices": 8, "lobes": "1/2", "time_column": "later_s", "law": "modified-sine"},
@@ -339,16 +335,8 @@ CHANGED = {
 """What an option is given instead, where a number a little greater will not do."""
 ADDED = {
     **{"table": "cell.csv", "curve": "epicycloid", "contact_law": "hunt-crossley", "speed": 10},
-    "bore": "square",
-    **{
-        "lobes": 1,
-        "solution": 2,
-        "stations": 8,
-        "slots": 6,
-        "angle": 5,
-        "fit": "friction",
-        "bins": 8,
-    },
+    **{"bore": "square", "lobes": 1, "solution": 2, "stations": 8, "slots": 6, "angle": 5},
+    **{"fit": "friction", "bins": 8},
     **{"input_column": "input_deg", "output_column": "output_deg", "time_column": "time_s"},
     **{"angle_unit": "deg", "confidence": 0.9, "resolution": 4096, "efficiency": 0.8},
     **{"pin_angle_errors": "0,0.001", "crank_radius_errors": "0,1e-5", "friction": 0.25},
@@ -360,20 +348,8 @@ ADDED = {
 """What an option is given that a scene does not have; another number is small."""
 NOT_TRIED = {
     *("help", "json", "log", "units", "output", "force", "plot", "report", "resume", "quiet"),
-    *(
-        "scheduler",
-        "workers",
-        "quick",
-        "skip_rows",
-        "serve",
-        "study",
-        "config",
-        "wish",
-        "file",
-        "data",
-        "source",
-    ),
-    *("kind", "segments", "r12", "format", "jam_rule"),
+    *("scheduler", "workers", "quick", "skip_rows", "serve", "study", "config", "wish", "file"),
+    *("data", "source", "kind", "segments", "r12", "format", "jam_rule"),
 }
 """Options that say how or where something is written or computed, and whole inputs."""
 

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import escapement as esc
-from bad_calls import BAD, INERTIA, MACHINES, WHEEL, built, fault, maker, study, wheel
+from bad_calls import BAD, INERTIA, MACHINES, WHEEL, built, fault, maker, outside, study, wheel
 from escapement.base.errors import InvalidValue
 from escapement.base.quantity import Truth
 from escapement.cli import main

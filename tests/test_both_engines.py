@@ -13,6 +13,7 @@ from escapement.base.status import Status
 from escapement.dynamics.painleve import friction_limits
 from random_drives import drive
 from test_gear_escapement import DRIVES
+from test_motor import geared
 from test_real_mechanism import CRANK, DRAG, INERTIA, OIL, TORQUE, everything
 from test_table import measured, moved_by
 
@@ -48,6 +49,12 @@ MOTIONS = {
     "mesh with drag": (turned(PAPER, efficiency=0.9, **LOSSES), 2, AT_STOPS),
     **{f"all effects, {n} slots": (everything(slots=n, friction=0.2, **spring(n)), 4, {})
        for n in (4, 5)},
+    "cam": (turned(esc.CamIndexer(8, 2.1), efficiency=0.9), 3, {}),
+    # the work of the drive is taken from the way, whose parts are unequal
+    "uneven, spring": (turned(esc.Geneva(5, 2, crank_radius=CRANK, crank_radius_errors=(3e-5, 0.0)),
+                              0.4, **spring(5)), 6, {}),
+    # its rotor pushes the driver, and is pushed by it
+    "motor": (geared(driver_viscous=0.1), 3, {}),
     "a stop in oil": (everything(friction=0.1, load_torque=0.7 * TORQUE), 20, {"rtol": 1e-8}),
     # the greatest speed lies behind the reversal of a spent spring
     "spent": (esc.Escapement(esc.Geneva(12, 2), esc.Inertia(1.2222e-6, 1.35e-7), torque=0.08135,

@@ -49,15 +49,6 @@ def test_the_follower_steps_and_rests():
     assert cam.motion_ratio == pytest.approx(1.0 / 3.0)
 
 
-@pytest.mark.parametrize("law", LAWS)
-def test_both_engines_agree(law):
-    timer = esc.Escapement(indexer(law), esc.Inertia(0.1, 0.4), torque=3.0, efficiency=0.9)
-    one, two = (esc.simulate(timer, 3, engine=name) for name in ("energy", "ivp"))
-    assert one.handoff_times == pytest.approx(two.handoff_times, rel=1e-10)
-    assert one.reversals.theta == pytest.approx(two.reversals.theta, abs=1e-8)
-    assert abs(one.ledger.residual) < 1e-12
-
-
 def test_a_law_without_jumps_rings_less_than_a_geneva():
     # the numbers of the page on indexing drives
     wheel, cam = esc.Geneva(6, pins=1), indexer("cycloidal", 6)

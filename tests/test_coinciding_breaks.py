@@ -43,11 +43,6 @@ def test_a_spring_is_spent_at_a_break(cells):
     agree(spring, 4)
 
 
-def test_pieces_have_a_length():
-    motion = esc.simulate(no_torque_from(CELL / 2.0), 4)
-    assert (np.diff(motion.trajectory.start) > 0.0).all()
-
-
 def test_events_that_lead_elsewhere_than_their_handoff_give_no_states():
     motion = esc.simulate(no_torque_from(CELL / 2.0), 4)
     motion.trajectory.speeds[1] *= 1.001

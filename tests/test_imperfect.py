@@ -14,7 +14,6 @@ import pytest
 
 import escapement as esc
 import imperfect_bodies as bodies
-from both_engines import agree
 from escapement.base.status import Status
 from escapement.base.units import INCH_POUND
 from escapement.cli import main
@@ -267,24 +266,6 @@ def test_a_study_scales_errors_by_a_factor(drawn, tmp_path):
         assert again.units["slot_angle_errors_0"] == "rad"
     more = esc.run_plan(parse_plan(again.configuration)).results["period"]
     np.testing.assert_array_equal(more, study.results["period"])
-
-
-@pytest.mark.parametrize("seed", range(2))
-def test_both_engines_agree_on_springs_and_curves(seed):
-    """The ledger takes the work of the drive from the way, whose parts are unequal."""
-    rng = np.random.default_rng(seed)
-    slots = int(rng.choice([3, 4, 5, 8]))
-    wheel = imperfect(rng, slots, 1e-3)
-    torque, way = 0.10 * INCH_POUND, 14 * wheel.cell_angle
-    drive = {"torque": torque, "spring_rate": torque / way * rng.uniform(0.1, 1.2)}
-    if seed % 2:
-        angles = np.concatenate([[0.0], np.cumsum(rng.uniform(0.3, 2.0, 4))])
-        torques = torque * rng.uniform(0.3, 1.0, 5)
-        drive = {"torque": esc.TorqueCurve(angles, [*torques[:4], torques[0]], periodic=True)}
-    load = 0.05 * torque / wheel.transmission_max
-    case = esc.Escapement(wheel, INERTIA, friction=0.15, load_torque=load, **drive)
-    agree(case, 14, rtol=1e-11)
-    assert esc.terminal(case).period == esc.terminal(case.held).period
 
 
 def test_the_blow_before_a_stop_counts():

@@ -107,21 +107,6 @@ def test_thick_pins_and_bearings_as_with_a_heavy_driver(wheel):
     assert 2.0 * math.pi * drive.torque_mean_cycle == pytest.approx(spent, rel=1e-6)
 
 
-def test_blows_as_with_a_heavy_driver_and_rigid_contact():
-    for drive, inertia in ((table_drive(friction=0.0), 0.4), (fast_drive(), 0.02)):
-        heavy = esc.Escapement(
-            drive.mechanism, esc.Inertia(1e7 * inertia, inertia), torque=1e-3,
-            load_torque=drive.load_torque,
-        )  # fmt: skip
-        impacts = esc.simulate(heavy, 1, initial_speed=drive.speed).impacts
-        first, second = impacts.theta[:2]
-        assert drive.entry_impact_angle == pytest.approx(first, rel=1e-5)
-        assert drive.reversal_impact_angle == pytest.approx(second, rel=1e-5)
-        lost = impacts.energy[:2]
-        assert drive.entry_impact_energy == pytest.approx(lost[0], rel=1e-5)
-        assert drive.reversal_impact_energy == pytest.approx(lost[1], rel=1e-5)
-
-
 def test_laws_of_a_small_clearance():
     def at(clearance):
         return table_drive({"clearance": clearance})

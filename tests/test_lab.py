@@ -134,13 +134,6 @@ def test_what_speeds_cannot_tell_is_refused_in_one_line():
         esc.fit_motion(read(WHEEL), GUESS)
 
 
-def test_a_motion_of_another_kind_is_not_explained():
-    braked = esc.Escapement(WHEEL, INERTIA, 0.0113, 0.1, driver_viscous=3e-5)
-    fit = esc.fit_motion(run_up(1, motion=esc.simulate(braked, 12)), GUESS, ("friction",))
-    assert not fit.verdict.good
-    assert "does not explain the motion" in fit.verdict.text
-
-
 def test_counts_rows_to_skip_and_times(tmp_path):
     path = tmp_path / "data.csv"
     rows = "".join(f"{i * 10},{i * 100},{i * 41}\n" for i in range(60))

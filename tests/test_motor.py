@@ -79,17 +79,6 @@ def test_a_gearbox_takes_its_share_of_the_power_either_way():
     np.testing.assert_allclose(torque[inside], rotor[inside], atol=1e-9)
 
 
-def test_engines_agree_behind_a_gearbox_with_losses():
-    rng = np.random.default_rng(44)
-    for _ in range(6):
-        gearbox = esc.Train(0.1, rng.uniform(0.5, 1.0), 10.0 ** rng.uniform(-5.0, -3.0))
-        drive = geared(gearbox, driver_viscous=rng.choice([0.0, 0.1]))
-        fast, slow = (esc.simulate(drive, 3, engine=name) for name in ("energy", "ivp"))
-        np.testing.assert_allclose(fast.handoff_times, slow.handoff_times, rtol=1e-9)
-        np.testing.assert_allclose(fast.handoff_velocities, slow.handoff_velocities, rtol=1e-9)
-        assert abs(fast.ledger.residual) < 1e-12
-
-
 @pytest.mark.parametrize(("barrel", "no_load"), [(None, 60.0), (esc.Train(0.2, 0.7, 1e-8), 30.0)])
 def test_two_bodies_in_time_agree(barrel, no_load):
     """Without a gearbox the driver turns back after an impact."""

@@ -44,16 +44,6 @@ def test_engaged_pin_is_on_the_slot_centre_line(drive, engagement, share):
     assert abs(pin) == pytest.approx(radius, abs=1e-12)
 
 
-def test_follower_stands_still_in_the_dwell():
-    drive = esc.Geneva(slots=4, pins=1)
-    shapes = [
-        by_id(plots.plot_mechanism(drive, theta), "follower").get_path().vertices
-        for theta in (1.0, 3.0, 5.4)
-    ]
-    assert drive.follower_angle([1.0, 3.0]) == pytest.approx(np.pi / 4, rel=1e-15)
-    assert np.ptp(shapes, axis=0).max() < 1e-12
-
-
 def test_only_dwells_need_a_locking_disc(drive):
     ids = {artist.get_gid() for artist in plots.plot_mechanism(drive).get_children()}
     assert ("locking-disc" in ids) != drive.continuous
@@ -139,10 +129,3 @@ def test_imperfect_pins_are_on_the_lines_of_their_slots(k, factor):
     assert (ends[0] * along.conjugate()).imag == pytest.approx(
         factor * [0.0, 0.0, 1e-3, -1e-3, 5e-4][k % 5], abs=1e-12
     )
-
-
-def test_errors_of_no_size_leave_the_wheel_as_it_is():
-    none = plots.plot_mechanism(BAD, 0.3, exaggerate=0.0)
-    plain = plots.plot_mechanism(esc.Geneva(5, 3, crank_radius=0.02), 0.3)
-    drawn = [by_id(ax, "follower").get_path().vertices for ax in (none, plain)]
-    np.testing.assert_allclose(*drawn, atol=1e-12)

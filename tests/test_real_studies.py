@@ -105,16 +105,6 @@ def test_python_sweeps_pins_and_mechanisms_of_the_users_own():
     np.testing.assert_allclose(alone, grid.results["period"][1], rtol=1e-13)
 
 
-def test_a_thinner_light_drivers_limit_is_the_same_alone_and_in_a_study():
-    wheel = replace(
-        WHEELS["gear-driven"], pin_radius=0.4 * CRANK * WHEELS["gear-driven"].widest_pin
-    )
-    timer = replace(IDEAL, mechanism=wheel, inertia=esc.Inertia(1.2e-8, 5.65e-6))
-    limit = esc.critical_friction(timer.mechanism, timer.inertia)
-    grid = esc.sweep(timer, friction=limit * np.array([0.9999, 1.0001, 1.2, 1.5]))
-    assert grid.results["status"].tolist() == [0] + 3 * [Status.PAINLEVE]
-
-
 def test_a_study_file_has_units_and_converts_drag_by_its_kind(command, tmp_path):
     (tmp_path / "pins.toml").write_text(PINS)
     code, out, _ = command("sweep", "pins.toml", "--json", "--units", "SI")

@@ -3,8 +3,7 @@
 import pytest
 
 from escapement import load_plan
-from escapement.base.errors import InputFileError
-from escapement.base.toml_file import parse_toml, read_toml
+from escapement.base.toml_file import parse_toml
 
 STUDY = """units = "SI"
 friction = 0.3
