@@ -3,7 +3,8 @@
 import pytest
 
 from escapement import load_plan
-from escapement.base.toml_file import parse_toml
+from escapement.base.errors import InputFileError
+from escapement.base.toml_file import parse_toml, read_toml
 
 STUDY = """units = "SI"
 friction = 0.3
