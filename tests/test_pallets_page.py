@@ -96,6 +96,14 @@ def test_the_scatter_and_the_best_of_each_are_computed():
         assert found[1.25] > found[1.0]
 
 
+def test_restitution_changes_the_best_pallets_by_what_the_page_says():
+    mechanism, ratio = best_of_each()["pallets"]
+    timer = esc.Escapement(mechanism, esc.Inertia(ratio, 1.0), 1.0, friction=0.2)
+    longer = esc.terminal(replace(timer, restitution=0.25)).period / esc.terminal(timer).period
+    text = (ROOT / "docs/pallets.md").read_text(encoding="utf-8")
+    assert f".25 changes the best pallets by {longer - 1.0:.0%}".replace("%", " %") in text
+
+
 def best_of_each():
     """What the notebook found, a mechanism and a ratio of inertias for each name."""
     cells = json.loads((ROOT / "notebooks/geneva_or_pallets.ipynb").read_text("utf-8"))["cells"]

@@ -191,3 +191,14 @@ def test_a_wish_for_a_timer_is_refused_with_a_reason():
     ):
         with pytest.raises(InvalidValue, match=told):
             esc.design_drive(WISH | change)
+
+
+def test_a_motion_that_comes_to_rest_in_every_pitch_forgets_its_start():
+    wheel = esc.Runaway(
+        teeth=21, wheel_radius=1.0, tooth_depth=0.22, lead=math.radians(36.1309), tip_radius=0.01,
+        back=math.radians(4.33596), span=2.5, pallet_radius=0.98035, pin_radius=0.0295618,
+    )  # fmt: skip
+    timer = esc.Escapement(wheel, esc.Inertia(1.0, 6.09109), 1.0, friction=0.1)
+    assert esc.terminal(timer).contraction == pytest.approx(0.0, abs=1e-9)
+    ends = [esc.simulate(timer, 5, initial_speed=w).handoff_velocities[-2:] for w in (0.0, 0.3)]
+    assert ends[0] == pytest.approx(ends[1], rel=1e-13)

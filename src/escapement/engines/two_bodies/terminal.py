@@ -141,9 +141,11 @@ def _contraction(escapement: Escapement, state: FloatArray) -> float:
         changed = state.copy()
         changed[[SPEED, TURNING]] *= share
         ending, after, _theta, _end = following.march_from(escapement, changed, 2)
-        ends.append(after[1:, _MOVING] if ending == Ending.DONE else np.full((2, 3), math.nan))
-    one, two = ends[1] - ends[0]
-    return float(two @ one / (one @ one))
+        ends.append(after[:, _MOVING] if ending == Ending.DONE else np.full((3, 3), math.nan))
+    before, left, last = ends[1] - ends[0]
+    if left @ left < 1e-6 * (before @ before):  # another pitch would leave rounding alone
+        left, last = before, left
+    return float(last @ left / (left @ left))
 
 
 def _scattered(escapement: Escapement, base: Figures, states: FloatArray, rtol: float) -> Figures:
