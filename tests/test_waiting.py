@@ -14,13 +14,14 @@ from escapement.cli import _waiting
 def told(monkeypatch):
     """What a command that takes some time says on standard error."""
 
-    def run(work, quiet=False):
+    def run(work, quiet=False, terminal=True):
         stream = io.StringIO()
         monkeypatch.delenv("ESCAPEMENT_QUIET", raising=False)
         monkeypatch.setattr(_waiting, "_PATIENCE", 0.05)
         monkeypatch.setattr(_waiting, "_AGAIN", 0.2)
         monkeypatch.setattr(progress, "stage", "")
         monkeypatch.setattr("sys.stderr", stream)
+        monkeypatch.setattr("os.isatty", lambda _: terminal)
         with _waiting.shown("budget", quiet):
             work()
         return stream.getvalue()
@@ -38,6 +39,9 @@ def test_long_work_is_told_now_and_then(told):
     lines = told(work).splitlines()
     assert 2 <= len(lines) <= 4
     assert lines[0].startswith("escapement: budget, 0.")
+    later = told(work, terminal=False).splitlines()
+    assert 1 <= len(later) <= 3
+    assert later[0].startswith("escapement: budget: worst case of period, 0.")
     assert lines[-1].startswith("escapement: budget: worst case of period, 0.")
 
 

@@ -6,8 +6,8 @@ import threading
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 
-_PATIENCE = 2.0  # s before anything is shown
-_AGAIN = 30.0  # s between two lines
+_PATIENCE = 2.0  # s before anything is shown on a terminal
+_AGAIN = 30.0  # s between two lines, and before the first one in a log
 
 _over = threading.Event()
 
@@ -33,7 +33,7 @@ def _watch(command: str) -> None:
     """Show the time at work, a line at a time."""
     from time import monotonic
 
-    begun, wait = monotonic(), _PATIENCE
+    begun, wait = monotonic(), _PATIENCE if os.isatty(2) else _AGAIN
     while not _over.wait(wait):
         from escapement.base import progress
         from escapement.base.notice import notice

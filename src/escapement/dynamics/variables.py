@@ -67,8 +67,8 @@ _IMPACTS: Columns = {
     "impulse": ("impulse", "impulse of the normal force", "<f8"),
     "energy": ("energy", "energy lost in each impact", "<f8"),
 }
-ATTRIBUTES = {"engine": str, "rtol": float, "end_time": float, "message": str}
-"""Attributes of a motion as a whole, besides its status, with their types."""
+ATTRIBUTES = "engine", "rtol", "end_time", "message"
+"""Attributes of a motion as a whole, besides its status."""
 
 
 def groups_of(motion: Any) -> tuple[tuple[str, str, Columns], ...]:
