@@ -11,7 +11,7 @@ import pytest
 import escapement as esc
 from escapement.base.units import INCH_POUND
 from escapement.sources import meyer
-from escapement.sources.meyer.slips import equations
+from escapement.sources.report import read_slips
 
 rows_of = cache(meyer.appendix_e)
 RUNS = {3: (0.35, 0.09), 4: (0.35, 0.10), 6: (0.35, 0.14)}
@@ -29,7 +29,11 @@ def timer(slots, *inertias):
 
 def true_of(place, printed=""):
     """The correction of the one slip at a place that was printed like this."""
-    found = [it.true for it in equations() if it.place.startswith(place) and printed in it.printed]
+    found = [
+        it.true
+        for it in read_slips("meyer")
+        if it.place.startswith(place) and printed in it.printed
+    ]
     assert len(found) == 1
     return found[0]
 

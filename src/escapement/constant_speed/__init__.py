@@ -25,4 +25,4 @@ __all__ = [
 
 
 def __getattr__(name: str) -> Any:
-    return offered(__name__, __all__, ("geneva", "indexing"), name)
+    return offered(__name__, __all__, ("indexing", "geneva"), name)

@@ -276,11 +276,9 @@ def _fill(samples, pose, left, right, side, slide_sign, scene, efficiency):
 
 @inner_jit
 def _fill_row(row, found):
-    """Fill a row with what `contact_at` returns, the last of it if there is room."""
-    torque, moment, force, g, dg, rubbing = found
-    row[TORQUE], row[MOMENT], row[FORCE], row[RATIO], row[BEND] = torque, moment, force, g, dg
-    if len(row) > RUBBING:
-        row[RUBBING] = rubbing
+    """Fill a row with what `contact_at` returns, as far as there is room."""
+    for i in range(len(row)):
+        row[i] = found[i]
 
 
 @inner_jit

@@ -249,19 +249,17 @@ def knock(packed, c, count):
 @inner_jit
 def hardest_knock(scene, c, count):
     """As `knock`, of a scene."""
-    best = _of_index(c, 0.0, scene)
+    entry = back = _of_index(c, 0.0, scene)
+    of_entry = of_back = 0.0
     for k in range(1, count):
         begin = k * cell_of(scene)
         found = _of_index(c, begin, scene)
-        if found.entry_speed > best.entry_speed or np.isnan(best.entry_speed):
-            entry = found.entry_angle + begin, found.entry_speed, found.entry_distance
-        else:
-            entry = best.entry_angle, best.entry_speed, best.entry_distance
-        if found.reversal_speed > best.reversal_speed or np.isnan(best.reversal_speed):
-            back = found.reversal_angle + begin, found.reversal_speed, found.reversal_distance
-            start, wall = found.lift_off + begin, found.wall
-        else:
-            back = best.reversal_angle, best.reversal_speed, best.reversal_distance
-            start, wall = best.lift_off, best.wall
-        best = _landed(entry[0], entry[1], entry[2], start, wall, reversal=back)
-    return best
+        if found.entry_speed > entry.entry_speed or np.isnan(entry.entry_speed):
+            entry, of_entry = found, begin
+        if found.reversal_speed > back.reversal_speed or np.isnan(back.reversal_speed):
+            back, of_back = found, begin
+    return _landed(
+        entry.entry_angle + of_entry, entry.entry_speed, entry.entry_distance,
+        back.lift_off + of_back, back.wall,
+        reversal=(back.reversal_angle + of_back, back.reversal_speed, back.reversal_distance),
+    )  # fmt: skip

@@ -16,16 +16,11 @@ from importlib.resources import files
 from itertools import groupby
 from typing import Any
 
-import numpy as np
-
 from escapement.base.text import print_columns
-from escapement.mechanisms.protocol import FloatArray
 
 UNEXPLAINED = "unexplained"
 WIDTH = 100
 """Characters of a line."""
-WORDS = "printed_error and true_error are null where a slip is a matter of words"
-"""The message of a record with slips."""
 Record = dict[str, Any]
 """Content of the JSON, or a part of it."""
 Table = Sequence[Sequence[Any]]
@@ -135,30 +130,17 @@ def cut_off(printed: str, value: float) -> Iterator[str]:
 
 @dataclass(frozen=True)
 class Slip:
-    """A slip in an equation or a sentence: its place, the printed and the correct text.
-
-    printed_error, true_error : greatest deviation of the printed and of the true formula;
-        None where the slip is a matter of words.
-    """
+    """A slip in an equation or a sentence: its place, the printed and the correct text."""
 
     place: str
     printed: str
     true: str
-    printed_error: float | None = None
-    true_error: float | None = None
 
 
-def read_slips(source: str, deviations: Mapping[str, tuple[FloatArray, FloatArray]]) -> list[Slip]:
-    """Slips of a source, with the errors of those that are formulas.
-
-    deviations : errors of the printed and of the true formula in each of the mechanisms on which
-        they are tried, by the name in the file's column `formula`.
-    """
-    errors = {name: [float(np.abs(off).max()) for off in offs] for name, offs in deviations.items()}
-    return [
-        Slip(row["place"], row["printed"], row["true"], *errors.get(row["formula"], []))
-        for row in read_table(source, "slips.csv")
-    ]
+def read_slips(source: str) -> list[Slip]:
+    """Slips of a source; the tests try those that are formulas, as printed and as corrected."""
+    rows = read_table(source, "slips.csv")
+    return [Slip(row["place"], row["printed"], row["true"]) for row in rows]
 
 
 # --- a source as a whole ------------------------------------------------------------------
@@ -216,7 +198,6 @@ def compare(
         "cells": len(cells),
         "agreeing": sum(cell.agrees for cell in cells),
         "equations": [vars(slip) for slip in slips],
-        "message": WORDS,
     }
 
 
@@ -248,13 +229,12 @@ def print_side_by_side(
 
 
 def print_errata(
-    cells: Cells, what: str, place: str, columns: dict[str, str], slips: list[Slip], tried: str = ""
+    cells: Cells, what: str, place: str, columns: dict[str, str], slips: list[Slip]
 ) -> None:
     """Print how many cells are right; each wrong one, its place and the reason; and every slip.
 
     what : name of the cells.
     place : text for the place of a cell and its column, as `columns` calls it.
-    tried : on which mechanisms formulas were tried.
     """
     judged = [cell for cell in cells if cell.true is not None]
     wrong = [cell for cell in judged if not cell.agrees]
@@ -264,17 +244,12 @@ def print_errata(
         where = place.format(cell.place, columns[cell.column])
         say(f"  {where}: {cell.printed} must be {cell.true}")
         say(f"      {cell.reason}")
-    print_slips(slips, tried)
+    print_slips(slips)
 
 
-def print_slips(slips: Iterable[Slip], tried: str = "") -> None:
-    """Print every slip; `tried` names the mechanisms on which formulas were tried."""
+def print_slips(slips: Iterable[Slip]) -> None:
+    """Print every slip."""
     print("\nSlips in equations and text, some perhaps the scan's:")
-    if tried:
-        say(f"  [greatest error of the printed and of the true formula for {tried}]")
     for slip in slips:
-        error = ""
-        if slip.printed_error is not None:
-            error = f"  [{slip.printed_error:.2g}; true {slip.true_error:.0e}]"
         say(f"  {slip.place}: {slip.printed}")
-        say(f"      must be {slip.true}{error}")
+        say(f"      must be {slip.true}")

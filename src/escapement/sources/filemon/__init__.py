@@ -3,8 +3,7 @@
 Every cell follows from the closed forms of `constant_speed.geneva`. The reason for a wrong cell
 is found by computation, and no list of cells is kept: a rule is named if it gives the printed
 digits and the true value does not. The rules of four places say only that the printed value can
-result from such an error. Each equation is evaluated as printed and as corrected, and both are
-compared with the result from the pin's path, which proves the correction.
+result from such an error.
 """
 
 import math
@@ -12,13 +11,10 @@ from collections.abc import Iterator
 from functools import cache, partial
 
 import numpy as np
-from numpy.typing import ArrayLike
 
-from escapement.constant_speed import geneva, reversal_study
-from escapement.mechanisms import Geneva
-from escapement.mechanisms.protocol import FloatArray
+from escapement.constant_speed import geneva
 from escapement.sources import report
-from escapement.sources.report import Cell, Slip, cut_off, digits, finer, gives, judge, like
+from escapement.sources.report import Cell, cut_off, digits, finer, gives, judge, like
 
 COLUMNS = {
     "ratio_max": "i_omega max", "beta_max": "beta_max", "acceleration_start": "i_epsilon start",
@@ -26,7 +22,6 @@ COLUMNS = {
 }  # fmt: skip
 """Columns of Table I and their names in the paper."""
 _SINE, _LENGTH = 1e-4, 5e-5  # errors of a sine and of L in arithmetic of four decimals
-_SHARES = np.array([-0.93, -0.7, -0.41, -0.2, 0.13, 0.35, 0.62, 0.88])  # places as shares of beta_0
 
 
 @cache
@@ -62,70 +57,16 @@ def true_values(slots: int, sine: float | None = None) -> dict[str, float]:
     return dict(zip(COLUMNS, np.array(values).tolist(), strict=True))
 
 
-def equations() -> list[Slip]:
-    """Every slip of the equations, each tested: relative errors for 3 to 10 slots."""
-    n = np.repeat(np.arange(3, 11), _SHARES.size)
-    c, half = geneva.crank_ratio(n), geneva.engagement_half(n)
-    # the places keep clear of dead centre, where some of the functions are zero
-    b = np.resize(_SHARES, n.size) * half
-    wheels = [Geneva(int(k), pins=1) for k in n]
-    found = [wheel.transmission(at) for wheel, at in zip(wheels, b, strict=True)]
-    g, dg = np.array([(one.g, one.dg) for one in found]).T
-    ddg = np.array([wheel.jerk(at) for wheel, at in zip(wheels, b, strict=True)])
-    x = np.cos(b)
-    length = 1.0 + c * c - 2.0 * c * x
-    ratio, swing = c * (x - c) / length, c * (1.0 - c * c)
-    # the acceleration function, from which (7) and the slope of the torque follow
-    rate = -swing * np.sin(b) / length**2
-    quarters = ((1.0 + sign * c * c) / (4.0 * c) for sign in (-1.0, 1.0))
-    curvatures = (2.0 * c * x**2 + (1.0 + sign * c * c) * x - 4.0 * c for sign in (-1.0, 1.0))
-    top = 2.0 * c * x**3 + 2.0 * (1.0 - c * c) * x**2 - (5.0 * c + c**3) * x + 5.0 * c * c - 1.0
-    # the second term of dM_2/d beta at F = 1, M_e = eta = 1, without its denominator
-    term = c * swing * top
-    # the formula as printed, the true one, and what both should give
-    tried = {
-        "acceleration": (ratio**2 * rate, rate, dg),
-        "jerk": (*(-swing * curvature / length**3 for curvature in curvatures), ddg),
-        "reversal ratio": (
-            length**2 / (c * (1.0 - c * c * np.sin(b))), length**2 / (swing * np.sin(b)), -1.0 / dg
-        ),
-        "steepest": (
-            *(np.sqrt(k * k + 2.0) - k for k in quarters), np.cos(geneva.acceleration_max_angle(n))
-        ),
-        "limit F23": (-1.0 / np.tan(np.arcsin(c)), 1.0 / np.tan(np.arcsin(c)), np.tan(half)),
-        "torque slope": (
-            rate - term / length**3, rate - term / length**4, dg + dg**2 + g * ddg
-        ),
-        "cubic": (_cubic(n, 0.0, -1.0, 0.333, 0.074), _cubic(n, 1 / 3, 1.0, 1 / 3, 2 / 27), 1.0),
-    }  # fmt: skip
-    deviations = {
-        name: (printed / goal - 1.0, true / goal - 1.0)
-        for name, (printed, true, goal) in tried.items()
-    }
-    return report.read_slips("filemon", deviations)
-
-
-def _cubic(n: ArrayLike, shift: float, sign: float, third: float, cube: float) -> FloatArray:
-    """1 + the reduced cubic (12) over y^3, y = cos(beta*) + shift a, at its root."""
-    c = geneva.crank_ratio(n)
-    a, q, d = (1.0 - c * c) / c, 0.5 * (5.0 + c * c), (5.0 * c * c - 1.0) / (2.0 * c)
-    # F is practically infinite
-    y = np.cos(reversal_study(n, 1e15).torque_max_angle) + shift * a
-    rest = y * (-third * a * a - q) + cube * a**3 + sign * third * q * a + d
-    return 1.0 + (y**3 + rest) / y**3
-
-
 def reproduce(units: str | None = None) -> report.Reproduction:
     """All 48 cells recomputed: pure numbers and angles, independent of the units."""
-    cells, slips = table_1(), equations()
+    cells, slips = table_1(), report.read_slips("filemon")
     heads = {n: {"slots": n} for n in printed_rows()}
     record = report.compare(cells, slips, heads, {"beta_max": "beta_max_deg"})
 
     def show() -> None:
         print("Filemon (1960), Table I: printed, and below it true; * differs\n")
         report.print_side_by_side({"n": "slots"}, COLUMNS, record["rows"], cells)
-        tried = "3 to 10 slots, relative"
-        report.print_errata(cells, "cells", "n = {}, {}", COLUMNS, slips, tried)
+        report.print_errata(cells, "cells", "n = {}, {}", COLUMNS, slips)
 
     lines = report.as_table(cells, "slots")
     return report.Reproduction("filemon_table_1", record, lines, show, _panels)

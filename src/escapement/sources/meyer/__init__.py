@@ -9,7 +9,7 @@ them the explanation of each difference.
 in-lbf-s^2.
 
 - `program`, `listing`: the program of 1973 as printed
-- `reasons`, `slips`: why printed figures differ, slips of the thesis
+- `reasons`: why printed figures differ
 - `meyer_figures`: its figures 9 to 11
 """
 
@@ -30,7 +30,6 @@ from escapement.model.escapement import Escapement, Inertia
 from escapement.sources import report
 from escapement.sources.meyer.program import PublishedCell, program_1973, read_printout
 from escapement.sources.meyer.reasons import HALF_DIGIT, RunFigures, why
-from escapement.sources.meyer.slips import equations
 
 INERTIAS = {3: (6e-6, 10e-6), 4: (3e-6, 50e-6), 6: (3e-6, 40e-6)}
 """Driver and follower inertia really used, by slots [in-lbf-s^2] (figures 9 to 11)."""
@@ -132,16 +131,16 @@ def reproduce(units: str | None = None) -> report.Reproduction:
     units = units or UNITS
     rows = appendix_e(units)
     agreeing = {name: agreement(rows, name)._asdict() for name in COLUMNS if name != "printed"}
-    slips = equations()
+    slips = report.read_slips("meyer")
 
     def show() -> None:
         _print_rows(rows, units)
         _print_reasons(rows)
         _print_agreement(agreeing)
-        report.print_slips(slips, "his three wheels, relative")
+        report.print_slips(slips)
 
     record = {"units": units, "rows": rows, "agreement": agreeing}
-    record |= {"equations": [vars(slip) for slip in slips], "message": report.WORDS}
+    record["equations"] = [vars(slip) for slip in slips]
     lines = [_as_line(row, units) for row in rows]
     table = [[*lines[0]], *([*line.values()] for line in lines)]
     return report.Reproduction("meyer_appendix_e", record, table, show, partial(_panels, rows))

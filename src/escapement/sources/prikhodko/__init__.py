@@ -14,7 +14,7 @@ from escapement.base.units import degrees
 from escapement.measurement import Encoder, Measurement, measure, sturges, synthetic_readings
 from escapement.mechanisms import EllipticalPlanetary
 from escapement.sources import report
-from escapement.sources.report import Cell, Slip, cut_off, digits, judge, read_slips, read_table
+from escapement.sources.report import Cell, cut_off, digits, judge, read_slips, read_table
 
 ENCODER_STEPS = 4096
 CONFIDENCE = 0.99
@@ -24,11 +24,6 @@ CONFIDENCE = 0.99
 def printed_rows() -> dict[str, dict[str, str]]:
     """Printed numbers by name: `printed`, as text, `unit` and `place`."""
     return {row["quantity"]: row for row in read_table("prikhodko", "table_1.csv")}
-
-
-def equations() -> list[Slip]:
-    """Corrections of the paper's equations and sentences; none is a testable formula."""
-    return read_slips("prikhodko", {})
 
 
 def drive() -> EllipticalPlanetary:
@@ -62,7 +57,7 @@ def synthetic_measurement() -> Measurement:
 
 def reproduce(units: str | None = None) -> report.Reproduction:
     """Recomputed numbers; lengths in millimetres as printed, independent of the units."""
-    cells, slips, mechanism = table(), equations(), drive()
+    cells, slips, mechanism = table(), read_slips("prikhodko"), drive()
     judged = [cell for cell in cells if cell.true is not None]
     record: dict[str, Any] = {
         "rows": [_as_row(cell) for cell in cells],
