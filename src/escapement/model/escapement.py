@@ -10,11 +10,11 @@ from functools import cached_property, wraps
 from typing import Any, TypeVar, cast
 
 from escapement.base import validate
-from escapement.base.lazy import Lazy
+from escapement.base.lazy import FloatArray, np
 from escapement.base.quantity import Choice, Declared, Setting, declared, quantity, setting
 from escapement.base.spoken import as_spoken
 from escapement.mechanisms.path import Pair, Path, one_pitch
-from escapement.mechanisms.protocol import FloatArray, Mechanism, checked
+from escapement.mechanisms.protocol import Mechanism, checked
 from escapement.mechanisms.wheel_checks import check_lengths
 from escapement.model.checks import (
     check_contact,
@@ -50,7 +50,6 @@ SWINGING = "Spring and weight of the follower"
 """Headings of the groups of numbers."""
 MOST_CELLS, SAME_CELLS = 64, 1e-9
 """A torque repeats after so many cells at most, and cells and its period may differ by a share."""
-np: Any = Lazy("numpy")  # importing it takes longer than the rest of help
 
 
 @dataclass(frozen=True, repr=False)
