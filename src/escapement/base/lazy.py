@@ -2,7 +2,9 @@
 
 from collections.abc import Iterable, Sequence
 from importlib import import_module
-from typing import Any
+from typing import TYPE_CHECKING, Any
+
+__all__ = ["ArrayLike", "FloatArray", "Lazy", "np", "offered"]
 
 
 class Lazy:
@@ -21,6 +23,16 @@ class Lazy:
         value = getattr(import_module(self._name), attribute)
         vars(self)[attribute] = value  # found without this function from then on
         return value
+
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import ArrayLike, NDArray
+
+    FloatArray = NDArray[np.float64]
+else:
+    # importing NumPy takes longer than the rest of help
+    np, ArrayLike, FloatArray = Lazy("numpy"), Any, Any
 
 
 def offered(package: str, names: Sequence[str], modules: Iterable[str], name: str) -> Any:

@@ -25,7 +25,7 @@ from escapement.mechanisms.slotted import (
     slide_change,
     transmission_at,
 )
-from escapement.model.escapement import Escapement, Inertia
+from escapement.model.escapement import Escapement, Inertia, once_per_escapement
 from escapement.model.natural import slid
 from escapement.model.scene import Scene
 from escapement.numerics.jit import as_python, inner_jit, jit
@@ -33,8 +33,6 @@ from escapement.numerics.roots import golden_point, golden_step, golden_trial, n
 
 # Points of each interval of a table, and of all of it, at which a limit is looked for.
 _PARTS, _GRID = 32, 1024
-_LIMITS = "painleve.limits"
-_NOTE = "painleve.note"
 
 
 @jit
@@ -342,24 +340,21 @@ def critical_friction(mechanism: Mechanism, inertia: Inertia) -> float:
     return friction_limits(Escapement(mechanism, inertia, torque=1.0))[0]
 
 
+@once_per_escapement
 def friction_limits(escapement: Escapement) -> tuple[float, float]:
     """The least friction at which no motion exists, and that at which it is not unique [-].
 
     For an ideal pin the two are equal. With a roller both are for the friction between the roller
     and its pin. Bodies that touch with their outlines have infinite ones.
     """
-    kept = escapement.kept
-    if _LIMITS not in kept:
-        if escapement.mechanism.pitch is not None:
-            return np.inf, np.inf  # the engine finds out on its way
-        scenes = _flows_of(escapement)
-        if all(_is_closed(scene) for scene in scenes):
-            ends = [(scene.path, scene.rho, scene.edges[0], scene.edges[-1]) for scene in scenes]
-            kept[_LIMITS] = (min(painleve_limit(*row)[0] for row in ends),) * 2
-        else:
-            kept[_LIMITS] = _limit(escapement, before=False), _limit(escapement, before=True)
-    found: tuple[float, float] = kept[_LIMITS]
-    return found
+    if escapement.mechanism.pitch is not None:
+        return np.inf, np.inf  # the engine finds out on its way
+    scenes = _flows_of(escapement)
+    if not all(_is_closed(scene) for scene in scenes):
+        return _limit(escapement, before=False), _limit(escapement, before=True)
+    ends = [(scene.path, scene.rho, scene.edges[0], scene.edges[-1]) for scene in scenes]
+    limit = min(painleve_limit(*row)[0] for row in ends)
+    return limit, limit
 
 
 def _flows_of(escapement: Escapement) -> list[Scene]:
@@ -413,17 +408,11 @@ def _remedy(escapement: Escapement) -> str:
     return f"; give stiffness and damping for compliant contact, or {rule} for an approximation"
 
 
+@once_per_escapement
 def uniqueness_note(escapement: Escapement) -> str | None:
     """The message for a motion that is not unique; None for all others."""
-    kept = escapement.kept
-    if _NOTE not in kept:
-        outlined = escapement.mechanism.pitch is not None
-        kept[_NOTE] = None if outlined else _uniqueness_note(escapement)
-    note: str | None = kept[_NOTE]
-    return note
-
-
-def _uniqueness_note(escapement: Escapement) -> str | None:
+    if escapement.mechanism.pitch is not None:
+        return None
     if all(_is_closed(scene) for scene in escapement.scenes):
         return None
     if escapement.contact == "compliant":

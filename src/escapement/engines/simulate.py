@@ -23,7 +23,7 @@ from escapement.engines.solver import (
     solver_for,
 )
 from escapement.mechanisms.slotted import transmission_at
-from escapement.model.escapement import Escapement, Run
+from escapement.model.escapement import Escapement, Run, once_per_escapement
 from escapement.numerics.jit import as_python
 
 LONGEST = {"energy": 10_000_000, "ivp": 10_000, "contact": 1_000_000, "two_bodies": 10_000}
@@ -35,7 +35,7 @@ _FOLDERS = {
     ("two_bodies", "outlines"): "two_bodies",
     ("two_bodies", "compliant outlines"): "two_bodies.compliant",
 }
-_LOSSLESS, _FRICTION, _SETTINGS = "simulate.lossless", "simulate.limits", "simulate.settings"
+_SETTINGS = "simulate.settings"
 _OK = Status.OK
 _FULL = "the figures are those of the full spring, whose torque falls as it runs down"
 _AT_START = "the figures are those of the torque at the start of the motion"
@@ -272,14 +272,11 @@ def _terminal_cycle(
     return figures
 
 
+@once_per_escapement
 def _is_lossless(escapement: Escapement) -> bool:
     """Whether neither a loss nor an impact grows with the speed."""
-    kept = escapement.kept
-    if _LOSSLESS not in kept:
-        struck = any(pair.kind == "strike" for pair in escapement.pairs)
-        kept[_LOSSLESS] = not struck and bool(is_lossless(escapement.scene))
-    found: bool = kept[_LOSSLESS]
-    return found
+    struck = any(pair.kind == "strike" for pair in escapement.pairs)
+    return not struck and bool(is_lossless(escapement.scene))
 
 
 def _undriven(escapement: Escapement) -> str:
@@ -295,19 +292,14 @@ def _undriven(escapement: Escapement) -> str:
     )
 
 
+@once_per_escapement
 def limits(escapement: Escapement) -> Figures:
     """The figures that belong to an escapement whether it moves or not."""
-    kept = escapement.kept
     if escapement.mechanism.pitch is not None:
         return Figures()
-    if _FRICTION not in kept:
-        critical, uniqueness = friction_limits(escapement)
-        margin = 1.0 - escapement.friction / critical if critical > 0.0 else -math.inf
-        kept[_FRICTION] = Figures(
-            critical_friction=critical, uniqueness_friction=uniqueness, jam_margin=margin
-        )
-    found: Figures = kept[_FRICTION]
-    return found
+    critical, uniqueness = friction_limits(escapement)
+    margin = 1.0 - escapement.friction / critical if critical > 0.0 else -math.inf
+    return Figures(critical_friction=critical, uniqueness_friction=uniqueness, jam_margin=margin)
 
 
 def _ends_alike(escapement: Escapement) -> bool:

@@ -30,27 +30,18 @@ from typing import TYPE_CHECKING, Any
 from escapement.base.lazy import offered
 
 if TYPE_CHECKING:
-    from escapement.mechanisms.cam_indexer import CamIndexer
-    from escapement.mechanisms.clock_verge import Deadbeat, Recoil
-    from escapement.mechanisms.drawn_bodies import Outlines
-    from escapement.mechanisms.elliptical_planetary import EllipticalPlanetary
-    from escapement.mechanisms.gear_driven import GearDriven
-    from escapement.mechanisms.geneva import Geneva
+    from escapement.mechanisms.cam_indexer import CamIndexer as CamIndexer
+    from escapement.mechanisms.clock_verge import Deadbeat as Deadbeat
+    from escapement.mechanisms.clock_verge import Recoil as Recoil
+    from escapement.mechanisms.drawn_bodies import Outlines as Outlines
+    from escapement.mechanisms.elliptical_planetary import (
+        EllipticalPlanetary as EllipticalPlanetary,
+    )
+    from escapement.mechanisms.gear_driven import GearDriven as GearDriven
+    from escapement.mechanisms.geneva import Geneva as Geneva
     from escapement.mechanisms.kind import Kind
-    from escapement.mechanisms.runaway import Runaway
-    from escapement.mechanisms.tabulated import Tabulated
-
-__all__ = [
-    "CamIndexer",
-    "Deadbeat",
-    "EllipticalPlanetary",
-    "GearDriven",
-    "Geneva",
-    "Outlines",
-    "Recoil",
-    "Runaway",
-    "Tabulated",
-]
+    from escapement.mechanisms.runaway import Runaway as Runaway
+    from escapement.mechanisms.tabulated import Tabulated as Tabulated
 
 KINDS = {
     "geneva": "geneva:Geneva",
@@ -75,4 +66,5 @@ def kind_of(name: str) -> "type[Kind]":
 
 
 def __getattr__(name: str) -> Any:
-    return offered(__name__, __all__, (home.partition(":")[0] for home in KINDS.values()), name)
+    modules, classes = zip(*(home.split(":") for home in KINDS.values()), strict=True)
+    return offered(__name__, classes, modules, name)

@@ -8,21 +8,17 @@ from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple, Self
 
 from escapement.base import validate
 from escapement.base.errors import UnknownArgument
-from escapement.base.lazy import Lazy
+from escapement.base.lazy import ArrayLike, FloatArray, Lazy, np
 from escapement.base.quantity import Declared, Setting, declared, quantity
 from escapement.base.spoken import spoken_length
 from escapement.mechanisms.other_sizes import OtherSize, diameters, numbers_of_sizes
 from escapement.mechanisms.path import Path
-from escapement.mechanisms.protocol import CELL, FloatArray, Mechanism
+from escapement.mechanisms.protocol import CELL, Mechanism
 from escapement.mechanisms.wheel_checks import check_lengths
 
 if TYPE_CHECKING:
-    import numpy as np
-    from numpy.typing import ArrayLike
-
     from escapement.mechanisms import slotted, table
 else:
-    ArrayLike, np = Any, Lazy("numpy")
     slotted, table = Lazy("escapement.mechanisms.slotted"), Lazy("escapement.mechanisms.table")
 
 # the files of the kinds import from here modules that must be loaded only when they are used

@@ -5,15 +5,9 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from itertools import pairwise
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
-from escapement.base.lazy import Lazy
-
-if TYPE_CHECKING:
-    import numpy as np
-    from numpy.typing import NDArray
-else:
-    np = Lazy("numpy")
+from escapement.base.lazy import FloatArray, np
 
 
 class PinNumbers(NamedTuple):
@@ -61,7 +55,7 @@ class Path(NamedTuple):
     """
 
     table: bool
-    numbers: NDArray[np.float64]
+    numbers: FloatArray
 
     @property
     def meshed(self) -> bool:
@@ -69,7 +63,7 @@ class Path(NamedTuple):
         return bool(self.table and self.numbers[TERMS] > 0.0)
 
     @property
-    def corners(self) -> NDArray[np.float64]:
+    def corners(self) -> FloatArray:
         """Driver angles [rad], shape (k,), at which the transmission of a table is not smooth.
 
         `numbers` holds them after the pieces of the table. Where a pin slides in a slot there are
@@ -94,10 +88,10 @@ class Pair(NamedTuple):
     """
 
     path: Path
-    edges: NDArray[np.float64]
+    edges: FloatArray
     dwell: float
     delay: float
-    follower_angle: Callable[[NDArray[np.float64]], NDArray[np.float64]]
+    follower_angle: Callable[[FloatArray], FloatArray]
     kind: str
     jump: float
     radius: float
@@ -112,7 +106,7 @@ def one_pitch(pitch: float) -> Pair:
     )  # fmt: skip
 
 
-def smooth_intervals(path: Path, breaks: Sequence[float]) -> NDArray[np.float64]:
+def smooth_intervals(path: Path, breaks: Sequence[float]) -> FloatArray:
     """Driver angles between which the motion is smooth except for reversals [rad], ascending.
 
     They are the breaks of the mechanism and the corners of a table, since no quadrature for

@@ -7,20 +7,15 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any, ClassVar
 
 from escapement.base import validate
-from escapement.base.lazy import Lazy
+from escapement.base.lazy import ArrayLike, Lazy
+from escapement.base.lazy import FloatArray as FloatArray
 from escapement.base.units import degrees
 from escapement.mechanisms.path import Pair, smooth_intervals, writeable
 from escapement.mechanisms.wheel_checks import LENGTHS
 
 if TYPE_CHECKING:
-    import numpy as np
-    from numpy.typing import ArrayLike, NDArray
-
     from escapement.mechanisms import slotted
-
-    FloatArray = NDArray[np.float64]
 else:
-    FloatArray = Any  # importing NumPy takes longer than the rest of help
     slotted = Lazy("escapement.mechanisms.slotted")
 
 CELL = ("motion_ratio", "cell_angle_deg", "follower_step_deg")

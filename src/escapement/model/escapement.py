@@ -3,18 +3,18 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, fields, replace
 from fractions import Fraction
-from functools import cached_property
-from typing import Any, cast
+from functools import cached_property, wraps
+from typing import Any, TypeVar, cast
 
 from escapement.base import validate
-from escapement.base.lazy import Lazy
+from escapement.base.lazy import FloatArray, np
 from escapement.base.quantity import Choice, Declared, Setting, declared, quantity, setting
 from escapement.base.spoken import as_spoken
 from escapement.mechanisms.path import Pair, Path, one_pitch
-from escapement.mechanisms.protocol import FloatArray, Mechanism, checked
+from escapement.mechanisms.protocol import Mechanism, checked
 from escapement.mechanisms.wheel_checks import check_lengths
 from escapement.model.checks import (
     check_contact,
@@ -41,6 +41,7 @@ from escapement.model.train import (
     trains_of,
 )
 
+T = TypeVar("T")
 STRESSES = "Stresses of the pin"
 _MATERIAL = f"a name ({', '.join(MATERIALS)}), or modulus in Pa and Poisson's ratio"
 CONTACT_LAWS = ("linear", "hunt-crossley")
@@ -49,7 +50,6 @@ SWINGING = "Spring and weight of the follower"
 """Headings of the groups of numbers."""
 MOST_CELLS, SAME_CELLS = 64, 1e-9
 """A torque repeats after so many cells at most, and cells and its period may differ by a share."""
-np: Any = Lazy("numpy")  # importing it takes longer than the rest of help
 
 
 @dataclass(frozen=True, repr=False)
@@ -575,7 +575,7 @@ class Escapement(Declared):
         return self.scenes[0]
 
     @cached_property
-    def kept(self) -> dict[str, Any]:
+    def kept(self) -> dict[Any, Any]:
         """What engines derive from the scene and keep for their next call."""
         return {}
 
@@ -645,6 +645,20 @@ class Escapement(Declared):
         if begin is None:
             return work + turn / load.period * load.work(0.0, load.period)
         return work + load.work(begin, begin + turn)
+
+
+def once_per_escapement(function: Callable[[Escapement], T]) -> Callable[[Escapement], T]:
+    """A function of an escapement whose result is kept on the escapement, for its next call."""
+
+    @wraps(function)
+    def first_or_kept(escapement: Escapement) -> T:
+        kept = escapement.kept
+        if function not in kept:
+            kept[function] = function(escapement)
+        result: T = kept[function]
+        return result
+
+    return first_or_kept
 
 
 def model_settings() -> dict[str, Setting]:

@@ -8,21 +8,13 @@ from dataclasses import dataclass
 from functools import cached_property
 from os import PathLike
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from escapement.base import validate
 from escapement.base.errors import InputFileError, InvalidValue
-from escapement.base.lazy import Lazy
+from escapement.base.lazy import FloatArray, np
 from escapement.base.quantity import Setting
 from escapement.base.text import Shown
-
-if TYPE_CHECKING:
-    import numpy as np
-    from numpy.typing import NDArray
-
-    FloatArray = NDArray[np.float64]
-else:
-    np, FloatArray = Lazy("numpy"), Any
 
 MOST_POINTS = 1000
 _SAME = 1e-9

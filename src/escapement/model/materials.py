@@ -5,16 +5,11 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 from escapement.base import validate
-from escapement.base.lazy import Lazy
+from escapement.base.lazy import np
 from escapement.base.quantity import Setting
-
-if TYPE_CHECKING:
-    import numpy as np
-else:
-    np = Lazy("numpy")
 
 
 class Material(NamedTuple):

@@ -9,17 +9,12 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from functools import cache
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
-from escapement.base.lazy import Lazy
+from escapement.base.lazy import np
 from escapement.base.quantity import Quantity, quantities
 from escapement.model.checks import is_given
 from escapement.model.materials import first_given
-
-if TYPE_CHECKING:
-    import numpy as np
-else:
-    np = Lazy("numpy")
 
 _JOURNALS = ("driver_journal", "follower_journal")
 _SLOT = ("mu_plus", "mu_minus", "pin", *_JOURNALS)

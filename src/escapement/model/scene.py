@@ -8,16 +8,10 @@ motion except for the unit of time.
 from __future__ import annotations
 
 from itertools import accumulate
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
-from escapement.base.lazy import Lazy
+from escapement.base.lazy import FloatArray, np
 from escapement.mechanisms.path import Path
-
-if TYPE_CHECKING:
-    import numpy as np
-    from numpy.typing import NDArray
-else:
-    np = Lazy("numpy")
 
 
 class Scene(NamedTuple):
@@ -55,12 +49,12 @@ class Scene(NamedTuple):
     """
 
     path: Path
-    edges: NDArray[np.float64]
+    edges: FloatArray
     dwell: float
-    torque: NDArray[np.float64]
+    torque: FloatArray
     driver_angle: float
-    load_curve: NDArray[np.float64]
-    fall: NDArray[np.float64]
+    load_curve: FloatArray
+    fall: FloatArray
     rho: float
     mu_plus: float
     mu_minus: float
@@ -112,7 +106,7 @@ The last ones are where each array ends, and where the first one, that of the pa
 """
 
 
-def packed(scene: Scene) -> NDArray[np.float64]:
+def packed(scene: Scene) -> FloatArray:
     """A scene as one array, shape (n,), from which `dynamics.law.scene_of` makes it in a kernel.
 
     Numba needs half a microsecond to find out the types of all fields of a tuple, a twentieth of

@@ -7,22 +7,14 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 from os import PathLike
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from escapement.base import validate
 from escapement.base.errors import InputFileError, InvalidValue
-from escapement.base.lazy import Lazy
+from escapement.base.lazy import FloatArray, np
 from escapement.base.quantity import Quantity
 from escapement.base.text import Shown
 from escapement.model.load_curve import work_up_to
-
-if TYPE_CHECKING:
-    import numpy as np
-    from numpy.typing import NDArray
-
-    FloatArray = NDArray[np.float64]
-else:
-    np, FloatArray = Lazy("numpy"), Any
 
 MOST_POINTS = 1000
 MOST_KNOTS = 256

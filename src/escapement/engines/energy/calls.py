@@ -19,7 +19,7 @@ from escapement.engines.energy.panels import PANEL, WORKSPACE, Store
 from escapement.engines.energy.passage import Detail, Request
 from escapement.mechanisms.path import Path
 from escapement.mechanisms.pattern import PAIR
-from escapement.model.escapement import Escapement
+from escapement.model.escapement import Escapement, once_per_escapement
 from escapement.model.load_cells import in_a_round
 from escapement.model.scene import Scene, packed
 from escapement.numerics.by_address import by_address
@@ -27,7 +27,6 @@ from escapement.numerics.interpreted import when_compiled
 
 NO_PATTERN = np.empty(0, PAIR)
 """The pattern where all engagements are alike, with the scene of the escapement."""
-_KEY, _SCENE = "energy.cells", "energy.scene"
 
 # The types of the arguments are read off empty samples. A call by address needs them before
 # there is a caller, and they must be those of every caller.
@@ -60,20 +59,13 @@ def kernel_addresses(kind: Kind = Kind.SPEED) -> np.ndarray:
     return addresses
 
 
+@once_per_escapement
 def scene_and_pattern(escapement: Escapement) -> tuple[Scene, np.ndarray]:
     """The scene that all engagements share, and their pattern, see `pairs.scene_of_pair`.
 
     With a load that changes, the scene holds the loads of all engagements, and the edges of the one
     that has most of them.
     """
-    kept = escapement.kept
-    if _SCENE not in kept:
-        kept[_SCENE] = _scene_and_pattern(escapement)
-    result: tuple[Scene, np.ndarray] = kept[_SCENE]
-    return result
-
-
-def _scene_and_pattern(escapement: Escapement) -> tuple[Scene, np.ndarray]:
     scene, scenes, wheel = escapement.scene, escapement.scenes, escapement.mechanism
     if len(scenes) == 1:
         return scene, NO_PATTERN
@@ -91,17 +83,14 @@ def _scene_and_pattern(escapement: Escapement) -> tuple[Scene, np.ndarray]:
     return scene._replace(edges=most, load_curve=loads), pattern
 
 
+@once_per_escapement
 def prepared(escapement: Escapement) -> tuple[Any, ...]:
     """Addresses of the long kernels, packed scene, cells of the mechanism, and pattern.
 
     They are kept on the escapement, so that its next call does not tabulate the cells again.
     """
-    kept = escapement.kept
-    if _KEY not in kept:
-        scene, pattern = scene_and_pattern(escapement)
-        kind = max(kind_of(one.torque, one[FIXED:]) for one in escapement.scenes)
-        kind = max(kind, Kind.WHOLE) if scene.load_curve.size > 1 else kind
-        cells = NO_CELLS if pattern.size else cells_of(scene.path, scene.edges)
-        kept[_KEY] = kernel_addresses(kind), packed(scene), cells, pattern
-    result: tuple[Any, ...] = kept[_KEY]
-    return result
+    scene, pattern = scene_and_pattern(escapement)
+    kind = max(kind_of(one.torque, one[FIXED:]) for one in escapement.scenes)
+    kind = max(kind, Kind.WHOLE) if scene.load_curve.size > 1 else kind
+    cells = NO_CELLS if pattern.size else cells_of(scene.path, scene.edges)
+    return kernel_addresses(kind), packed(scene), cells, pattern

@@ -16,19 +16,15 @@ from escapement.engines.energy.calls import prepared
 from escapement.engines.energy.case_figures import LONGEST_PATTERN, Extent
 from escapement.engines.energy.simulate import simulate, steady_engagement
 from escapement.mechanisms.protocol import FloatArray
-from escapement.model.escapement import Escapement
+from escapement.model.escapement import Escapement, once_per_escapement
 
-_KEY = "energy.numbers"
 _TIMES = {name: cycle.COLUMNS.index(name) for name in TRANSIENT}
 
 
+@once_per_escapement
 def _numbers_of(escapement: Escapement) -> FloatArray:
-    """The row of `batch.solve_rows` for an escapement, with room for w; a copy of what is kept."""
-    kept = escapement.kept
-    if _KEY not in kept:
-        kept[_KEY] = np.array([[*escapement.scene[FIXED:], 0.0]])
-    numbers: FloatArray = kept[_KEY]
-    return numbers.copy()
+    """The row of `batch.solve_rows` for an escapement, with room for w."""
+    return np.array([[*escapement.scene[FIXED:], 0.0]])
 
 
 def terminal(
@@ -36,7 +32,7 @@ def terminal(
 ) -> Figures:
     """Figures of merit without following the motion in time; see `escapement.terminal`."""
     clock, count, extent = escapement.time_unit, len(escapement.scenes), int(Extent.FALLEN)
-    numbers, codes = _numbers_of(escapement), np.zeros(1, dtype=np.uint8)
+    numbers, codes = _numbers_of(escapement).copy(), np.zeros(1, dtype=np.uint8)
     numbers[0, -1] = (initial_speed * clock) ** 2
     addresses, scene, cells, pattern = prepared(escapement)
     table = np.empty((1, cycle.FIGURES))

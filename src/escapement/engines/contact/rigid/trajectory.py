@@ -15,10 +15,9 @@ from escapement.engines.contact.rigid.notes import ROW
 from escapement.engines.contact.rigid.trace import LOST, trace
 from escapement.engines.contact.rigid.walls import Clearance
 from escapement.mechanisms.protocol import FloatArray
-from escapement.model.escapement import Escapement
+from escapement.model.escapement import Escapement, once_per_escapement
 from escapement.model.scene import packed
 
-_KEY = "rigid.prepared"
 _ROOM = 24  # rows that an engagement takes, in most cases
 # Ctrl-C takes effect between calls of the kernel for so many engagements
 _AT_ONCE = 4096
@@ -26,23 +25,20 @@ _KEPT = 512
 NO_ROWS, NO_NUMBERS = np.empty(0, ROW), np.empty(0, np.int64)
 
 
+@once_per_escapement
 def prepared(escapement: Escapement) -> tuple[FloatArray, tuple[float, ...], float]:
     """Scene and clearance as `march.march` takes them, and the follower angle at the pin entry.
 
     They are kept on the escapement, so that its next call does not compute them again.
     """
-    kept = escapement.kept
-    if _KEY not in kept:
-        wheel: Any = escapement.mechanism
-        clearance = Clearance(
-            half_clearance=float(escapement.joint.half_clearance),
-            restitution=float(escapement.joint.restitution),
-            step=float(wheel.follower_step),
-        )
-        entry = float(wheel.follower_angle(np.array(wheel.breaks[:1]))[0])
-        kept[_KEY] = packed(escapement.scene), tuple(clearance), entry
-    result: tuple[FloatArray, tuple[float, ...], float] = kept[_KEY]
-    return result
+    wheel: Any = escapement.mechanism
+    clearance = Clearance(
+        half_clearance=float(escapement.joint.half_clearance),
+        restitution=float(escapement.joint.restitution),
+        step=float(wheel.follower_step),
+    )
+    entry = float(wheel.follower_angle(np.array(wheel.breaks[:1]))[0])
+    return packed(escapement.scene), tuple(clearance), entry
 
 
 @dataclass
