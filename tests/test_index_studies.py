@@ -108,8 +108,8 @@ def test_a_file_is_swept_drawn_and_read(command, tmp_path, monkeypatch):
 @pytest.mark.parametrize(
     ("key", "message"),
     [
-        ("torque = 1", "unknown key 'torque' at the top level"),
-        ("initial_speed = 1", "unknown key 'initial_speed' at the top level"),
+        ("torque = 1", "it belongs in a study with study = 'escapement'"),
+        ("initial_speed = 1", "it belongs in a study with study = 'escapement'"),
         ('study = "drive"', "study must be"),
         ('results = ["period"]', "results must be"),
         ("mechanism.centre_distance_error = 1e-5", "must be perfect in a study, got errors"),

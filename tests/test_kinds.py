@@ -5,9 +5,11 @@ import argparse
 import pytest
 
 from escapement import mechanisms
+from escapement.base.errors import InvalidValue
 from escapement.cli import _arguments
 from escapement.cli._arguments import Parser, UsageError
 from escapement.mechanisms import GearDriven
+from escapement.study.parse import parse_plan
 
 
 def understand(*argv):
@@ -57,6 +59,21 @@ def test_help_knows_every_kind(command):
         for kind in mechanisms.KINDS:
             assert f"{kind}: {mechanisms.kind_of(kind).summary}" in text
         assert "geneva, gear-driven: pins of the driver" in text
+
+
+def test_a_study_says_to_which_kind_a_key_belongs():
+    study = {
+        "mechanism": {"slots": 4, "lobes": 1},
+        "inertia": {"driver": 1.0, "follower": 1.0},
+        "torque": 1.0,
+        "sweep": {"friction": [0.1]},
+    }
+    words = r"'lobes' in \[mechanism\]; it belongs in \[mechanism\] of kind 'gear-driven'$"
+    with pytest.raises(InvalidValue, match=words):
+        parse_plan(study)
+    study["mechanism"] = {"kind": "gear-driven", "slots": 4}
+    with pytest.raises(InvalidValue, match=r"'slots' .* of kind 'geneva'"):
+        parse_plan(study)
 
 
 def test_gear_driven_solutions(command, report, tmp_path):

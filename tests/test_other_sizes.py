@@ -140,7 +140,9 @@ def test_a_size_is_refused_where_its_conversion_varies():
             parse_plan(study_of(given, sweep=swept))
     with pytest.raises(InvalidValue, match="centre_distance must be together with one number of"):
         parse_plan(study_of({"centre_distance": 0.06}))
-    with pytest.raises(InvalidValue, match=r"unknown key 'pin_diameter' in \[sweep\]"):
+    with pytest.raises(
+        InvalidValue, match=r"unknown key 'pin_diameter' in \[sweep\]; it belongs in"
+    ):
         parse_plan(study_of({"slots": 4, "crank_radius": 0.02}, sweep={"pin_diameter": [1e-3]}))
 
 

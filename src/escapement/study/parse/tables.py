@@ -10,10 +10,11 @@ from escapement.base.quantity import Numbers, Setting, declared
 from escapement.base.validate import known_keys
 from escapement.dynamics.figure_table import RUN_TIME
 from escapement.engines.solver import Solver
+from escapement.mechanisms import KINDS, kind_of
 from escapement.mechanisms.wheel_checks import IMPERFECT
 from escapement.model.train import ROLES
 from escapement.study.plan import CASE, Settings
-from escapement.study.subject import ESCAPEMENT, subject_of
+from escapement.study.subject import ESCAPEMENT, SUBJECTS, Subject, model_numbers, subject_of
 
 SOLVER = declared(Solver)
 _TOP = (
@@ -44,7 +45,7 @@ def check_keys(content: Content, settings: Settings) -> None:
         given = table(content, section)
         if any(key not in keys and key not in others for key in given):
             where = f"in [{section}]" if section else "at the top level"
-            known_keys(given, [*others, *keys], where, _homes(settings, section))
+            known_keys(given, [*others, *keys], where, _homes(settings, section, subject))
     if not table(content, "sweep") and "sample" not in content:
         raise InvalidValue(
             "the study must sweep at least one parameter, got none; "
@@ -57,14 +58,29 @@ def _factors(settings: Mapping[str, Setting]) -> dict[str, str]:
     return {n: f"{n}_factor" for n in IMPERFECT if isinstance(settings.get(n), Numbers)}
 
 
-def _homes(settings: Mapping[str, Setting], section: str) -> dict[str, str]:
-    """Where each key of this study belongs that does not belong in this section."""
-    homes = {"kind": "[mechanism]", **dict.fromkeys(("size", "seed"), "[sample]")}
-    homes |= dict.fromkeys(SOLVER, "[solver]")
-    for name, entry in settings.items():
-        if section != "sweep" or entry.section == "mechanism":
-            where = f"[{entry.section}]" if entry.section else "the top level"
-            homes |= {entry.key: where, name: where + f" as {entry.key!r}" * (entry.key != name)}
+def _homes(settings: Mapping[str, Setting], section: str, subject: Subject) -> dict[str, str]:
+    """Where each key belongs that does not belong in this section."""
+    machine = {name for name, entry in settings.items() if entry.section == "mechanism"}
+    homes: dict[str, str] = {}
+    for kind in KINDS:
+        for key in (*declared(kind_of(kind)), *kind_of(kind).other_sizes()):
+            others = f"{homes[key]} or" if key in homes else "[mechanism] of kind"
+            homes[key] = f"{others} {kind!r}"
+    for other in SUBJECTS.values():
+        for name in other.settings().keys() - settings.keys() if other is not subject else ():
+            homes[name] = f"a study with study = {other.name!r}"
+    for name in model_numbers().keys() - settings.keys() if subject is ESCAPEMENT else ():
+        slot = "with" if model_numbers()[name].slotted else "without"
+        homes[name] = f"a study of a mechanism {slot} a slot"
+    homes |= dict.fromkeys(("kind", *machine), "[mechanism]") | dict.fromkeys(SOLVER, "[solver]")
+    homes |= dict.fromkeys(("size", "seed"), "[sample]")
+    for name, axis in _factors(settings).items():
+        homes[name] = f"[mechanism], and its factor is {axis!r}"
+    for name, entry in settings.items() if section != "sweep" else ():
+        where = f"[{entry.section}]" if entry.section else "the top level"
+        # a number that the mechanism lacks, such as an efficiency, may belong to a train
+        key = homes.get(entry.key, where) if entry.section in ROLES else where
+        homes |= {name: f"{where} as {entry.key!r}", entry.key: key}
     return homes
 
 
