@@ -346,3 +346,43 @@ def test_more_play_than_the_wheel_has_room_for_is_refused(pin):
     with pytest.raises(InvalidValue, match=f"clearance must be less than {most:.6g} m"):
         esc.Geneva(4, crank_radius=0.01, pin_radius=pin, clearance=1.01 * most)
     esc.Geneva(4, crank_radius=0.01, pin_radius=pin, clearance=0.99 * most)
+
+
+def test_impulse_of_a_plastic_impact_is_that_of_the_formula():
+    # of the theory: P = I_d I_f v / (R h J), for a pin without a radius that slides as it moves
+    drive = timer()
+    impacts = esc.terminal(drive).motion.impacts
+    own, far = drive.inertia.driver, drive.inertia.follower
+    arm, c = RADIUS * np.exp(-1j * impacts.theta), drive.joint.half_clearance * RADIUS
+    path, s = RADIUS * math.sqrt(2.0) - arm, impacts.wall
+    q, lever = 1j * arm / path, np.sqrt(np.abs(path) ** 2 - c**2)
+    g, slide = q.imag + s * c * q.real / lever, np.abs(path) ** 2 * q.real / lever
+    f = drive.friction * np.sign(slide)
+    h = lever - f * c
+    reduced = own * h + far * g * (g * h + s * f * slide)  # h J
+    expected = own * far * impacts.approach_speed / (lever * reduced)
+    assert impacts.impulse.size == 2
+    assert_allclose(impacts.impulse, expected, rtol=1e-10)
+
+
+def test_a_bounce_ends_below_the_speed_that_the_docs_say():
+    """1e-5 crank radii over sqrt(I_f/torque): only slower rebounds are neglected."""
+    slowest, e = [], 0.8
+    for play in (1e-3, 2e-3, 5e-3):
+        drive = timer(play, restitution=e)
+        motion, bodies = esc.simulate(drive, 6), TwoBodies(drive)
+        blows, (_, behind, q, _, v) = motion.impacts, at_blows(motion)
+        for k in np.flatnonzero((behind.contact_moment == 0.0) & (blows.wall != 0.0)):
+            slowest.append(bodies.directions(blows.wall[k], q[k], v[k])[0] @ v[k])
+    slowest = np.sort(np.array(slowest)[np.array(slowest) > 1e-12])
+    # where bounces add up, each one is about e times as fast as the one before
+    assert slowest[0] > 1e-5
+    assert slowest[0] < 1e-5 / e
+
+
+def test_drag_takes_as_much_where_a_blow_throws_the_driver_back():
+    # a driver that goes back turns within the flight
+    drive = timer(7.5e-3, 0.3, restitution=0.37, driver_viscous=1.5e-6, driver_drag=2e-8)
+    motion = esc.simulate(drive, 3)
+    assert (motion.impacts.theta_dot < 0.0).any()
+    assert abs(motion.ledger.residual) < 1e-14

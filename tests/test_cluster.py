@@ -15,6 +15,7 @@ from escapement.study import pool, running
 from escapement.study.parse import plan_from
 from escapement.study.reader import read_study
 from escapement.study.running import sweep, write_plan
+from escapement.study.writer import partial_path
 from study_tools import TIMER, without_date
 
 distributed = pytest.importorskip("distributed")
@@ -146,3 +147,18 @@ def test_a_script_without_a_guard(tmp_path):
     done = subprocess.run([sys.executable, script], cwd=tmp_path, capture_output=True, text=True)
     assert done.stderr.splitlines()[-1].endswith("under: if __name__ == '__main__'")
     assert list(tmp_path.iterdir()) == [script]
+
+
+def test_begun_here_and_continued_there(tmp_path, client, serial):
+    path = tmp_path / "a.h5"
+
+    def stop(done, total, failed):
+        if done:
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        write_plan(plan(), path, scheduler=client, progress=stop)
+    assert partial_path(path).exists()
+    tally = write_plan(plan(), path, scheduler=client, resume=True)
+    assert 0 < tally.resumed < tally.cases
+    assert without_date(path) == serial

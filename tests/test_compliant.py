@@ -303,3 +303,17 @@ def test_stiffness_of_a_line_contact_is_that_of_its_stresses():
 
 def test_a_load_that_the_drive_cannot_carry_stalls():
     assert esc.simulate(timer(load_torque=2.0 * TORQUE, stiffness=1e4)).status is Status.STALL
+
+
+@pytest.mark.parametrize("friction", [0.45, 0.5, 0.6])
+def test_the_rule_for_jams_finds_the_peak_on_the_rear_wall(friction):
+    found = esc.jam_rule(rigid(friction=friction))
+    compliant = esc.terminal(timer(friction=friction, stiffness=1e8), rtol=1e-7)
+    assert found.velocity_max == pytest.approx(compliant.velocity_max, rel=0.02)
+    assert found.velocity_max > 1.05 * found.handoff_velocity
+
+
+def test_a_duration_ends_the_motion_to_the_digit():
+    motion = esc.simulate(timer(play=1e-3, stiffness=1e5), duration=0.05)
+    assert motion.end_time == 0.05
+    assert motion.at(0.05).theta > motion.at(0.049).theta

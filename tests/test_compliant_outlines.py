@@ -1,6 +1,7 @@
 """Two bodies whose outlines yield: rigid limit, balances, the slot engine, refusals."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -8,6 +9,10 @@ import pytest
 import escapement as esc
 from escapement.base.errors import InvalidValue
 from escapement.base.status import Status
+from escapement.engines.two_bodies.compliant.simulate import March
+from escapement.engines.two_bodies.march import PHI, SPEED, THETA, TURNING
+from test_clock_page import CLOCK
+from test_touching_overlap import random_runaways
 from test_two_bodies import flat, pins, runaway
 
 RIGID = 0.9554163897016
@@ -167,3 +172,64 @@ SHARP = {"tip_radius": 0.0, "corner_radius": 0.0}
 def test_what_it_cannot_compute_is_refused(timer, named):
     with pytest.raises(InvalidValue, match=named):
         esc.terminal(timer())
+
+
+@pytest.mark.slow
+def test_no_contact_is_missed():
+    # a missed contact would change the times of handoffs by far more, or jam another design
+    for k, wheel in enumerate(random_runaways(3, 8)):
+        inertias = (1.0, (0.1, 1.0)[k // 2 % 2])
+        own = overdamped(1e-3, 1e-6, wheel, inertias, ratio=300.0)
+        yields = esc.simulate(own, 4, rtol=1e-9)
+        rigid = esc.simulate(runaway(wheel, inertias), 4)
+        assert yields.status is rigid.status
+        assert yields.handoff_times == pytest.approx(rigid.handoff_times, rel=2e-3)
+
+
+@pytest.mark.slow
+def test_a_clock_swings_once_from_its_rigid_cycle():
+    cycle = esc.terminal(CLOCK)
+    begin, unit = cycle.motion.trajectory.begins[0], CLOCK.time_unit
+    own = replace(CLOCK, stiffness=1e7, damping=4.0 * math.sqrt(1e7 * 1e-4), slip_speed=1e-5)
+    march = March(own, 0.0, 1e-10)
+    march.state[:4] = begin[[THETA, PHI, SPEED, TURNING]]
+    motion = march.motion(*march.go(1), 1e-10)
+    assert motion.status is Status.OK
+    # another program took explicit steps, and agrees with rigid bodies to 5e-7
+    assert motion.handoff_times[0] == pytest.approx(6.29167653, rel=5e-7)
+    assert march.state[1] == pytest.approx(-0.02302350, abs=5e-7)
+    assert march.state[3] / unit == pytest.approx(-0.09796936, abs=1e-8)
+
+
+def _lightness(timer, time):
+    """Acceleration that a unit of force gives the gap, from those just behind a touch."""
+    state = esc.simulate(timer, duration=time + 1e-6, rtol=1e-10).at(time + 1e-6)
+    force = float(state.contact_force)
+    driver = (float(state.theta_ddot) - 1.0) / force
+    follower = float(state.phi_ddot) / force
+    return driver**2 * timer.inertia.driver + follower**2 * timer.inertia.follower
+
+
+def test_bounces_give_back_the_share_that_the_damping_leaves():
+    # without friction a linear contact of damping ratio z gives back this share of the speed
+    stiffness, z = 1e8, 0.3
+    timer = runaway(friction=0.0, stiffness=stiffness, damping=1.0)
+    touch = esc.simulate(timer, 1).impacts.time[0]
+    root = math.sqrt(1.0 - z * z)
+    angle = math.atan2(2.0 * z * root, 2.0 * z * z - 1.0)
+    share = math.exp(-z / root * angle)
+    lightness = _lightness(timer, touch)
+    own = replace(timer, damping=2.0 * z * math.sqrt(stiffness / lightness))
+    blow = esc.simulate(own, duration=touch + 2e-3, rtol=1e-10).impacts
+    kinetic = 0.5 * blow.approach_speed[0] ** 2 / lightness
+    assert blow.energy[0] == pytest.approx((1.0 - share**2) * kinetic, rel=2e-3)
+
+
+def test_error_of_the_slip_speed_is_of_first_order():
+    # in one of the two blows the slip comes to zero
+    speed = math.sqrt(2.0 * (0.14 - 0.05))
+    errors = [
+        last_period(overdamped(1e-3, slip, flat(), (1.0, 0.1)), speed=speed) - 0.9425425320853
+        for slip in (1e-4, 1e-5)
+    ]
+    assert errors[0] / errors[1] == pytest.approx(10.0, abs=2.0)

@@ -219,3 +219,23 @@ def test_a_wrong_wish_is_told_in_a_line(capsys, tmp_path, text, told):
     error = capsys.readouterr().err
     assert told in error
     assert error.count("\n") == 1
+
+
+@pytest.mark.slow
+def test_what_is_promised_is_simulated_by_the_other_engine(thirty):
+    """Period, scatter, force and thickness of one design, each found another way."""
+    one = thirty.designs[len(thirty.designs) // 2]
+    timer = one.timer.held
+    three = [
+        esc.terminal(esc.Escapement(timer.mechanism, timer.inertia, timer.torque, mu), engine="ivp")
+        for mu in (0.25, 0.30, 0.35)
+    ]
+    periods = [figures.period for figures in three]
+    assert one.values["scatter"] == pytest.approx(0.5 * np.ptp(periods) / periods[1], rel=1e-7)
+    force = max(figures.contact_force_max for figures in three)
+    assert one.values["contact_force_max"] == pytest.approx(force, rel=1e-7)
+    parts = {part.name: part for part in parts_of(timer.mechanism)}
+    thick = one.values["follower_thickness"]
+    assert parts["follower"].inertia(thick, 7850.0) == pytest.approx(timer.inertia.follower)
+    wall = min(part.wall.width for name, part in parts.items() if name != "plate")
+    assert one.values["thinnest_wall"] == pytest.approx(wall, rel=1e-9)

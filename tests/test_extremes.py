@@ -9,6 +9,7 @@ import escapement as esc
 from bad_calls import TIMER, built, ivp, wheel
 from escapement.base.status import Status
 from escapement.engines.ivp import piece
+from random_drives import drive
 
 
 @pytest.fixture
@@ -91,3 +92,36 @@ def test_a_constant_ratio_speeds_up_without_end(engine, load):
     figures = esc.terminal(gears, engine=engine)
     assert figures.status is Status.NO_TERMINAL
     assert "a ratio that varies" in figures.message
+
+
+def test_a_motion_that_loses_at_every_speed_has_no_terminal_cycle():
+    """Fast it turns around in the slot, slow it does not: neither is what it settles to."""
+    heavy = drive(15, 2, 2697136.0225537354, 0.07568599921333452, 7.261626849626713)
+    for speed in (0.04, 0.4, 3.75, 4.5, 8.0, 20.0):
+        motion = esc.simulate(heavy, 1, initial_speed=speed)
+        assert motion.handoff_velocities[0] < speed
+    status = esc.terminal(heavy, initial_speed=20.152993992877356, rtol=1e-5).status
+    assert status in (Status.STALL, Status.NOT_CONVERGED)
+
+
+# hardly any loss, a stop after many turns, no end at all; in natural units
+@pytest.mark.parametrize(
+    ("slots", "pins", "rho", "friction", "load"),
+    [
+        (7, 1, 981.539600105676, 0.28009345558399046, 0.0),
+        (3, 6, 1783041.2109403554, 7.75424409679428e-10, 6.334169734701668e-07),
+        (4, 4, 500.0, 1e-4, 0.0),
+    ],
+)
+def test_a_cycle_that_hardly_loses_loses_what_the_drive_gives(slots, pins, rho, friction, load):
+    """The speed is the root of what is lost, and one part in 1e4 to 1e14 of its energy is.
+
+    Loss is integrated over the contact moment, the work known in closed form.
+    """
+    timer = drive(slots, pins, rho, friction, load)
+    figures = esc.terminal(timer, rtol=1e-13)
+    assert 0.0 < 1.0 - figures.contraction < 1e-3
+    cycle = esc.simulate(timer, 1, initial_speed=figures.handoff_velocity, rtol=1e-13)
+    wheel = timer.mechanism
+    work = wheel.cell_angle - load * wheel.follower_step
+    assert cycle.trajectory.losses.sum() == pytest.approx(work, rel=1e-12)

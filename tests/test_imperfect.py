@@ -14,6 +14,7 @@ import pytest
 
 import escapement as esc
 import imperfect_bodies as bodies
+from both_engines import agree
 from escapement.base.status import Status
 from escapement.base.units import INCH_POUND
 from escapement.cli import main
@@ -297,3 +298,67 @@ def test_the_command_tells_the_real_distance_of_the_axes_and_what_does_not_fit(c
     assert told["carrier_over_fixed"] == told["carrier"]
     main(["mechanism", *sizes, "--json"])
     assert "warning" not in capsys.readouterr().err
+
+
+def test_impulse_and_energy_of_every_blow_balance():
+    seen = 0
+    for seed in range(100):
+        drive, speed = random_case(seed)
+        found, own = esc.simulate(drive, engagements=4, initial_speed=speed).handoffs, drive.inertia
+        for k in np.flatnonzero(found.kind == "strike"):
+            before, after = found.speed_before[k], found.theta_dot[k]
+            pair = bodies.pair_of(drive.mechanism, found.engagement[k])
+            blow = bodies.strike(drive, pair, found.theta[k], before)
+            assert after == pytest.approx(blow.speed, rel=1e-12)
+            assert own.driver * (after - before) == pytest.approx(
+                blow.on_driver, abs=1e-12 * own.driver * before
+            )
+            taken = own.follower * blow.phi_dot
+            assert found.impulse[k] == pytest.approx(taken, rel=1e-12)
+            kinetic = 0.5 * own.driver * before**2
+            left = 0.5 * (own.driver * after**2 + own.follower * blow.phi_dot**2)
+            assert found.energy[k] == pytest.approx(kinetic - left, abs=1e-12 * kinetic)
+            seen += 1
+    assert seen > 100
+
+
+# of each error of 1e-6: the relative change of the mean period per unit
+SLOPES = [
+    ({"centre_distance_error": 1e-6 * CENTRES}, -3.238),
+    ({"centre_distance_error": -1e-6 * CENTRES}, 9.190),
+    ({"pin_angle_errors": (0, 1e-6, 0, 0)}, -0.1441),
+    ({"slot_angle_errors": (0, 1e-6, 0, 0)}, 0.8872),
+]
+
+
+@pytest.mark.parametrize(("errors", "slope"), SLOPES)
+def test_the_response_is_one_sided(errors, slope):
+    perfect = esc.terminal(timer(friction=0.25)).period
+    changed = esc.terminal(timer(friction=0.25, **errors)).period
+    assert (changed / perfect - 1.0) / 1e-6 == pytest.approx(slope, rel=1e-3)
+
+
+def test_errors_of_zero_leave_every_bit():
+    zeros = dict.fromkeys(NAMES, (0.0,) * 4) | {"centre_distance_error": 0.0}
+    one, two = (esc.simulate(timer(**wheel), engagements=9) for wheel in ({}, zeros))
+    np.testing.assert_array_equal(one.handoff_times, two.handoff_times)
+    assert two.handoffs.kind.tolist() == ["overlap"] * 9
+    assert two.impacts.time.size == two.handoffs.energy.any() == two.handoffs.jump.any() == 0
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_both_engines_agree_on_springs_and_curves(seed):
+    """The ledger takes the work of the drive from the way, whose parts are unequal."""
+    rng = np.random.default_rng(seed)
+    slots = int(rng.choice([3, 4, 5, 8]))
+    wheel = imperfect(rng, slots, 1e-3)
+    torque, way = 0.10 * INCH_POUND, 14 * wheel.cell_angle
+    drive = {"torque": torque, "spring_rate": torque / way * rng.uniform(0.1, 1.2)}
+    if seed % 2:
+        angles = np.concatenate([[0.0], np.cumsum(rng.uniform(0.3, 2.0, 4))])
+        torques = torque * rng.uniform(0.3, 1.0, 5)
+        drive = {"torque": esc.TorqueCurve(angles, [*torques[:4], torques[0]], periodic=True)}
+    load = 0.05 * torque / wheel.transmission_max
+    case = esc.Escapement(wheel, INERTIA, friction=0.15, load_torque=load, **drive)
+    agree(case, 14, rtol=1e-11)
+    assert esc.terminal(case).period == esc.terminal(case.held).period

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from scipy.integrate import quad
 
 import escapement as esc
 from escapement.base.errors import InvalidValue
@@ -257,3 +258,24 @@ def test_a_textbook_example():
     found = esc.index(esc.Geneva(6, pins=1), 4.0, follower_inertia=1.0).at([-math.pi / 3.0])
     assert found.phi_dot == pytest.approx(0.0, abs=1e-12)
     assert 4.0 * found.phi_ddot == pytest.approx(36.96, abs=0.01)
+
+
+def test_torque_is_the_integral_of_its_law():
+    """Judged by quadrature and the closed form g = c (cos x - c)/(1 + c^2 - 2 c cos x)."""
+    study = esc.sweep(
+        esc.index(esc.Geneva(5, pins=1), 3.0, 0.5, follower_inertia=0.2),
+        speed=[1.0, 4.0], load_torque=[0.0, 2.0], results=["torque_rms", "torque_mean_cycle"],
+    )  # fmt: skip
+    c, half = math.sin(math.pi / 5), math.pi / 2 - math.pi / 5
+
+    def torque(x, speed, load):
+        lengthy = 1.0 + c * c - 2.0 * c * math.cos(x)
+        bend = c * (c * c - 1.0) * math.sin(x) / lengthy**2
+        return c * (math.cos(x) - c) / lengthy * (load + 0.2 * bend * speed**2)
+
+    for i, speed in enumerate((1.0, 4.0)):
+        for j, load in enumerate((0.0, 2.0)):
+            square = quad(lambda x: torque(x, speed, load) ** 2, -half, half, epsabs=0)[0]  # noqa: B023
+            expected = math.sqrt(square / (2.0 * math.pi))
+            assert study["torque_rms"][i, j] == pytest.approx(expected, rel=1e-10)
+            assert study["torque_mean_cycle"][i, j] == pytest.approx(load / 5.0, abs=1e-12)

@@ -8,7 +8,7 @@ import math
 
 import numpy as np
 import pytest
-from scipy.integrate import solve_ivp
+from scipy.integrate import quad, solve_ivp
 from scipy.optimize import minimize_scalar
 
 import escapement as esc
@@ -287,3 +287,53 @@ def test_the_command_speaks_millimetres(command, report):
     out = command("index", *words, "--units", "mm")[1]
     (line,) = [line for line in out.splitlines() if line.startswith("pressure pin radius")]
     assert line.endswith("mm = 0.314961 in, diameter 16 mm")
+
+
+def test_blows_as_with_a_heavy_driver_and_rigid_contact():
+    for drive, inertia in ((table_drive(friction=0.0), 0.4), (fast_drive(), 0.02)):
+        heavy = esc.Escapement(
+            drive.mechanism, esc.Inertia(1e7 * inertia, inertia), torque=1e-3,
+            load_torque=drive.load_torque,
+        )  # fmt: skip
+        impacts = esc.simulate(heavy, 1, initial_speed=drive.speed).impacts
+        first, second = impacts.theta[:2]
+        assert drive.entry_impact_angle == pytest.approx(first, rel=1e-5)
+        assert drive.reversal_impact_angle == pytest.approx(second, rel=1e-5)
+        lost = impacts.energy[:2]
+        assert drive.entry_impact_energy == pytest.approx(lost[0], rel=1e-5)
+        assert drive.reversal_impact_energy == pytest.approx(lost[1], rel=1e-5)
+
+
+def test_without_damping_the_amplitude_is_a_fourier_integral():
+    drive = fast_drive()
+    ratio = 2.0 * math.pi * 20.0 / drive.speed
+    wheel = drive.mechanism
+    ends = wheel.breaks[0], wheel.breaks[-1]
+
+    def part(function):
+        return quad(
+            lambda x: wheel.transmission(x).dg * function(ratio * x), *ends,
+            epsabs=1e-13, epsrel=1e-13, limit=200,
+        )[0]  # fmt: skip
+
+    left = math.hypot(part(math.cos), part(math.sin)) / ratio
+    assert drive.residual_amplitude == pytest.approx(left, rel=1e-10)
+
+
+def test_the_command_speaks_inches(report):
+    length = 0.0254
+    torque = 4.4482216152605 * length
+    size = {"length": length, "torque": torque, "inertia": torque}
+    kinds = {
+        **dict.fromkeys(("crank-radius", "clearance", "pressure-pin-radius"), "length"),
+        **{"pin-length": "length", "load-torque": "torque", "follower-inertia": "inertia"},
+    }
+    typed = [
+        word
+        for name in TYPED
+        for word in (f"--{name}", TYPED[name] / size[kinds[name]] if name in kinds else TYPED[name])
+    ]
+    record = report("index", *typed, "--units", "in-lbf-s")
+    pressure = 4.4482216152605 / length**2
+    assert record["pressure_max"] * pressure == pytest.approx(FIRST["pressure_max"], rel=1e-8)
+    assert record["torque_rms"] * torque == pytest.approx(FIRST["torque_rms"], rel=1e-8)

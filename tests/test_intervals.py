@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from scipy import stats
 
+import escapement as esc
 from escapement.dynamics import batch_spread
 from escapement.tolerance import indices, intervals
 
@@ -87,3 +88,21 @@ def test_indices_have_the_intervals_of_their_resamples():
 def test_engagements_that_do_not_repeat_have_the_interval_of_students_table():
     quantile = stats.t.ppf(0.975, batch_spread.BATCHES - 1)
     assert abs(batch_spread._STUDENT - quantile) < 1e-3
+
+
+@pytest.mark.slow
+def test_intervals_of_parts_are_as_wide_as_their_confidence_says():
+    """The half widths of one fit at several confidences are in the ratio of a table's quantiles."""
+    wheel = esc.Geneva(5, pins=3, crank_radius=0.02, pin_angle_errors=(1e-3, -1e-3, 0.0))
+    timer = esc.Escapement(wheel, esc.Inertia(3.39e-7, 5.65e-6), torque=0.0113, friction=0.3)
+    beats = np.array(esc.terminal(timer).beats)
+    noise = 1e-5 * beats.mean()
+    beats = beats + noise * np.random.default_rng(2).normal(size=beats.size)
+    halves = [
+        esc.fit_beats(beats, timer, noise=noise, **({"confidence": share} if share else {}))
+        for share in (0.5, 0.9, 0.95, None)
+    ]
+    half, more, most, usual = (fit.pin_half_widths for fit in halves)
+    assert most / more == pytest.approx(NORMAL / 1.644854, rel=1e-6)
+    assert most / half == pytest.approx(NORMAL / 0.674490, rel=1e-6)
+    assert usual == pytest.approx(most, rel=1e-12)

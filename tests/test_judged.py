@@ -127,3 +127,16 @@ def test_the_first_scenes_of_each_kind_are_checked_and_then_one_of_many(cases):
     for _ in range(21):
         study(TIMER, friction=np.linspace(0.1, 0.3, 100))
     assert len(cases) == before + 2
+
+
+def test_wrong_kernels_are_found_again_in_each_study(monkeypatch):
+    planted(monkeypatch, slice(None))
+    for _ in range(3):
+        found = study(TIMER, friction=np.linspace(0.1, 0.3, 10))
+        assert (found["status"] == Status.NOT_CONVERGED).all()
+
+
+def test_few_cases_of_a_study_are_checked(cases):
+    found = study(TIMER, friction=np.linspace(0.0, 0.5, 3000))
+    assert 1 <= len(cases) <= 3
+    assert {*found["status"]} == {Status.OK, Status.NO_TERMINAL, Status.PAINLEVE}

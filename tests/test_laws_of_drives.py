@@ -122,3 +122,14 @@ def test_contraction_is_what_a_small_deviation_shrinks_by(drive):
     ]
     measured = (ends[1] ** 2 - ends[0] ** 2) / (2.0 * step * w)
     assert measured == pytest.approx(figures.contraction, rel=1e-3, abs=1e-6)
+
+
+@few
+@given(settling, factors)
+def test_accelerations_and_contact_moments_go_as_torque(drive, factor):
+    one, other = esc.terminal(drive), esc.terminal(replace(drive, torque=factor))
+    for name in ("acceleration_max", "follower_acceleration_max", "contact_moment_max"):
+        close(getattr(other, name), factor * getattr(one, name), 1e-9)
+    close(other.velocity_min, one.velocity_min * math.sqrt(factor))
+    close(other.rise_time, one.rise_time / math.sqrt(factor))
+    close(other.contraction, one.contraction, scale=1.0)

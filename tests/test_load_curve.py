@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from scipy.integrate import solve_ivp
+from scipy.integrate import quad, solve_ivp
 
 import escapement as esc
 from clearance_bodies import between_elastic_walls, same_as_two_bodies
@@ -365,3 +365,83 @@ def test_what_cannot_be_is_refused_in_one_line(tmp_path):
     (tmp_path / "bad.csv").write_text("angle,torque\n0,1\n1,2\n")
     with pytest.raises(InputFileError, match=r"^load curve .*bad.csv: torque of the load curve"):
         esc.LoadCurve.from_csv(tmp_path / "bad.csv")
+
+
+def random_drive(rng):
+    """With a load over a step or a turn, some with errors of the parts or a lossy load train."""
+    leads = (rng.standard_normal(6) * 2e-4).tolist()
+    mechanism = [
+        esc.Geneva(int(rng.integers(3, 9)), pins=1, crank_radius=0.05),
+        esc.Geneva(int(rng.choice([3, 4, 6])), crank_radius=0.05, pin_radius=0.002),
+        esc.Geneva(6, internal=True, crank_radius=0.05),
+        esc.CamIndexer(6, math.radians(120.0)),
+        esc.EllipticalPlanetary(2.0, 1.0),
+        esc.Geneva(6, crank_radius=0.05, slot_angle_errors=leads),
+        esc.Geneva(6, pins=1, crank_radius=0.05, slot_angle_errors=leads, slot_offsets=[1e-5] * 6),
+    ][rng.integers(7)]
+    losses = {"efficiency": 0.9} if mechanism.meshed else {"friction": rng.uniform(0.0, 0.15)}
+    losses |= {"follower_viscous": 0.02} if rng.random() < 0.3 else {}
+    if mechanism.perfect and rng.random() < 0.3:
+        losses["load_train"] = esc.Train(2.0, efficiency=0.8, inertia=1e-2)
+    inertia = esc.Inertia(10.0 ** rng.uniform(-2.5, -1.0), 0.1)
+    step = abs(float(mechanism.follower_step))
+    steps = round(2.0 * math.pi / step) if rng.random() < 0.5 else 1
+    weight = esc.Unbalance(rng.uniform(0.1, 2.0), rng.uniform(-3.0, 3.0))
+    load = weight if rng.random() < 0.2 else random_load(rng, step, steps)
+    return esc.Escapement(mechanism, inertia, 4.0, load_torque=0.2, load_curve=load, **losses)
+
+
+@pytest.mark.slow
+def test_fifty_random_curves_agree_with_the_reference_engine():
+    rng, seen = np.random.default_rng(44), 0
+    for _ in range(50):
+        one = random_drive(rng)
+        fast, slow = (esc.simulate(one, 4, engine=name) for name in ("energy", "ivp"))
+        assert fast.status is slow.status
+        np.testing.assert_allclose(fast.handoff_times, slow.handoff_times, rtol=1e-9)
+        np.testing.assert_allclose(fast.handoff_velocities, slow.handoff_velocities, rtol=1e-9)
+        assert fast.reversals.time.size == slow.reversals.time.size
+        assert abs(fast.ledger.residual) < 1e-12
+        seen += fast.reversals.time.size > 0
+    assert seen > 10
+
+
+@pytest.mark.slow
+def test_random_curves_with_clearance_agree_with_two_bodies():
+    """The two bodies take minutes for a play below a ten-thousandth of the crank radius."""
+    drives = [loose_drive(np.random.default_rng(seed)) for seed in range(4, 26)]
+    drives = [one for one in drives if one.mechanism.clearance > 2e-4 * one.mechanism.crank_radius]
+    assert sum(agrees_with_two_bodies(one) for one in drives) > 15
+
+
+def _knots(i):
+    return np.array(CAM.angle[1:-1]) + i * STEP
+
+
+@pytest.mark.parametrize("engine", ["energy", "ivp"])
+def test_energy_alone_gives_the_speed_without_friction(engine):
+    one = drive(CAM, friction=0.0)
+    motion = esc.simulate(one, 3, engine=engine)
+    begin = float(SIX.follower_angle(SIX.breaks[0]))
+    for k, speed in enumerate(motion.handoff_velocities, 1):
+        work = sum(
+            quad(CAM, begin + i * STEP, begin + (i + 1) * STEP, points=_knots(i), epsabs=1e-13)[0]
+            for i in range(k)
+        )
+        energy = 3.0 * k * SIX.cell_angle - 0.3 * k * STEP - work
+        assert speed == pytest.approx(math.sqrt(2.0 * energy / INERTIA.driver), rel=1e-11)
+
+
+def test_engines_agree_on_the_terminal_cycle_and_its_figures():
+    fast, slow = (esc.terminal(drive(CAM), engine=name) for name in ("energy", "ivp"))
+    for name in ("period", "velocity_max", "velocity_min", "contact_moment_max", "rise_time"):
+        assert getattr(fast, name) == pytest.approx(getattr(slow, name), rel=1e-8)
+    assert fast.reversal_angles == pytest.approx(slow.reversal_angles, abs=1e-8)
+
+
+def test_a_level_curve_is_a_constant_load():
+    level = esc.LoadCurve([-0.5 * STEP, 0.1, 0.5 * STEP], [0.2] * 3)
+    times = [esc.simulate(one, 4).handoff_times for one in (
+        drive(level), drive(None, load_torque=0.5)
+    )]  # fmt: skip
+    np.testing.assert_allclose(*times, rtol=1e-12)

@@ -1,6 +1,7 @@
 """Appendix E of Meyer (1973): the exact solutions beside the printed tables."""
 
 import math
+from collections import defaultdict
 
 import numpy as np
 import pytest
@@ -104,3 +105,36 @@ def test_causes_are_named_where_they_apply(rows):
     # six-slot maxima, all within 1.1 rad/s of the exact ones
     assert len(left) <= 6
     assert all("velocity_max" in text for text in left)
+
+
+def _series(rows, column, along, figure):
+    """Figure over one of friction and torque, everything else fixed."""
+    other = "torque_inlbf" if along == "friction" else "friction"
+    series = defaultdict(list)
+    for row in rows:
+        series[row["slots"], row[other]].append((row[along], row[column][figure]))
+    return [np.array(sorted(pairs))[:, 1] for pairs in series.values() if len(pairs) > 1]
+
+
+COLUMNS = ("printed", "as_published", "program_1973", "true")
+
+
+@pytest.mark.parametrize("column", COLUMNS)
+def test_torque_drives_and_friction_brakes(rows, column):
+    """Sampling moves the listing's maxima by more than a step of friction does."""
+    changes = {
+        (along, figure): [np.diff(it) for it in _series(rows, column, along, figure)]
+        for along in ("torque_inlbf", "friction")
+        for figure in ("velocity_max", "velocity_min", "period")
+    }
+    if column != "printed":
+        for figure in ("velocity_max", "velocity_min"):
+            assert all((change > 0).all() for change in changes["torque_inlbf", figure])
+        assert all((change < 0).all() for change in changes["torque_inlbf", "period"])
+    if column != "program_1973":
+        assert all((change < 0).all() for change in changes["friction", "velocity_max"])
+        # printed periods tie where 1 ms does not tell them apart
+        assert all((change >= 0).all() for change in changes["friction", "period"])
+        rise, period = (_series(rows, column, "friction", it) for it in ("rise_time", "period"))
+        settling = [a / b for a, b in zip(rise, period, strict=True) if len(a) == 4]
+        assert all(periods[-1] < periods[0] for periods in settling)

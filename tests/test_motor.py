@@ -283,3 +283,37 @@ def test_the_figure_has_speed_and_torque_of_the_motor():
     assert curves[1][0] == pytest.approx(0.5 * (1e3 if "mN" in below.get_ylabel() else 1.0))
     line = curves[1] / curves[1][0] + curves[0] / 90.0
     np.testing.assert_allclose(line, 1.0, rtol=1e-12)
+
+
+def test_a_gearbox_without_losses_is_a_change_of_numbers():
+    mine = geared(esc.Train(0.1, inertia=1e-4))
+    by_hand = machine(5.0, driver_viscous=5.0 / 9.0)
+    by_hand = replace(by_hand, inertia=esc.Inertia(0.02 + 0.01, 0.1))
+    for engine in ("energy", "ivp"):
+        times = [esc.simulate(one, 4, engine=engine).handoff_times for one in (mine, by_hand)]
+        np.testing.assert_allclose(*times, rtol=1e-12)
+    alone = mine.without_trains
+    assert (alone.torque, alone.no_load_speed, alone.driver_viscous) == (5.0, 9.0, 0.0)
+
+
+def test_engines_agree_behind_a_gearbox_with_losses():
+    rng = np.random.default_rng(44)
+    for _ in range(6):
+        gearbox = esc.Train(0.1, rng.uniform(0.5, 1.0), 10.0 ** rng.uniform(-5.0, -3.0))
+        drive = geared(gearbox, driver_viscous=rng.choice([0.0, 0.1]))
+        fast, slow = (esc.simulate(drive, 3, engine=name) for name in ("energy", "ivp"))
+        np.testing.assert_allclose(fast.handoff_times, slow.handoff_times, rtol=1e-9)
+        np.testing.assert_allclose(fast.handoff_velocities, slow.handoff_velocities, rtol=1e-9)
+        assert abs(fast.ledger.residual) < 1e-12
+
+
+def test_compliant_walls_tend_to_rigid_ones():
+    barrel = esc.Train(0.2, 0.7, 4e-8)
+    drive = esc.Escapement(
+        LOOSE, esc.Inertia(2e-6, 5.65e-6), esc.Motor(0.0113 * 0.2, 150.0), friction=0.1,
+        barrel=barrel,
+    )  # fmt: skip
+    hard = esc.simulate(replace(drive, stiffness=1e8, damping=4e3), 3)
+    rigid = esc.simulate(drive, 3)
+    np.testing.assert_allclose(hard.handoff_times, rigid.handoff_times, rtol=1e-4)
+    assert abs(hard.ledger.residual) < 1e-8

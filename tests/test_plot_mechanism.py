@@ -129,3 +129,29 @@ def test_imperfect_pins_are_on_the_lines_of_their_slots(k, factor):
     assert (ends[0] * along.conjugate()).imag == pytest.approx(
         factor * [0.0, 0.0, 1e-3, -1e-3, 5e-4][k % 5], abs=1e-12
     )
+
+
+def test_follower_stands_still_in_the_dwell():
+    drive = esc.Geneva(slots=4, pins=1)
+    shapes = [
+        by_id(plots.plot_mechanism(drive, theta), "follower").get_path().vertices
+        for theta in (1.0, 3.0, 5.4)
+    ]
+    assert drive.follower_angle([1.0, 3.0]) == pytest.approx(np.pi / 4, rel=1e-15)
+    assert np.ptp(shapes, axis=0).max() < 1e-12
+
+
+@pytest.mark.parametrize("share", [0.02, 0.999])
+@pytest.mark.parametrize(
+    "kind", [(esc.Geneva, n, pins, internal) for n in (3, 5, 18)
+             for pins, internal in ((None, False), (1, False), (1, True))]
+    + [(esc.GearDriven, 12, 3), (esc.GearDriven, 4, 1, "epicycloid")],
+)  # fmt: skip
+def test_pins_and_rollers_have_the_radii_they_were_given(kind, share):
+    make, *given = kind
+    length = {"crank_radius" if make is esc.Geneva else "fixed_radius": 0.02}
+    widest = make(*given, **length).widest_pin
+    radii = {"pin_radius": 0.01 * share * widest, "roller_radius": 0.02 * share * widest}
+    ax = plots.plot_mechanism(make(*given, **length, **radii), 0.2, Figure().add_subplot())
+    found = [by_id(ax, f"{name}-0").radius for name in ("roller", "pin")]
+    assert found == pytest.approx([share * widest, 0.5 * share * widest])

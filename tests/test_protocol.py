@@ -124,3 +124,13 @@ def test_a_trajectory_of_ones_own_answers_what_a_motion_asks():
     np.testing.assert_array_equal(told.theta_dot, solved.theta_dot)
     assert told.ledger == solved.ledger
     np.testing.assert_array_equal(told.slide_changes.time, solved.slide_changes.time)
+
+
+@pytest.mark.parametrize("speed", [0.0, 300.0])
+def test_the_reference_refuses_a_duration_that_it_would_take_hours_for(speed):
+    case = esc.Escapement(esc.Geneva(4), INERTIA, 0.0113, friction=0.35)
+    most = esc.simulate(case, 10_000, initial_speed=speed).end_time
+    with pytest.raises(InvalidValue, match="of at most 10000 engagements") as refused:
+        esc.simulate(case, duration=1e9, engine="ivp", initial_speed=speed)
+    told = float(str(refused.value).partition("here about ")[2].split()[0])
+    assert told == pytest.approx(most, rel=0.01)

@@ -4,6 +4,8 @@ Nothing here starts from the law it proves. The symbolic part balances the momen
 about its axis and eliminates the contact force. The numerical part compares with `two_bodies`.
 """
 
+import math
+
 import numpy as np
 import pytest
 import sympy as sp
@@ -185,3 +187,14 @@ def test_a_massless_roller_acts_as_a_pin_with_less_friction():
         scene = esc.Escapement(wheel, esc.Inertia(1.0, 1.0), 1.0, values[0]).scene
         assert scene.mu_plus == scene.mu_minus == pytest.approx(claimed(*values), rel=1e-14)
         assert scene.pin == values[2]
+
+
+def test_bearings_carry_the_contact_force_with_its_friction():
+    """Only of balanced rotors under pure torques: that is why a journal's loss grows with N."""
+    rng = np.random.default_rng(1976)
+    for _ in range(10):
+        drive = random_drive(rng)
+        found = Bodies(drive, *random_state(rng, drive)).motion()
+        expected = abs(found["contact_force"]) * math.hypot(1.0, drive.friction)
+        close(found["driver_bearing_reaction"], expected)
+        close(found["follower_bearing_reaction"], expected)

@@ -2,6 +2,18 @@
 
 import pytest
 
+from command_scenes import (
+    BY_DEFAULT,
+    COMMAND_KINDS,
+    argv_of,
+    changed,
+    options_of,
+    scenes_of,
+    write_inputs,
+)
+from escapement.cli import _output
+from escapement.cli._arguments import parser_of
+
 pytestmark = pytest.mark.slow
 
 
@@ -45,3 +57,68 @@ def test_the_corrected_call_is_not_refused(refusal, command, tmp_path):
     refusal(2, *words)
     assert command(*words, "--density", "7850")[0] == 0
     assert (tmp_path / "out.svg").exists()
+
+
+OUTPUTS = {"output": "made", "plot": "made.png", "report": "made.html"}
+
+
+PLAIN = {
+    **{"sweep": [{"config": "study.toml"}], "reproduce": [{"source": "filemon"}]},
+    **{"bench": [{}], "compile": [{}]},
+}
+
+
+SUFFIXES = {
+    **{"run": ".h5", "rundown": ".csv", "sweep": ".h5", "budget": ".h5", "design": ".csv"},
+    **{"explore": ".html", "plot": ".png", "export": ".svg", "measure": ".csv"},
+}
+
+
+def wrong_scenes(name, scene):
+    """The scene with a number out of its range, with one left out, and with one that is idle.
+
+    And with a word that is no value, for every option that takes one.
+    """
+    for option, action in options_of(name).items():
+        if option in scene.get("tried", options_of(name).keys() - {*BY_DEFAULT}):
+            yield {**scene, option: -1}
+            if option in scene:
+                yield {key: value for key, value in scene.items() if key != option}
+            else:
+                yield changed(action, scene)
+    for action in parser_of(name)[1]._actions:
+        takes = action.option_strings and action.nargs != 0
+        if takes and action.dest not in ("log", "scheduler", *OUTPUTS):
+            yield {**scene, action.option_strings[-1].removeprefix("--"): "no such value"}
+
+
+@pytest.mark.parametrize(("name", "kind"), COMMAND_KINDS, ids=map("-".join, COMMAND_KINDS))
+def test_a_refusal_leaves_nothing_on_disk(command, few_angles, monkeypatch, tmp_path, name, kind):
+    # drawing takes long, and where a picture is made matters here, not what it shows
+    if name != "plot":
+        monkeypatch.setattr(_output, "picture", lambda _: "")
+    monkeypatch.setattr(_output, "page_of", lambda *_, **__: "")
+    write_inputs(name, kind)
+    known = {action.dest for action in parser_of(name)[1]._actions}
+    asked = {key: path for key, path in OUTPUTS.items() if key in known}
+    if "output" in asked:
+        asked["output"] += SUFFIXES.get(name, "")
+    before, refused, wrong = {*tmp_path.iterdir()}, 0, []
+    scenes = PLAIN.get(name) or scenes_of(name, kind)[:1]
+    for scene in scenes:
+        for one in wrong_scenes(name, {**scene, **asked}):
+            argv = argv_of(name, kind, one)
+            try:
+                code, out, err = command(*argv)
+            except Exception as error:
+                code, out, err = None, "", f"{type(error).__name__}: {error}"
+            made = {*tmp_path.iterdir()} - before
+            refused += code == 2
+            if code not in (0, 2, 3, 65, 66) or (
+                code == 2 and (made or out or err.count("\n") != 1)
+            ):
+                wrong.append(f"{argv}: exit {code}, {[*map(str, made)]}, {err}")
+            for path in made:
+                path.unlink()
+    assert "\n".join(wrong) == ""
+    assert refused or not scenes

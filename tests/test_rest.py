@@ -160,3 +160,48 @@ def test_a_motion_says_where_it_stands_when_its_steps_are_used_up(monkeypatch):
     assert motion.status is Status.NOT_CONVERGED
     assert f"engagement {motion.handoff_times.size + 1}," in motion.message
     assert 0 < motion.handoff_times.size < 30_000
+
+
+def test_a_ledger_that_does_not_close_says_so():
+    from escapement.dynamics import energy_balance as ledger
+
+    motion = esc.simulate(timer(driver_bearing_torque=1.2 * TORQUE), 1, initial_speed=20.0)
+    closed = ledger.ledger_of(motion)
+    assert abs(closed.residual) < 1e-11
+    # the driver bearing's loss with the wrong sign, as of a friction that drives
+    bearing = list(motion.trajectory.losses)
+    motion.trajectory.losses = np.array(bearing) * np.array([1, -1, 1, 1, 1, 1, 1.0])[:, None]
+    assert abs(ledger.ledger_of(motion).residual) > 0.5
+
+
+def test_a_motion_ends_with_the_blow_that_stops_both_bodies():
+    """The spring is spent, the bearing holds the driver, and the follower runs up to its pin."""
+    timer = esc.Escapement(
+        esc.Geneva(4, crank_radius=0.02, clearance=4e-5), esc.Inertia(3.4e-7, 5.65e-6),
+        0.0113, 0.1, spring_rate=2e-3, driver_bearing_torque=1e-3,
+    )  # fmt: skip
+    motion = esc.simulate(timer, 12)
+    assert motion.status is Status.SPENT
+    assert motion.impacts.time[-1] == pytest.approx(motion.end_time, rel=1e-14)
+    assert motion.impacts.time[-1] <= motion.end_time
+    end = motion.at(motion.end_time)
+    assert (float(end.theta_dot), float(end.phi_dot)) == (0.0, 0.0)
+
+
+def test_a_follower_that_the_load_stops_beyond_a_wall_strikes_where_that_wall_is():
+    """The driver is held; the follower would come to rest just beyond the wall behind the pin."""
+    wheel = esc.Geneva(5, 1, crank_radius=RADIUS, clearance=1.5e-5)
+    own = esc.Escapement(
+        wheel, esc.Inertia(2.23e-7, 5e-6), 0.01, 0.07, load_torque=2e-4, spring_rate=7e-4,
+        driver_bearing_torque=0.01, restitution=0.11,
+    )  # fmt: skip
+    for speed in np.linspace(9.0, 15.0, 25):
+        motion = esc.simulate(own, 4, initial_speed=speed)
+        impacts = motion.impacts
+        phi = motion.at(impacts.time).phi
+        # the pin as seen from the follower's axis
+        x = RADIUS / np.sin(np.pi / 5) - RADIUS * np.cos(impacts.theta)
+        y = RADIUS * np.sin(impacts.theta)
+        ahead = y * np.cos(phi) - x * np.sin(phi)
+        assert_allclose(ahead, 0.5 * wheel.clearance * impacts.wall, rtol=0, atol=1e-12 * RADIUS)
+        assert abs(motion.ledger.residual) < 1e-13

@@ -201,3 +201,24 @@ def test_resume_on_the_command_line(tmp_path, solved, monkeypatch, capsys):
     )
     assert main(["sweep", "s.toml", "--resume", "--json"]) == 0
     assert '"resumed": 40' in capsys.readouterr().out
+
+
+def test_a_link_and_its_file_are_one_output(tmp_path):
+    (tmp_path / "link.h5").symlink_to(tmp_path / "real.h5")
+    with tools.start_writer(tmp_path / "real.h5", pause=60.0) as first:
+        first.stdout.readline()
+        first.stdout.readline()
+        with pytest.raises(CannotCreate, match="is writing it"):
+            tools.write(tmp_path / "link.h5", tools.small_study())
+        first.kill()
+
+
+def test_files_with_names_like_those_of_partial_results_are_not_touched(tmp_path):
+    for name in ("a.h5.unfinished", "a.unfinished", ".escapement-0123456789abcdef.partial"):
+        (tmp_path / name).write_text("my own notes")
+    (tmp_path / "b.h5.unfinished").symlink_to("a.unfinished")
+    before = {path: path.read_text() for path in tmp_path.iterdir()}
+    for name in ("a.h5", "b.h5"):
+        tools.write(tmp_path / name, tools.small_study())
+        (tmp_path / name).unlink()
+    assert {path: path.read_text() for path in tmp_path.iterdir()} == before

@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy.optimize import brentq
 
 import escapement as esc
 from any_path import Plain
@@ -190,3 +191,119 @@ def test_a_piece_that_is_not_there_is_refused(piece):
     with pytest.raises(InvalidValue, match="piece must be whole and from 0 to 8, got"):
         motion.within(piece, np.zeros(2))
     assert motion.within(8, motion.end_time).theta_dot == motion.at(motion.end_time).theta_dot
+
+
+@pytest.mark.parametrize("changes", [{}, {"load_torque": 0.1}, {"follower_viscous": 0.02}])
+def test_the_cycle_of_terminal_is_what_simulate_gives(changes):
+    timer = replace(drive(), **changes)
+    cycle = esc.terminal(timer)
+    motion = esc.simulate(timer, 1, initial_speed=cycle.handoff_velocity)
+    for name in ("end_time", "handoff_times", "handoff_velocities"):
+        expected = getattr(motion, name)
+        np.testing.assert_allclose(getattr(cycle.motion, name), expected, rtol=2e-12, atol=0.0)
+
+
+DEFAULT = {"energy": 1e-12, "ivp": 1e-10}
+
+
+def test_a_duration_may_end_anywhere(engine):
+    """In the first instant, in a dwell, on a handoff or a bit beside it."""
+    # times and durations meet in other units, where their last bits may differ
+    scene = esc.Escapement(esc.Geneva(5, 1), INERTIA, 0.0113, friction=0.1)
+    whole = esc.simulate(scene, 4, engine=engine)
+    dwell = whole.trajectory.start[np.nonzero(whole.trajectory.sign == 0.0)[0][0]]
+    handoffs = whole.handoff_times[:3]
+    bits = [np.nextafter(handoffs, side) for side in (0.0, math.inf)]
+    for duration in (1e-9, 0.5 * (dwell + handoffs[0]), *handoffs, *np.concatenate(bits)):
+        cut = esc.simulate(scene, duration=float(duration), engine=engine)
+        assert cut.end_time == duration
+        done = np.count_nonzero(whole.handoff_times <= duration)
+        # at the very handoff the last bit decides, which the reference need not have
+        beside = np.isclose(handoffs, duration, rtol=1e-12).any()
+        assert cut.handoff_times.size == done or (engine == "ivp" and beside)
+        expected = float(whole.at(duration).theta_dot)
+        assert cut.at(duration).theta_dot == pytest.approx(expected, rel=1e-8)
+        # of the first instant's work hardly a digit is left
+        assert abs(cut.ledger.residual) <= 10.0 * DEFAULT[engine] or duration < 1e-8
+
+
+def local(motion, events):
+    return events.theta - events.engagement * motion.escapement.mechanism.cell_angle
+
+
+def locus(scene, angle, w):
+    """Angles near `angle` where rho (g' w + load) + g vanishes; w' = 2/rho there."""
+    rho = scene.inertia.driver
+
+    def law(theta):
+        found = scene.mechanism.transmission(theta)
+        return rho * (found.dg * (w + 2.0 * (theta - angle) / rho) + scene.load_torque) + found.g
+
+    return brentq(law, angle - 1e-4, angle + 1e-4, xtol=1e-15)
+
+
+@pytest.mark.parametrize(
+    ("scene", "speed"),
+    [
+        (drive(), 0.0),
+        (drive(8, 1, rho=1118.9, mu=3e-4, load=0.0023), 0.0766),
+        (drive(5, 1, rho=29764.0, mu=4e-6, internal=True), 0.0),
+        (drive(7, 1, rho=7950.0, mu=0.0), 6.06),
+        (drive(4, 4, rho=10025.0), 5276.0),
+        (drive(3, 6, rho=71.42325839141594, mu=0.0, load=0.38494331400811665), 8603.179701318482),
+        (drive(4, 4, rho=225.70131618371116, load=0.031121924629788092), 298434.51804616104),
+        (drive(8, 1, rho=58.386705256164646, load=0.00017080852328393728), 77420.46942690747),
+        (drive(12, 1, rho=173380.65260580444, internal=True), 25919.406470347898),
+        (drive(6, 1, rho=469773.1507, mu=0.000294256, internal=True), 3824.8042684),
+    ],
+)
+def test_reversals_are_located_exactly(scene, speed):
+    """One an engagement; of a fast or a heavy driver it lies close behind dead centre."""
+    fast, judge = (esc.simulate(scene, 4, engine=e, initial_speed=speed, rtol=1e-11) for e in BOTH)
+    np.testing.assert_allclose(judge.handoff_times, fast.handoff_times, rtol=1e-10)
+    for motion in (fast, judge):
+        turns = motion.reversals
+        assert turns.engagement.tolist() == [0, 1, 2, 3]
+        found = local(motion, turns)
+        exact = [locus(scene, *at) for at in zip(found, turns.theta_dot**2, strict=True)]
+        np.testing.assert_allclose(found, exact, rtol=0.0, atol=1e-10)
+
+
+def test_a_light_driver_keeps_the_tolerance_asked_for():
+    for scene in (drive(3, 6, rho=1e-7, mu=1e-4), drive(4, 4, rho=1e-8, mu=1e-4)):
+        fast, judge = (esc.simulate(scene, 3, engine=e, rtol=1e-11) for e in BOTH)
+        np.testing.assert_allclose(
+            judge.handoff_velocities, fast.handoff_velocities, rtol=1e-10, err_msg="10 rtol"
+        )
+
+
+@pytest.mark.parametrize(
+    ("scene", "speed"),
+    [
+        (drive(4, 4, rho=8.1037, load=0.0039546), 5.4357),
+        (drive(3, 5, rho=57.011, load=0.0049955), 1.27843),
+        (drive(3, 1, rho=39.181), 0.0),
+    ],
+)
+def test_the_ledger_closes_to_the_tolerance(engine, scene, speed):
+    motion = esc.simulate(scene, 4, engine=engine, initial_speed=speed, rtol=1e-11)
+    assert abs(motion.ledger.residual) <= 1e-10
+
+
+@pytest.mark.parametrize(
+    ("scene", "speed"),
+    [
+        (drive(30, 1, rho=623.69, mu=34354.52, load=27.3742), 0.49077),
+        (drive(6, 3, rho=0.018736, load=46.42253), 0.101012),
+        (drive(3, 4, rho=0.004686, mu=0.0666427, load=44.36695), 0.206728),
+        (drive(4, 4, rho=907.63, mu=333.789, load=0.72528), 0.110035),
+    ],
+)
+def test_the_ledger_of_a_stop_closes(scene, speed):
+    """But for what the rounding of the stop's angle is worth against load and friction."""
+    motion = esc.simulate(scene, 4, initial_speed=speed)
+    assert motion.status is Status.STALL
+    found = scene.mechanism.transmission(np.linspace(*scene.mechanism.breaks[::2], 801))
+    resistance = 1.0 + scene.load_torque * (found.g + scene.friction * np.abs(found.u)).max()
+    there = max(motion.ledger.work, 0.5 * scene.inertia.driver * speed**2)
+    assert abs(motion.ledger.residual) <= 1e-11 + 1e-12 * resistance / there

@@ -116,3 +116,10 @@ def test_a_fast_start_that_ends_in_a_stall_is_leapt_over(escapement, start):
     figures = esc.terminal(escapement, initial_speed=start)
     assert figures.outcome is motion.outcome is Status.STALL
     assert figures.message == motion.message
+
+
+def test_without_any_loss_there_is_no_terminal_cycle():
+    for load in (0.0, 1e-3):
+        figures = esc.terminal(wheel(friction=0.0, load_torque=load))
+        assert figures.status is Status.NO_TERMINAL
+        assert math.isnan(figures.period)

@@ -163,3 +163,74 @@ def test_a_million_engagements_do_not_drift_in_energy():
     motion = run(drive(rho=1.0, mu=0.0), engagements=1_000_000)
     work = np.arange(1, 1_000_001) * math.pi / 2.0
     np.testing.assert_allclose(motion.handoff_velocities**2, 2.0 * work, rtol=2e-13)
+
+
+@pytest.mark.slow
+def test_a_million_engagements_do_not_drift_in_time():
+    """They never settle, for the contraction is 1 - 4e-6; times of parts are added exactly."""
+    million = run(drive(rho=1.0, mu=1e-6), engagements=1_000_000)
+    speeds = np.concatenate([[0.0], million.handoff_velocities])
+    pieces = []
+    for k in range(0, 1_000_000, 1000):
+        part = run(drive(rho=1.0, mu=1e-6), engagements=1000, speed=float(speeds[k]))
+        pieces.append(float(part.handoff_times[-1]))
+    assert million.handoff_times[-1] == pytest.approx(math.fsum(pieces), rel=1e-13)
+
+
+@pytest.mark.parametrize("rtol", [1e-4, 1e-8, 1e-12])
+@pytest.mark.parametrize(
+    ("model", "speed"),
+    [
+        (drive(29, 1, rho=1.9, mu=0.004, load=13.333), 0.0),
+        (drive(34, 1, rho=0.016, mu=0.14, load=43.7, internal=True), 0.061),
+        (drive(40, 1, rho=470.0, mu=6800.0, load=17.1), 0.0015),
+        (drive(5, 1, rho=2.6, mu=3.5e-4, load=3.86), 0.0),
+        (drive(16, 1, rho=420.0, mu=0.0039, load=12.66), 0.0),
+    ],
+)
+def test_time_and_angle_of_a_stop(model, speed, rtol):
+    found = run(model, rtol=rtol, speed=speed)
+    exact = run(model, "ivp", rtol=1e-12, speed=speed)
+    assert found.status is exact.status is Status.STALL
+    assert found.end_time == pytest.approx(exact.end_time, rel=10.0 * rtol + 1e-11)
+    ends = [float(motion.at(motion.end_time).theta) for motion in (found, exact)]
+    assert ends[0] == pytest.approx(ends[1], abs=10.0 * rtol + 1e-10)
+
+
+@pytest.mark.parametrize("share", [0.5, 0.999, 1.0, 1.001, 10.0, 1e6])
+@pytest.mark.parametrize(
+    ("slots", "pins", "mu", "internal"),
+    [(4, 4, 0.0, 0), (4, 4, 0.3, 0), (3, 2, 0.2, 0), (7, 1, 0.1, 0), (5, 1, 0.2, 1)],
+)
+def test_load_at_and_above_what_the_drive_can_carry(slots, pins, mu, internal, share):
+    """The work of the load over a cell against that of the drive."""
+    internal = bool(internal)
+    bare = drive(slots, pins, mu=mu, internal=internal).mechanism
+    load = share * bare.cell_angle / bare.follower_step
+    model = drive(slots, pins, mu=mu, load=load, internal=internal, rho=0.5)
+    fast, judge = both(model, engagements=6, speed=2.0)
+    assert fast.status is judge.status
+    np.testing.assert_allclose(numbers(fast), numbers(judge), rtol=1e-7)
+    if share > 1.001:
+        assert fast.status is Status.STALL
+    if fast.status is Status.STALL:
+        ends = [float(motion.at(motion.end_time).theta) for motion in (fast, judge)]
+        assert ends[0] == pytest.approx(ends[1], abs=1e-8)
+        for engine, motion in zip(BOTH, (fast, judge), strict=True):
+            assert "stalls" in motion.message
+            assert "degrees from dead centre" in motion.message
+            if share <= 10.0:  # a greater load stops the driver within the error of its time
+                assert motion.at(motion.end_time).theta_dot == pytest.approx(0.0, abs=4e-5)
+            assert esc.terminal(model, engine=engine, initial_speed=2.0).status is Status.STALL
+
+
+@pytest.mark.parametrize("speed", [1e-300, 1e-30, 1e-8, 1e-4, 1e-2])
+@pytest.mark.parametrize("model", [drive(), drive(20, 2, rho=0.01, mu=0.5), drive(5, 3, rho=40.0)])
+def test_start_from_almost_rest(model, speed):
+    judge = run(model, "ivp", speed=speed, rtol=1e-12)
+    assert (judge.status, turns(judge)) == (Status.OK, turns(run(model, speed=speed)))
+    exact = numbers(judge)
+    for rtol in (1e-4, 1e-8, 1e-12):
+        found = run(model, rtol=rtol, speed=speed)
+        allowed = 10.0 * rtol + 1e-11
+        np.testing.assert_allclose(numbers(found), exact, rtol=allowed)

@@ -96,3 +96,10 @@ def test_too_few_blocks_are_caught(tmp_path):
     ):
         pass
     assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.skipif(os.geteuid() == 0, reason="root may write anywhere")
+def test_an_unwritable_folder_is_refused(tmp_path):
+    tmp_path.chmod(0o500)
+    with pytest.raises(CannotCreate, match="Permission denied"):
+        study_writer(tmp_path / "a.h5", study()).__enter__()

@@ -226,3 +226,46 @@ def test_only_a_torque_over_the_speed_needs_its_kernels():
     assert kind(TIMER) == Kind.STEADY
     assert {kind(replace(TIMER, **other)) for other in others} == {Kind.WHOLE}
     assert kind(replace(TIMER, torque=FALLING)) == Kind.SPEED
+
+
+def random_timer(seed):
+    """A timer under a random smooth table over speeds that it reaches, or over angles too."""
+    rng = np.random.default_rng(seed)
+    wheel, friction = esc.Geneva(int(rng.choice([3, 4, 5, 6]))), rng.uniform(0.1, 0.25)
+    inertia = esc.Inertia(3.39e-7 * rng.uniform(0.5, 2.0), 5.65e-6 * rng.uniform(0.3, 1.0))
+    stall = TORQUE * rng.uniform(0.5, 2.0)
+    timer = esc.Escapement(wheel, inertia, stall, friction=friction)
+    if rng.random() < 0.4:
+        timer = replace(timer, load_torque=0.05 * stall)
+    if rng.random() < 0.3:
+        timer = replace(timer, follower_viscous=0.01 * math.sqrt(stall * inertia.follower))
+    fastest = esc.simulate(timer, 6).extrema.theta_dot.max()
+    x = np.linspace(0.0, 1.0, int(rng.integers(4, 12)))
+
+    def shares():
+        bent = rng.uniform(-0.3, 0.3) * np.sin(math.pi * rng.uniform(0.5, 1.5) * x)
+        return 1.0 - 0.9 * x + bent
+
+    speed = 1.2 * fastest * x
+    if seed % 2:
+        return replace(timer, torque=esc.TorqueCurve(speed=speed, torque=stall * shares()))
+    angle = np.cumsum([0.0, *rng.uniform(0.2, 1.5, 3)])
+    rows = stall * np.array([rng.uniform(0.6, 1.0) * shares() for _ in angle])
+    rows[-1] = rows[0]
+    return replace(timer, torque=esc.TorqueCurve(angle, rows, bool(seed % 4), speed))
+
+
+def agree(timer, count=6):
+    engines = "energy", "ivp"
+    fast, slow = (esc.simulate(timer, count, engine=name, rtol=1e-12) for name in engines)
+    assert fast.status is slow.status is Status.OK
+    np.testing.assert_allclose(fast.handoff_times, slow.handoff_times, rtol=1e-9)
+    np.testing.assert_allclose(fast.handoff_velocities, slow.handoff_velocities, rtol=1e-9)
+    np.testing.assert_allclose(fast.extrema.theta_dot, slow.extrema.theta_dot, rtol=1e-9)
+    assert abs(fast.ledger.residual) <= 1e-12
+    assert abs(slow.ledger.residual) <= 1e-11
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_engines_agree_on_random_tables(seed):
+    agree(random_timer(seed))

@@ -273,3 +273,41 @@ def test_outlines_of_ones_own_are_checked():
     )
     assert polygon([0, 1, 1j], 0.1).closed
     assert not from_rows([(0, 0, 0), (1, 0, 0)], 1.0).closed
+
+
+@pytest.mark.parametrize("name", VERGES)
+def test_where_a_chain_begins_and_how_it_is_divided_changes_nothing(name):
+    verge = VERGES[name]
+    for chain in verge.follower_chains:
+        once = rows_of(features_of([chain]))
+        moved = Chain(np.roll(chain.points, 1), np.roll(chain.bulges, 1))
+        assert rows_of(features_of([moved])) == once
+        # every line and arc in two
+        middle = edges_of([chain])[0].at([0.0, 0.5])
+        bulges = np.repeat(np.tan(0.5 * np.arctan(chain.bulges)), 2)
+        assert rows_of(features_of([Chain(middle.ravel(), bulges)])) == once
+    (tooth,) = verge.driver_chains
+    whole = edges_of([tooth], verge.teeth)[0]
+    several = features_of([Chain(whole.corners, whole.bulges)])
+    turned = np.exp(2j * np.pi / verge.teeth)
+    shifted = Chain(
+        np.append(tooth.points[1:-1], tooth.points[:2] * turned), np.roll(tooth.bulges, -1)
+    )
+    assert len(several.kind) == verge.teeth * len(verge.driver_features.kind)
+    ahead = features_of([shifted], verge.teeth)
+    assert len(ahead.kind) == len(verge.driver_features.kind)
+    np.testing.assert_allclose(sorted(ahead.extent), sorted(verge.driver_features.extent))
+
+
+def test_both_faces_of_a_tooth_touch_its_tip_circle():
+    tip = 0.99
+    for verge, leading, trailing in ((VERGES["pins"], 45, 15), (VERGES["flat"], -5, 30)):
+        lines = verge.driver_features
+        for row, normal in (
+            (0, cmath.rect(1.0, (trailing - 90) * RAD)),
+            (2, cmath.rect(1.0, (90 - leading) * RAD)),
+        ):
+            start = complex(lines.x[row], lines.y[row])
+            assert -1j * cmath.exp(1j * lines.direction[row]) == pytest.approx(normal)
+            away = ((start - tip) * normal.conjugate()).real
+            assert away == pytest.approx(0.01)

@@ -190,3 +190,33 @@ def test_a_driver_that_an_impact_throws_back_turns_its_barrel_back():
     )  # fmt: skip
     motion = same_as_two_bodies(drive, 2, 60.0)
     assert motion.at(np.linspace(0.0, motion.end_time, 9001)).theta_dot.min() < -1.0
+
+
+@pytest.mark.parametrize("walls", [{}, {"stiffness": 1e8, "damping": 4e3}])
+def test_a_lossless_train_is_a_change_of_numbers_with_clearance_too(walls):
+    wheel = esc.Geneva(4, crank_radius=0.02, clearance=4e-5)
+    mine = timer(spring_rate=2e-4)
+    pair = [replace(one, mechanism=wheel, **walls) for one in (mine, same_by_hand(mine))]
+    found = [esc.simulate(one, 5) for one in pair]
+    for name in ("handoff_times", "handoff_velocities"):
+        one, other = (getattr(motion, name) for motion in found)
+        np.testing.assert_allclose(one, other, rtol=1e-9)
+    one, other = (motion.impacts.energy for motion in found)
+    np.testing.assert_allclose(one, other, rtol=1e-6, atol=1e-12)
+    assert one.size > 5
+    assert all(abs(motion.ledger.residual) < 1e-8 for motion in found)
+
+
+def test_every_shaft_obeys_newton():
+    """Moments on barrel, driver, follower and last shaft, with the forces of the meshes."""
+    mine = timer(friction=0.0)
+    motion = esc.simulate(mine, 3)
+    state = motion.at(np.linspace(0.1, 0.9, 41) * motion.end_time)
+    at_barrel = mine.torque - BARREL.inertia * state.theta_ddot / BARREL.ratio
+    at_last = mine.load_torque + LOAD.inertia * state.phi_ddot * LOAD.ratio
+    follower = state.contact_moment - LOAD.ratio * at_last
+    ratio = state.phi_dot / state.theta_dot
+    driver = at_barrel / BARREL.ratio - ratio * state.contact_moment
+    scale = mine.torque / BARREL.ratio
+    np.testing.assert_allclose(follower / scale, OWN.follower * state.phi_ddot / scale, atol=1e-9)
+    np.testing.assert_allclose(driver / scale, OWN.driver * state.theta_ddot / scale, atol=1e-9)

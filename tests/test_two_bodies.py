@@ -1,23 +1,33 @@
 """Two bodies with outlines: the law, worked examples, balances and statuses."""
 
+import itertools
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
 import escapement as esc
 from escapement.base.errors import InvalidValue
 from escapement.base.status import Status
-from escapement.dynamics.codes import Event
+from escapement.dynamics.codes import Ending, Event
 from escapement.dynamics.figures_of_merit import read_transient
-from escapement.engines.two_bodies.march import SPEED, TIME
+from escapement.engines.two_bodies import march as marching
+from escapement.engines.two_bodies import simulate as following
+from escapement.engines.two_bodies import terminal, trajectory
+from escapement.engines.two_bodies.blow import strike
+from escapement.engines.two_bodies.law import Law
+from escapement.engines.two_bodies.march import BEGIN, PHI, SPEED, TIME, TURNING
 from escapement.engines.two_bodies.pairs import pairs_of
 from escapement.engines.two_bodies.scene import prepared
-from escapement.engines.two_bodies.touch import place, touch_at
+from escapement.engines.two_bodies.touch import Touch, place, touch_at
 from escapement.mechanisms.features import CONVEX, HOLLOW, LINE
 from escapement.outlines.gaps import gap, segments_of
 from escapement.outlines.touching import edges_of
 from outlined_bodies import features, followed, geneva
+from stepped_bodies import cores, marks
 
 
 def pins(**changes):
@@ -374,3 +384,190 @@ def test_start_within_each_other_is_refused():
     assert motion.status is Status.INVALID
     assert motion.message.startswith("driver_start and follower_start must be angles")
     assert "2.86479 and 0 degrees" in motion.message
+
+
+def test_state_of_the_cycle_with_pins():
+    motion = esc.simulate(runaway(), 9)
+    state = motion.at(motion.handoff_times[-1])
+    found = state.phi, state.theta_dot, state.phi_dot
+    assert found == pytest.approx((0.0770122473, 0.5246467260, -0.4689353824), abs=1e-9)
+
+
+def test_geneva_in_every_digit():
+    # Meyer's wheel with a clearance of a thousandth of the crank
+    driver, follower, centre = geneva(4, 5e-4)
+    states, _ending, rows = followed(
+        driver, follower, centre, (0.06, 1.0), 40, rows=20000, mu_plus=0.3
+    )
+    unit = math.sqrt(50e-6 / 0.1)
+    assert np.diff(states[-2:, TIME])[0] * unit == pytest.approx(0.041665482332, abs=1e-12)
+    assert states[-1, SPEED] / unit == pytest.approx(85.9951334232, abs=1e-9)
+    last = rows[(rows["engagement"] == 39) & (rows["kind"] >= 0)]
+    lift, blow = (np.degrees(last["theta"][last["kind"] == kind]) - 45.0 for kind in (7, 6))
+    assert lift[-1] == pytest.approx(24.4721, abs=1e-4)  # before it the last pin may leave
+    assert blow[-1] == pytest.approx(28.5776, abs=1e-4)
+
+
+speeds = st.floats(-2.0, 2.0)
+
+
+factors = st.floats(-1.5, 1.5)
+
+
+@settings(deadline=None, max_examples=300)
+@given(factors, factors, factors, factors, speeds, speeds, st.floats(0.0, 0.5), st.floats(0.0, 0.9))
+def test_blow_keeps_momentum_and_takes_energy(g0, g1, h0, h1, w0, w1, mu, restitution):
+    if min(math.hypot(g0, g1), math.hypot(h0, h1)) < 0.1 or g0 * w0 + g1 * w1 > -1e-3:
+        return
+    rho = 2.0
+    law = Law(**dict.fromkeys(Law._fields, 0.0) | {"rho": rho, "mu_plus": mu})
+    touch, y = Touch(0.0, g0, g1, h0, h1, 0.0, 1.0, 1.0), np.array([0.0, 0.0, w0, w1])
+    impulse = strike(law, touch, y, restitution)
+    if impulse != impulse:
+        return
+    change = np.array([rho * (y[2] - w0), y[3] - w1])
+    # the impulse is normal and tangential: momentum of both bodies is that of two numbers
+    along = change - impulse * np.array([g0, g1])
+    assert abs(along[0] * h1 - along[1] * h0) <= 1e-12 * (1.0 + impulse)
+    sliding = along @ [h0, h1] / max(h0 * h0 + h1 * h1, 1e-30)
+    assert abs(sliding) <= mu * impulse * (1.0 + 1e-9) + 1e-12
+    lost = 0.5 * (rho * w0**2 + w1**2 - rho * y[2] ** 2 - y[3] ** 2)
+    assert lost >= -1e-12
+    assert g0 * y[2] + g1 * y[3] >= -1e-12
+
+
+def test_similarity():
+    one = esc.terminal(runaway()).period
+    other = esc.terminal(runaway(inertias=(2.0, 0.6), torque=5.0)).period
+    assert other == pytest.approx(one * math.sqrt(2.0 / 5.0), rel=1e-12)
+
+
+def test_order_of_the_features_does_not_matter():
+    wheel = pins()
+    driver, follower = wheel.driver_features, wheel.follower_features
+    found = []
+    for order in (slice(None), slice(None, None, -1)):
+        given = driver._replace(
+            **{n: getattr(driver, n)[order].copy() for n in driver._fields[:-1]}
+        )
+        states, _ending, _rows = followed(
+            given, follower, wheel.axes_distance, (1.0, 0.3), 6, (0.05, 0.0), mu_plus=0.15
+        )
+        found.append(states[:, [TIME, SPEED, PHI, TURNING]])
+    assert found[0] == pytest.approx(found[1], abs=1e-11)
+
+
+def test_mirror_image_runs_alike():
+    # entry and exit of both bodies change places where the wheel turns the other way
+    wheel = pins(lead=math.radians(20.0), back=math.radians(20.0))
+    driver, follower = wheel.driver_features, wheel.follower_features
+    given = wheel.axes_distance, (1.0, 0.3), 5
+
+    def mirrored(body):
+        direction = -body.direction
+        line = body.kind == LINE
+        x = body.x + np.where(line, body.extent * np.cos(body.direction), 0.0)
+        y = body.y + np.where(line, body.extent * np.sin(body.direction), 0.0)
+        direction = np.where(line, math.pi - body.direction, direction)
+        return body._replace(x=x, y=-y, direction=direction)
+
+    first, _ending, _rows = followed(driver, follower, *given, (0.05, 0.0), mu_plus=0.1)
+    # a symmetric tooth and symmetric pins are their own mirror image
+    other, _ending, _rows = followed(
+        mirrored(driver), mirrored(follower), *given, (0.05, 0.0), mu_plus=0.1
+    )
+    assert first[:, TIME] == pytest.approx(other[:, TIME], abs=1e-11)
+
+
+PINS = {"span": 2.5, "lead": math.radians(45.0), "back": math.radians(15.0), "tip": 0.01}
+
+
+BESIDE = {
+    "flat pallets that rebound": (flat, (1.0, 0.1), 0.3, 0.25, 1e-4),
+    "pins that rebound": (pins, (1.0, 0.3), 0.15, 0.25, 1e-4),
+    "more friction": (pins, (1.0, 0.3), 0.3, 0.25, 1e-4),
+    "a heavy verge": (pins, (0.06, 1.0), 0.3, 0.0, 1e-3),
+}  # fmt: skip
+
+
+FLAT = {"span": 3.5, "lead": math.radians(-5.0), "back": math.radians(30.0), "tip": 0.01}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", BESIDE)
+def test_cycle_is_that_of_small_steps_between_cores(name):
+    wheel, inertias, friction, restitution, accuracy = BESIDE[name]
+    teeth, start = (20, 0.14) if wheel is flat else (12, 0.05)
+    face = math.radians(45.0), 0.2, 0.08, 0.01
+    shape = (
+        cores(teeth, **FLAT, pallet_radius=0.95, face=face)
+        if wheel is flat
+        else cores(teeth, **PINS, pallet_radius=1.02, pin=0.05)
+    )
+    stepped = marks(shape, teeth, np.array(inertias), friction, restitution, start, 8, 2e-5)
+    timer = runaway(wheel(), inertias, friction, restitution=restitution)
+    assert esc.terminal(timer).period == pytest.approx(np.diff(stepped)[-1], rel=accuracy)
+
+
+@pytest.mark.parametrize(
+    ("slopes", "noise", "bend", "size", "most"),
+    [
+        ((0.03, 0.0), 0.0, 0.0, 1, 12),
+        ((0.86, 0.3), 0.0, 0.0, 1, 120),
+        ((0.86, 0.3), 3e-11, 0.0, 1, 120),  # rounding that repeats itself every second time
+        ((-1.2, 0.1), 0.0, 2.0, 2, 300),  # the fixed point repels
+    ],
+)
+def test_a_map_is_followed_to_its_fixed_point(monkeypatch, slopes, noise, bend, size, most):
+    passed = []
+
+    def march_from(_escapement, start, count):
+        states = np.tile(start, (count + 1, 1))
+        for one, two in itertools.pairwise(states):
+            x = one[SPEED : TURNING + 1] - (1.0, 0.3, -0.5)
+            way = noise if len(passed) % 2 else -noise
+            moved = np.array([slopes[0] * x[0] + bend * x[0] ** 3, slopes[1] * x[1], 0.2 * x[0]])
+            two[SPEED : TURNING + 1] = moved + way + (1.0, 0.3, -0.5)
+            passed.append(two)
+        return Ending.DONE, states, 0.0, 0.0
+
+    def figures(_escapement, _base, _states, last, size, same, _rtol):
+        return last[SPEED], size, same
+
+    start = np.zeros(BEGIN)
+    start[SPEED] = 0.8
+    monkeypatch.setattr(following, "march_from", march_from)
+    monkeypatch.setattr(following, "first_state", lambda *_given: start)
+    monkeypatch.setattr(terminal, "_figures", figures)
+    speed, found, same = terminal.terminal(None, None, initial_speed=0.0, rtol=1e-12)
+    assert found == size
+    assert len(passed) <= most
+    if size == 1:
+        assert speed == pytest.approx(1.0, abs=max(1e-12, 10.0 * noise))
+        assert same == pytest.approx(2.0 * noise, rel=1.0, abs=1e-13)
+
+
+@pytest.mark.parametrize(("wheel", "verge", "most"), [(pins, 0.3, 18), (flat, 0.1, 16)])
+def test_cycle_takes_few_pitches(monkeypatch, wheel, verge, most):
+    followed, march = [], marching.march
+
+    def counted(*given):
+        found = march(*given)
+        followed.append(found[1])
+        return found
+
+    monkeypatch.setattr(marching, "march", counted)
+    monkeypatch.setattr(trajectory, "march", counted)
+    figures = esc.terminal(runaway(wheel(), (1.0, verge)))
+    assert sum(followed) <= most
+    assert figures.settling_time >= figures.rise_time > 0.0
+    assert sum(followed) <= most + 8  # they are followed once more when they are read
+    assert replace(figures, message="").rise_time == figures.rise_time
+
+
+def test_cycle_does_not_depend_on_the_start():
+    found = [
+        esc.terminal(runaway(flat(driver_start=start), (1.0, 0.1), 0.3, restitution=0.25)).period
+        for start in (0.14, 0.17)
+    ]
+    assert found[0] == pytest.approx(found[1], rel=1e-10)

@@ -5,6 +5,8 @@ import math
 
 import numpy as np
 import pytest
+from matplotlib.path import Path
+from scipy.spatial import cKDTree
 
 import escapement as esc
 from command_scenes import TOUCHING, WHEELS, argv_of, write_inputs
@@ -199,3 +201,110 @@ def test_a_fit_acts_or_is_refused(mechanism, refused):
                 shown(**given)
         else:
             assert shown(**plain, **given) != shown(**plain)
+
+
+def _lengths(edge):
+    half = 0.5 * edge.turns
+    return np.abs(edge.ends - edge.corners) / np.sinc(half / np.pi)
+
+
+def _arc(start, end, middle, share):
+    """Points of the circle through start, middle and end, even shares of its angle."""
+    if abs(middle.imag) < 1e-9:
+        return start + (end - start) * share
+    # the angle at the middle tells the turn
+    turn = 2.0 * (math.pi - abs(np.angle((0.0 - middle) / (1.0 - middle))))
+    turn = math.copysign(turn, -middle.imag)
+    centre = 0.5 + 0.5j / math.tan(0.5 * turn)
+    return start + (end - start) * (centre - centre * np.exp(1j * turn * share))
+
+
+def sampled_wall(edges, step):
+    """Least distance of two samples of the edges that face each other across the body.
+
+    Knows only points along the edges: normals are differences of neighbours, and whether a point
+    lies within the body is told by a polygon. Two ways that meet in a corner count only where
+    they are square to each other: the tip of the corner is no wall. For a crescent this is where
+    it is widest, which samples do not find.
+    """
+    places, normals, owners = [], [], []
+    for edge in edges:
+        first = len(owners)
+        for one, length in zip(edge.at([0.0, 0.5, 1.0]), _lengths(edge), strict=True):
+            following = first + (len(owners) - first + 1) % edge.corners.size
+            count = max(3, math.ceil(length / step))
+            middle = (one[1] - one[0]) / (one[2] - one[0])
+            z = _arc(one[0], one[2], middle, np.linspace(0.0, 1.0, count))
+            along = np.gradient(z)
+            along[[0, -1]] += np.array([-0.5, 0.5]) * (np.diff(along[[0, 1, -2, -1]])[[0, 2]])
+            places.append(z)
+            owners.append((len(owners), following))
+            normals.append(1j * along / np.abs(along))
+    z, inward = np.concatenate(places), np.concatenate(normals)
+    own, after = (np.repeat(ids, [p.size for p in places]) for ids in np.transpose(owners))
+    flat = np.column_stack([z.real, z.imag])
+    closed = [edge.drawn(2e-3) for edge in edges]
+    codes = [[Path.MOVETO, *[Path.LINETO] * (p.size - 2), Path.CLOSEPOLY] for p in closed]
+    polygon = Path(
+        np.column_stack([np.concatenate(closed).real, np.concatenate(closed).imag]),
+        np.concatenate(codes),
+    )
+    tree, reach = cKDTree(flat), 4.0 * step
+    while True:
+        pairs = tree.query_pairs(reach, output_type="ndarray")
+        first, second = pairs.T
+        way = z[second] - z[first]
+        width = np.abs(way)
+        one, other = inward[first], inward[second]
+        meet = (own[first] == after[second]) | (after[first] == own[second])
+        least = np.where(meet, 0.9999, 0.5) * width
+        facing = ((way * one.conj()).real > least) & ((-way * other.conj()).real > least)
+        facing &= (one * other.conj()).real < -0.5
+        facing &= width > 1e-9
+        order = np.flatnonzero(facing)[np.argsort(width[facing])]
+        for k in order:
+            middle = 0.5 * (z[pairs[k, 0]] + z[pairs[k, 1]])
+            if polygon.contains_point((middle.real, middle.imag)):
+                return float(width[k])
+        reach *= 2.0
+
+
+_STEP = 2e-5  # distance of samples [m]
+
+
+def random_part(random):
+    """A part of a random wheel, and its fits."""
+    while True:
+        size = 10.0 ** random.uniform(-2.3, -1.5)
+        given = {"crank_radius": size, "pin_radius": size * random.uniform(0.03, 0.15)}
+        given["clearance"] = size * random.uniform(0.0, 0.02)
+        given["internal"] = bool(random.random() < 0.25)
+        fits = {
+            "follower_shaft_radius": size * random.choice([0.0, random.uniform(0.05, 0.25)]),
+            "driver_shaft_radius": size * random.uniform(0.05, 0.2),
+            "locking_radius": size * random.choice([0.0, random.uniform(0.5, 0.85)]),
+        }
+        try:
+            parts = esc.parts_of(
+                esc.Geneva(int(random.integers(3, 13)), 1, **given), esc.Fits(**fits)
+            )
+        except InvalidValue:
+            continue
+        part = parts[random.integers(len(parts))]
+        if not (given["internal"] and part.name == "locking-disc"):
+            return part
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", range(12))
+def test_walls_of_random_wheels_are_those_of_dense_samples(seed):
+    part = random_part(np.random.default_rng([40, seed]))
+    edges = (part.edge, *part.holes)
+    assert abs(sampled_wall(edges, _STEP) - part.wall.width) < 1e-6
+
+
+@pytest.mark.parametrize("name", ["follower", "pin-disc", "carrier", "planet", "fixed-gear"])
+def test_walls_of_a_gear_driven_wheel(name):
+    wheel = esc.GearDriven(12, 3, fixed_radius=0.01, pin_radius=2e-4)
+    part = {p.name: p for p in esc.parts_of(wheel)}[name]
+    assert abs(sampled_wall((part.edge, *part.holes), _STEP) - part.wall.width) < 1e-6
