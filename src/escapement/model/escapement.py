@@ -379,8 +379,7 @@ class Escapement(Declared):
         if (drive := self.drive_curve) is not None:
             return drive if len(drive.angle) > 1 else None
         torque, rate = self.referred["torque"], self.referred["spring_rate"]
-        spent = torque / rate if rate > 0.0 else math.inf
-        return TorqueCurve((0.0, spent), (torque, 0.0)) if spent < math.inf else None
+        return TorqueCurve((0.0, torque / rate), (torque, 0.0)) if rate > 0.0 else None
 
     @cached_property
     def referred(self) -> dict[str, Any]:

@@ -44,8 +44,11 @@ SOLUTION = record_dtype(
         # at the points: E(x) = alpha E_left + beta with alpha = exp(-b) and b = int B
         **dict.fromkeys(("alpha", "beta", "b"), ROW),
         "friction_ratio": ROW,  # c = p - g at the points
-        # the first three at the right end, and the pull at the left end for which they hold
-        **dict.fromkeys(("alpha_end", "beta_end", "b_end", "pull"), NUMBER),
+        # beta = solved + (pull - solved_pull) share, with the pull at the left end; see `shift`
+        **dict.fromkeys(("solved", "share"), ROW),
+        **dict.fromkeys(("solved_end", "share_end", "solved_pull", "pull"), NUMBER),
+        # the same three at the right end
+        **dict.fromkeys(("alpha_end", "beta_end", "b_end"), NUMBER),
         # relative tail of the solution, UNSOLVED before there is one, and its rounding error
         **dict.fromkeys(("tail", "noise"), NUMBER),
     }

@@ -20,7 +20,7 @@ from escapement.dynamics.law import (
     signed_loss,
 )
 from escapement.dynamics.load import has_load_curve, load_at
-from escapement.dynamics.torque import depends_on_speed, fall_after
+from escapement.dynamics.torque import depends_on_speed, fall_after, is_constant
 from escapement.engines.energy.panels import (
     UNSOLVED,
     copy_end,
@@ -70,7 +70,8 @@ def solve_side(scene, work, panel, side, energy):
     """
     solution = solution_of(panel, side)
     viscous = is_viscous(scene)
-    if not viscous and solution.tail != UNSOLVED and solution.pull == panel.entry.pull:
+    pull, known = panel.entry.pull, not viscous and solution.tail != UNSOLVED
+    if known and (solution.pull == pull or shift(solution, pull, points_of(work))):
         return
     # the first solution is without viscous drag
     fill_friction_ratio(scene, work, panel, solution, side)
@@ -83,6 +84,23 @@ def solve_side(scene, work, panel, side, energy):
             solve_again(scene, work, panel, solution, side)
             return
     solution.tail = 1.0
+
+
+@inner_jit
+def shift(solution, pull, count):
+    """Adapt a solution to another pull at the left end; returns whether this is possible.
+
+    beta is linear in the pull if that keeps its slope. For a pull of another size the equation is
+    solved again, so that beta keeps its relative accuracy.
+    """
+    more = pull - solution.solved_pull
+    if abs(more) > 0.5 * abs(solution.solved_pull):
+        return False
+    for i in range(count & N):
+        solution.beta[i] = solution.solved[i] + more * solution.share[i]
+    solution.beta_end = solution.solved_end + more * solution.share_end
+    solution.pull = pull
+    return True
 
 
 @where_known("pace", lambda pull, driver_angle, root, scene: (pull, 0.0))
@@ -109,6 +127,25 @@ def solve_again(scene, work, panel, solution, side):
     # with the tiny roots behind a stop the solution would hide that the driver stops
     if slowest > np.sqrt(TINY):
         solve_linear(scene, work, panel, solution, side)
+
+
+@inner_jit
+def keep_share(scene, work, panel, solution, count):
+    """Keep what `shift` needs of a solution just found: beta, and its derivative by the pull.
+
+    A unit of the pull adds 2 theta' (rho + g^2)/J to A.
+    """
+    for i in range(N):
+        g = panel.g[i]
+        inertia = reduced_inertia(g, solution.friction_ratio[i], scene)
+        work.gain[i] = 2.0 * panel.dtheta_dx[i] * (scene.rho + g * g) / inertia / solution.alpha[i]
+    cumulate(work.gain, solution.share)
+    for i in range(count & N):
+        solution.solved[i] = solution.beta[i]
+        solution.share[i] *= solution.alpha[i]
+    solution.solved_end = solution.beta_end
+    solution.share_end = solution.alpha_end * integral(work.gain, count)
+    solution.solved_pull = panel.entry.pull
 
 
 @inner_jit
@@ -188,6 +225,8 @@ def solve_linear(scene, work, panel, solution, side):
     solution.alpha_end, solution.beta_end, solution.b_end = alpha, alpha * source, total
     solution.noise = noise * max(1.0, abs(total))
     solution.pull = panel.entry.pull
+    if not is_constant(scene):
+        keep_share(scene, work, panel, solution, count)
     solution.tail = _tail(scene, panel, solution, side, count)
 
 
