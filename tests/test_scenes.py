@@ -4,8 +4,6 @@ import numpy as np
 import pytest
 
 import escapement as esc
-from escapement.base.status import Status
-from escapement.engines import simulate as simulation
 from escapement.engines.energy import batch
 from escapement.study import scenes
 from escapement.study.parse import plan_from
@@ -88,19 +86,3 @@ def test_an_error_while_solving_ends_the_study(monkeypatch):
     monkeypatch.setattr(batch, "solve", broken)
     with pytest.raises(MemoryError):
         run_plan(plan_from(TIMER, GRIDS["torque first"]), workers=4)
-
-
-def test_impossible_numbers_mark_their_own_case_and_no_other():
-    plan = plan_from(TIMER, {"torque": [1e-300, 0.01, 1e300], "friction": [0.2, 0.35]})
-    grid = run_plan(plan)
-    bad = Status.INVALID
-    assert grid.results["status"].tolist() == [[bad, bad], [0, 0], [bad, bad]]
-    alone = simulation.terminal(plan.escapement(3))
-    assert grid.results["period"][1, 1] == pytest.approx(alone.period, rel=1e-12)
-    assert np.isnan(grid.results["period"][[0, 2]]).all()
-    loaded = run_plan(plan_from(TIMER, {"load_torque": [0.0, 1e300], "friction": [0.2]}))
-    assert loaded.results["status"][:, 0].tolist() == [0, bad]
-    alone = run_plan(plan_from(TIMER, {"driver_inertia": [1e-300]}))
-    assert alone.results["status"].tolist() == [bad]
-    unequal = run_plan(plan_from(TIMER, {"driver_inertia": [1e-300, 3e-7], "torque": [0.01, 0.02]}))
-    assert unequal.results["status"].tolist() == [[bad, bad], [0, 0]]
