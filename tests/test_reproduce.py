@@ -12,6 +12,7 @@ from matplotlib.figure import Figure
 from escapement.base.errors import StorageError
 from escapement.base.units import INCH_POUND
 from escapement.cli import main
+from escapement.sources.filemon.nomograms import NOMOGRAMS
 
 pytestmark = pytest.mark.slow
 
@@ -39,7 +40,7 @@ def test_all_is_each_source_in_a_folder_of_its_own(reproduced):
 
 FIGURES = {
     "meyer": {f"figure{name}" for name in ("_8", "_9", "_10", "_11", "s_12_to_14")},
-    "filemon": {f"figure_{name}" for name in (*range(3, 13), 15)},
+    "filemon": {f"figure_{name}" for name in (*range(3, 13), 15, *NOMOGRAMS)},
     "dijksman": {"figure_2", "figures_6_to_9", "charts", "motions"},
     "prikhodko": {
         *("figure_2", "figure_3", "figure_6", "equation_9"),
