@@ -103,6 +103,8 @@ def test_the_cost_of_a_study_is_told():
         "all figures are computed case by case, about 3 ms for each: some 15 minutes on one "
         "processor"
     )
+    by_steps = plan_from(TIMER, axes, results=["period"], engine="ivp")
+    assert "all figures are computed case by case, about 300 ms" in cost_note(by_steps)
     few = plan_from(TIMER, {"friction": [0.1, 0.2]}, results=["energy_residual"])
     assert cost_note(few) == ""
 

@@ -46,9 +46,10 @@ MOST_SHARED = 1 << 20
 
 _FORMULAS = ("velocity_mean", "velocity_average_published", "pin_load_frequency")
 """Figures that follow from others."""
-_ALONE, _APART, _RUNDOWN = 1e-3, 3e-3, 1e-2
+_ALONE, _APART, _RUNDOWN, _INTEGRATED = 1e-3, 3e-3, 1e-2, 0.3
 """Rough times [s] of a case that is built as an escapement, of one whose torque or load depends on
-angle or speed, and of one that runs down."""
+angle or speed, of one that runs down, and of one by the reference engine."""
+_ALL = "all figures"
 _PIN = Scene._fields.index("pin") - Scene._fields.index("rho")
 _LIMITS = ("critical_friction", "uniqueness_friction", "jam_margin")
 """Figures that a case has even if it does not move."""
@@ -339,12 +340,14 @@ def cost_note(plan: StudyPlan) -> str:
     each = _ALONE
     if RUN_TIME in slow:
         slow, each = [RUN_TIME], _RUNDOWN
+    elif plan.solver.engine == "ivp":
+        slow, each = [_ALL], _INTEGRATED
     elif plan.solver.engine == "energy" and not together(plan):
-        slow, each = ["all figures"], _APART
+        slow, each = [_ALL], _APART
     minutes = plan.cases * each / 60.0
     if not slow or plan.subject is not ESCAPEMENT or minutes < 1.0:
         return ""
-    names, verb = ", ".join(slow), "are" if len(slow) > 1 or each == _APART else "is"
+    names, verb = ", ".join(slow), "are" if len(slow) > 1 or slow == [_ALL] else "is"
     return (
         f"{names} {verb} computed case by case, about {1e3 * each:g} ms for each: some "
         f"{minutes:.0f} minutes on one processor"
