@@ -87,6 +87,26 @@ def test_a_design_keeps_a_pressure():
     assert bounded.designs or "pressure_max must be at most" in bounded.message
 
 
+def test_the_cost_of_a_study_is_told():
+    axes = {
+        "friction": np.linspace(0.0, 0.3, 1000),
+        "driver_inertia": np.geomspace(1e-7, 1e-6, 300),
+    }
+    dear = plan_from(TIMER, axes, results=["period", "energy_residual"])
+    assert "energy_residual is computed case by case" in cost_note(dear)
+    assert cost_note(plan_from(TIMER, axes, results=["period", "pressure_max"])) == ""
+    torque = esc.TorqueCurve((0.0, math.pi, 2.0 * math.pi), (0.01, 0.008, 0.01), True)
+    own = cost_note(plan_from(replace(TIMER, torque=torque), axes, results=["period"]))
+    assert own == (
+        "all figures are computed case by case, about 3 ms for each: some 15 minutes on one "
+        "processor"
+    )
+    by_steps = plan_from(TIMER, axes, results=["period"], engine="ivp")
+    assert "all figures are computed case by case, about 300 ms" in cost_note(by_steps)
+    few = plan_from(TIMER, {"friction": [0.1, 0.2]}, results=["energy_residual"])
+    assert cost_note(few) == ""
+
+
 def test_several_wheels_make_one_table(command):
     drive = ["--torque", "0.0113", "--driver-inertia", "3e-7", "--follower-inertia", "5e-6"]
     drive += ["--friction", "0.2"]

@@ -54,7 +54,9 @@ def execute(args: Arguments) -> int:
         plan.check_mechanism()
     except InvalidValue as error:
         raise InvalidValue(f"{args.config}: {error}") from None
-    for text in filter(None, (plan.idle, plan.unused)):
+    from escapement.study.scenes import cost_note
+
+    for text in filter(None, (plan.idle, plan.unused, cost_note(plan))):
         _output.note(text)
     tally = _run(plan, path, args)
     from escapement.study.selection import some_cases

@@ -44,6 +44,12 @@ NO_LOAD = "no_load_speed"
 MOST_SHARED = 1 << 20
 """Scenes that are kept for all blocks of a study: 50 MiB."""
 
+_FORMULAS = ("velocity_mean", "velocity_average_published", "pin_load_frequency")
+"""Figures that follow from others."""
+_ALONE, _APART, _RUNDOWN, _INTEGRATED = 1e-3, 3e-3, 1e-2, 0.3
+"""Rough times [s] of a case that is built as an escapement, of one whose torque or load depends on
+angle or speed, of one that runs down, and of one by the reference engine."""
+_ALL = "all figures"
 _PIN = Scene._fields.index("pin") - Scene._fields.index("rho")
 _LIMITS = ("critical_friction", "uniqueness_friction", "jam_margin")
 """Figures that a case has even if it does not move."""
@@ -316,6 +322,30 @@ def si_unit(name: str, clock: Any, torque: Any, motor_torque: Any) -> Any:
         case "torque" | "force" | "energy":
             return torque
     return 1.0
+
+
+def cost_note(plan: StudyPlan) -> str:
+    """Which results make a study long, since they are computed case by case; "" if none does."""
+    from escapement.engines.energy.cycle import COLUMNS
+    from escapement.engines.energy.peaks import PEAKS
+
+    fast = {*COLUMNS, *_FORMULAS, *(PEAKS if plan.perfect else ())}
+    slow = [name for name in plan.solved if name not in fast]
+    each = _ALONE
+    if RUN_TIME in slow:
+        slow, each = [RUN_TIME], _RUNDOWN
+    elif plan.solver.engine == "ivp":
+        slow, each = [_ALL], _INTEGRATED
+    elif plan.solver.engine == "energy" and not together(plan):
+        slow, each = [_ALL], _APART
+    minutes = plan.cases * each / 60.0
+    if not slow or plan.subject is not ESCAPEMENT or minutes < 1.0:
+        return ""
+    names, verb = ", ".join(slow), "are" if len(slow) > 1 or slow == [_ALL] else "is"
+    return (
+        f"{names} {verb} computed case by case, about {1e3 * each:g} ms for each: some "
+        f"{minutes:.0f} minutes on one processor"
+    )
 
 
 def together(plan: StudyPlan) -> bool:

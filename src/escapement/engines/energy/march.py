@@ -156,7 +156,7 @@ def narrowed(request, scene):
     return altered(request, "loose", request.strict) if scene.pace > 0.0 else request
 
 
-@inner_jit(merged=True)
+@inner_jit(inlined=True)
 def _enter(scene, panel, w, rising, used):
     """The state at the entry, which is the left end of the first panel."""
     end = panel.entry
@@ -166,7 +166,7 @@ def _enter(scene, panel, w, rising, used):
     return at_entry(w, energy, side, rising, used)
 
 
-@inner_jit(merged=True)
+@inner_jit(inlined=True)
 def _face(scene, panel, state, events):
     """The state with the side that carries the force just behind the left end of a panel.
 
@@ -184,7 +184,7 @@ def _face(scene, panel, state, events):
     return altered(state, "side", side, "used", used)
 
 
-@inner_jit(merged=True)
+@inner_jit(inlined=True)
 def _note_left_end(scene, work, panel, state, events):
     """Note a break of the mechanism, and an extremum of the speed, at the left end of a panel."""
     used, rising = state.used, state.rising
@@ -211,7 +211,7 @@ def _note_left_end(scene, work, panel, state, events):
     return altered(state, "rising", rising, "used", used, "left_noted", True)
 
 
-@inner_jit(merged=True)
+@inner_jit(inlined=True)
 def _check(scene, work, panel, starting, state, passage, request):
     """Look for an extremum of the driver speed in a panel, up to its reversal if it has one.
 
@@ -254,7 +254,7 @@ def _check(scene, work, panel, starting, state, passage, request):
     )  # fmt: skip
 
 
-@inner_jit(merged=True)
+@inner_jit(inlined=True)
 def _note_inside(scene, work, panel, state, passage, extremum, request, events):
     """Note the extremum and the reversal of a panel, and go on behind the reversal.
 
@@ -305,7 +305,7 @@ def _note_inside(scene, work, panel, state, passage, extremum, request, events):
     return Inside(split or not after_reversal.good, used, after_reversal)
 
 
-@inner_jit(merged=True)
+@inner_jit(inlined=True)
 def _advance(scene, panel, following, state, passage, extremum, inside):
     """The state at the right end of a panel, which is the left end of the one at `following`."""
     # Behind a reversal theta_ddot has the sign of the drive, `extremum.final`. Without a drive the
