@@ -8,6 +8,8 @@ import numpy as np
 import pytest
 
 import escapement as esc
+from escapement.study.parse import plan_from
+from escapement.study.scenes import cost_note
 
 WHEEL = esc.Geneva(4, crank_radius=0.01, pin_radius=7e-4)
 TIMER = esc.Escapement(

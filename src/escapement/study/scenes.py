@@ -327,7 +327,6 @@ def si_unit(name: str, clock: Any, torque: Any, motor_torque: Any) -> Any:
 def cost_note(plan: StudyPlan) -> str:
     """Which results make a study long, since they are computed case by case; "" if none does."""
     from escapement.engines.energy.cycle import COLUMNS
-    from escapement.engines.energy.peaks import PEAKS
 
     fast = {*COLUMNS, *_FORMULAS, *(PEAKS if plan.perfect else ())}
     slow = [name for name in plan.solved if name not in fast]
