@@ -36,7 +36,7 @@ SHORTEST_STOP = 4e-13
 TIME_SHARE = 0.1
 
 
-@inner_jit(inlined=True)
+@inner_jit(merged=True)
 def choose(scene, work, panel, state, request):
     """Solve a panel for side s; returns whether it is a start, solved on the spare panel."""
     solution = panels.solution_of(panel, state.side)
@@ -115,7 +115,7 @@ def pass_over(scene, work, panel, starting, state, request):
     )  # fmt: skip
 
 
-@inner_jit(inlined=True)
+@inner_jit(merged=True)
 def _ends_of(scene, panel, solution, state):
     """`PanelEnds` of a panel with a solution that begins with a state."""
     energy = solution.alpha_end * state.energy + solution.beta_end
@@ -128,7 +128,7 @@ def _ends_of(scene, panel, solution, state):
     )  # fmt: skip
 
 
-@inner_jit(inlined=True)
+@inner_jit(merged=True)
 def _map_will_do(scene, panel, ends, request):
     """Whether a march for the map needs no values inside a panel.
 
@@ -138,7 +138,7 @@ def _map_will_do(scene, panel, ends, request):
     return request.detail == Detail.MAP and moves and not is_lossy(scene)
 
 
-@inner_jit(inlined=True)
+@inner_jit(merged=True)
 def _stops(panel, distance, w, after, time):
     """The passage to a stop, which lies a short way after the left end of a panel.
 
@@ -151,13 +151,13 @@ def _stops(panel, distance, w, after, time):
     return stalled(panel.left + distance, time)
 
 
-@inner_jit(inlined=True)
+@inner_jit(merged=True)
 def turns_free(scene, panel):
     """Whether the driver turns under a constant torque, so that its acceleration is constant."""
     return panel.locked and panel.slope == 0.0 and is_drag_free(scene)
 
 
-@inner_jit(inlined=True)
+@inner_jit(merged=True)
 def _single_reversal(scene, work, panel, against, ends, rough):
     """Whether a panel must be halved for its reversals, and the first point after its one
     reversal, `NOWHERE` without one.
@@ -178,13 +178,13 @@ def _single_reversal(scene, work, panel, against, ends, rough):
     return split, reversal
 
 
-@inner_jit(inlined=True)
+@inner_jit(merged=True)
 def _negligible(scene, panel):
     """The X of a panel that is rounding."""
     return NEGLIGIBLE * (scene.rho + panel.entry.g**2)
 
 
-@inner_jit(inlined=True)
+@inner_jit(merged=True)
 def _time_over(scene, work, panel, noise, ends, reversal, request):
     """Time over a panel up to its right end, and whether the panel must be halved first."""
     # time = int theta'/sqrt(w) dx
