@@ -56,7 +56,7 @@ def execute(args: Arguments) -> int:
         raise InvalidValue(f"{args.config}: {error}") from None
     from escapement.study.scenes import cost_note
 
-    for text in filter(None, (plan.idle, plan.unused, cost_note(plan))):
+    for text in filter(None, (plan.idle, plan.unused, "" if args.quiet else cost_note(plan))):
         _output.note(text)
     tally = _run(plan, path, args)
     from escapement.study.selection import some_cases
