@@ -244,6 +244,7 @@ def test_a_sinusoid_has_its_amplitude():
     assert line.standard_error == pytest.approx(1e-3 * math.sqrt(2.0 / 60), rel=0.3)
 
 
+@pytest.mark.slow
 def test_verdicts_are_three():
     drive = design()
     good = esc.fit_beats(beats_of(drive, PINS, SLOTS, rounds=4, noise=1e-5), drive).verdict

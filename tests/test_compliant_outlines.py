@@ -137,6 +137,7 @@ def test_terminal_is_the_cycle_that_a_long_motion_reaches():
     assert cycle.contact_force_max > 100.0 * rigid.contact_force_max
 
 
+@pytest.mark.slow
 def test_engagements_that_never_repeat_give_means_and_intervals():
     cycle = esc.terminal(runaway(flat(), (1.0, 0.1), stiffness=1e5), rtol=1e-8)
     assert cycle.status is Status.OK

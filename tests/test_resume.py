@@ -203,6 +203,7 @@ def test_resume_on_the_command_line(tmp_path, solved, monkeypatch, capsys):
     assert '"resumed": 40' in capsys.readouterr().out
 
 
+@pytest.mark.slow
 def test_a_link_and_its_file_are_one_output(tmp_path):
     (tmp_path / "link.h5").symlink_to(tmp_path / "real.h5")
     with tools.start_writer(tmp_path / "real.h5", pause=60.0) as first:

@@ -104,7 +104,10 @@ def test_a_solver_comes_alone(call):
         call(solver="ivp")
 
 
-@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize(
+    "method",
+    [pytest.param(m, marks=[pytest.mark.slow] * (m == "Radau")) for m in METHODS],
+)
 def test_every_method_of_solve_ivp_serves(method):
     rtol = 1e-7 if method in ("DOP853", "LSODA", "RK45") else 1e-3
     found = esc.simulate(drive(), 1, engine="ivp", method=method, rtol=rtol)

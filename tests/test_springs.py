@@ -57,6 +57,7 @@ def curves(draw):
     return esc.TorqueCurve(np.cumsum([0.0, *steps]), torque, periodic)
 
 
+@pytest.mark.slow
 @given(drives(rho=(-1.0, 1.0), most_slots=8), st.floats(0.0, 0.1), curves())
 @very_few
 def test_engines_agree_on_random_springs_and_curves(real, fall, curve):

@@ -236,6 +236,7 @@ def test_study_over_friction():
     assert grid["period"] == pytest.approx([0.9060003530, 0.9554163897], abs=1e-9)
 
 
+@pytest.mark.slow
 def test_sensitivities_obey_similarity():
     # T = sqrt(I/torque) F(ratio of the inertias, friction, ...)
     found = esc.sensitivities(runaway()).relative["period"]
