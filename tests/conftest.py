@@ -34,6 +34,7 @@ gc.disable()
 def pytest_collection_finish():
     """From now on garbage is that of tests."""
     gc.freeze()
+    gc.set_threshold(50_000, 20, 20)
     gc.enable()
 
 

@@ -99,7 +99,10 @@ CYCLES = {
 }  # fmt: skip
 
 
-@pytest.mark.parametrize("name", CYCLES)
+@pytest.mark.parametrize(
+    "name",
+    [pytest.param(n, marks=[pytest.mark.slow] * (n == "uneven gears")) for n in CYCLES],
+)
 def test_both_engines_give_the_same_figures(name):
     timer, speed = CYCLES[name]
     fast, judge = (

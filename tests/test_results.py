@@ -54,7 +54,9 @@ DRIVES = {
 }
 
 
-@pytest.mark.parametrize("drive", DRIVES)
+@pytest.mark.parametrize(
+    "drive", [pytest.param(d, marks=[pytest.mark.slow] * (d == "uneven")) for d in DRIVES]
+)
 def test_every_figure_is_what_terminal_says(drive):
     # the time of a run needs its turns, and is no figure of a cycle
     names = [name for name in FIGURES if name != "run_time"]

@@ -35,6 +35,7 @@ def work():
     time.sleep(0.5)
 
 
+@pytest.mark.slow
 def test_long_work_is_told_now_and_then(told):
     lines = told(work).splitlines()
     assert 2 <= len(lines) <= 4
@@ -45,6 +46,7 @@ def test_long_work_is_told_now_and_then(told):
     assert lines[-1].startswith("escapement: budget: worst case of period, 0.")
 
 
+@pytest.mark.slow
 def test_nothing_is_said_beside_a_bar_nor_of_short_or_quiet_work_nor_between_results(told):
     def counted():
         with Progress(io.StringIO()) as bar:
