@@ -163,6 +163,7 @@ def test_a_friction_at_which_all_wheels_jam_is_told():
     assert "moves at a friction of 3" in esc.design(requirement).message
 
 
+@pytest.mark.slow
 def test_discs_are_as_thick_as_sheets_without_a_word():
     found = esc.design(
         esc.Requirement(period=0.04, torque=0.01, slots=(3, 6), objectives=("size", "mass")),

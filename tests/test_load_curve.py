@@ -433,6 +433,7 @@ def test_energy_alone_gives_the_speed_without_friction(engine):
         assert speed == pytest.approx(math.sqrt(2.0 * energy / INERTIA.driver), rel=1e-11)
 
 
+@pytest.mark.slow
 def test_engines_agree_on_the_terminal_cycle_and_its_figures():
     fast, slow = (esc.terminal(drive(CAM), engine=name) for name in ("energy", "ivp"))
     for name in ("period", "velocity_max", "velocity_min", "contact_moment_max", "rise_time"):

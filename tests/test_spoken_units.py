@@ -52,7 +52,13 @@ TRIED = [
 """A unit that is always the same is one of the others in one of these."""
 
 
-@pytest.mark.parametrize(("name", "kind", "units"), TRIED, ids=map("-".join, TRIED))
+@pytest.mark.parametrize(
+    ("name", "kind", "units"),
+    [
+        pytest.param(*one, id="-".join(one), marks=[pytest.mark.slow] * (one[2] == SYSTEMS[2]))
+        for one in TRIED
+    ],
+)
 def test_no_output_has_a_unit_of_the_other_system(command, few_angles, name, kind, units):
     write_inputs(name, kind)
     scene = FILES.get(name) or scenes_of(name, kind)[0]
