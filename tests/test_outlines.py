@@ -167,18 +167,3 @@ def test_an_error_of_two_hundredths_of_a_millimetre_is_found():
             assert worst.gap == pytest.approx(-ERROR, rel=1e-6)
         else:
             assert -1.7 * ERROR < worst.gap < -0.9 * ERROR
-
-
-@SHAPES
-def test_moments_are_those_of_a_polygon_of_a_million_points(curve):
-    z = curve.drawn(np.abs(curve.turns).sum() / 1e6)
-    assert z.size > 1e6
-    a, b = z[:-1], z[1:]
-    cross = (a.conj() * b).imag
-    # of the triangles from the origin
-    first = np.sum(cross * (a + b)) / 6.0
-    second = np.sum(cross * (np.abs(a) ** 2 + (a.conj() * b).real + np.abs(b) ** 2)) / 12.0
-    found = curve.moments
-    assert found.area == pytest.approx(0.5 * cross.sum(), rel=1e-9)
-    assert found.second == pytest.approx(second, rel=1e-9)
-    assert found.first == pytest.approx(first, rel=1e-9, abs=1e-9 * abs(found.area))
