@@ -85,6 +85,12 @@ def test_a_looser_tolerance_stays_within_itself(drive, speed, rtol):
 @example(
     esc.Escapement(esc.Geneva(5, 1), esc.Inertia(1.0, 1.0), 1.0), 10.0
 )  # least at the very end
+@example(  # at a start with great friction dt/dx is rougher than E
+    esc.Escapement(
+        esc.Geneva(12), esc.Inertia(10.0, 1.0), 1.0, friction=165.7, load_torque=0.01613
+    ),
+    0.0,
+)
 def test_both_engines_agree(drive, speed):
     fast, judge = (
         esc.simulate(drive, 2, initial_speed=speed, engine=e, rtol=1e-10) for e in ("energy", "ivp")

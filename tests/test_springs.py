@@ -65,6 +65,13 @@ def test_engines_agree_on_random_springs_and_curves(real, fall, curve):
     agree(replace(real, torque=curve), 5)
 
 
+def test_a_spring_without_an_end_in_range_keeps_its_torque():
+    endless = esc.Escapement(esc.Geneva(4), esc.Inertia(1.0, 1.0), 1.0, spring_rate=1e-310)
+    assert endless.curve is None
+    kept = esc.simulate(replace(endless, spring_rate=0.0), 2)
+    assert esc.simulate(endless, 2).handoff_times.tolist() == kept.handoff_times.tolist()
+
+
 @pytest.mark.parametrize("slots", [4, 5])
 def test_a_spent_spring_has_given_its_energy_and_nothing_moves(slots):
     cell = esc.Geneva(slots).cell_angle

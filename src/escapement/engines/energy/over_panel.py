@@ -106,7 +106,10 @@ def pass_over(scene, work, panel, starting, state, request):
             x = locate.locate(work, work.contact, reversal, left, right, 1.0)[0]
             return split_at(ends, time, 0.0 if split or starting else locate.cut_near(panel, x))
     if not split:
-        length, split = _time_over(scene, work, panel, solution.noise, ends, reversal, request)
+        # the time to a reversal needs values inside the panel; in a start from rest dt/dx is as
+        # rough as E is relative to its small values there, and the error of E is that of the time
+        limit = request.strict if starting or reversal >= 0 else TIME_SHARE * request.loose
+        length, split = _time_over(scene, work, panel, solution.noise, ends, reversal, limit)
         time += length
     return Passage(
         split=split, has_stalled=False, angle=0.0, energy=ends.energy, w=ends.w,
@@ -185,11 +188,13 @@ def _negligible(scene, panel):
 
 
 @inner_jit(merged=True)
-def _time_over(scene, work, panel, noise, ends, reversal, request):
-    """Time over a panel up to its right end, and whether the panel must be halved first."""
+def _time_over(scene, work, panel, noise, ends, reversal, limit):
+    """Time over a panel up to its right end, and whether the panel must be halved first.
+
+    It is halved where the tail of dt/dx is greater than `limit`.
+    """
     # time = int theta'/sqrt(w) dx
     length, roughness = sampling.duration(work)
-    limit = request.strict if reversal >= 0 else TIME_SHARE * request.loose
     split = roughness > max(limit, noise)
     if reversal >= 0:
         return length, split
