@@ -19,11 +19,10 @@ from typing import Any, cast
 import numba
 from llvmlite.binding import get_host_cpu_name
 from numba.core import types
-from numba.core.codegen import JITCodeLibrary
-from numba.core.compiler import Compiler
 from numba.core.runtime import rtsys  # type: ignore[attr-defined]
 
 from escapement.base.notice import notice
+from escapement.numerics.compiler import KernelCompiler, PartCompiler
 from escapement.numerics.interpreted import Kernel, begin_interpreted, interprets
 
 # other modules import it from here, since `jit` decides whether this process interprets
@@ -193,39 +192,6 @@ def _let_kernels_call(dispatcher: Any, part: Any) -> None:
     dispatcher.get_call_template = without_literals
 
 
-class _Part(JITCodeLibrary):
-    """The code of a kernel as a part of those that call it.
-
-    Numba optimises each kernel and makes machine code of it, then does so again for its callers,
-    which contain it. A part is left as it is until a kernel that Python calls is complete.
-    """
-
-    def _optimize_final_module(self) -> None:
-        pass
-
-    def _finalize_final_module(self) -> None:
-        self._finalize_dynamic_globals()
-        self._finalized = True
-
-    def get_pointer_to_function(self, name: str) -> int:
-        return 0
-
-    @property
-    def codegen(self) -> Any:
-        return self
-
-    def set_env(self, name: str, env: Any) -> None:
-        pass
-
-
-class _PartCompiler(Compiler):
-    """Makes a part of a kernel."""
-
-    def compile_extra(self, func: Any) -> Any:
-        self.state.library = _Part(self.state.targetctx.codegen(), func.__qualname__)
-        return super().compile_extra(func)
-
-
 _TRAITS: dict[str, dict[str, Any]] = {
     "allocates": {"_nrt": True},
     "reorders": {"fastmath": {"reassoc"}},
@@ -238,7 +204,7 @@ _TRAITS: dict[str, dict[str, Any]] = {
 PLAIN: dict[str, Any] = {"nogil": True, "error_model": "numpy", "_nrt": False}
 """Options of all kernels."""
 PLAIN |= {"no_cfunc_wrapper": True}  # nobody calls a kernel from C
-PART: Any = PLAIN | {"no_cpython_wrapper": True, "pipeline_class": _PartCompiler}
+PART: Any = PLAIN | {"no_cpython_wrapper": True, "pipeline_class": PartCompiler}
 """Options of a kernel that only kernels call."""
 
 
@@ -284,7 +250,8 @@ def _kept(function: Any, options: dict[str, Any]) -> Any:
     folder, config = _cache_directory(), cast(Any, numba.config)
     previous, config.CACHE_DIR = config.CACHE_DIR, folder or config.CACHE_DIR
     try:
-        return numba.njit(cache=folder is not None, **options)(function)
+        keep = options | {"cache": folder is not None, "pipeline_class": KernelCompiler}
+        return numba.njit(**keep)(function)
     finally:
         config.CACHE_DIR = previous
 
