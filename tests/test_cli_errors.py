@@ -72,6 +72,7 @@ WRONG = {
     "unknown source": ("reproduce meier", 2, "SOURCE", "'meier'", "did you mean 'meyer'?"),
     "study with a mistake": ("sweep bad.toml", 2, "bad.toml", "'frictoin'", "'friction'?"),
     "missing study": ("sweep none.toml", 66, "none.toml", "does not exist"),
+    "study after an option": ("compare none.toml --equal-period good.toml", 66, "none.toml"),
     "study is a folder": ("sweep folder.h5", 65, "folder.h5", "not a folder"),
     "study is not TOML": ("sweep broken.toml", 65, "broken.toml", "valid TOML"),
     "missing result": ("plot none.h5", 66, "none.h5", "does not exist"),

@@ -115,7 +115,8 @@ class Parser(argparse.ArgumentParser):
                 longer = [word for word in known if word.startswith(name)] or known
                 remedy = validate.nearest(name, longer, f"see '{self.prog} --help'")
                 raise UsageError(f"unknown option {name!r}; {remedy}")
-        args = self.parse_args(argv)
+        # plain argparse would take KIND for left out where an option stands before it
+        args = self.parse_intermixed_args(argv)
         # whatever is wrong with a number is said in the user's units
         spoken.speak(getattr(args, "units", None) or SYSTEMS[0])
         args.settings = self.settings
