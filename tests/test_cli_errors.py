@@ -81,6 +81,7 @@ WRONG = {
     "missing result": ("plot none.h5", 66, "none.h5", "does not exist"),
     "result is a folder": ("plot folder.h5 -o x.png", 65, "folder.h5", "not a folder"),
     "result is not HDF5": ("plot text.h5", 65, "text.h5", "HDF5", "sweep wrote"),
+    "result without rows": ("plot t.csv", 65, "t.csv", "another one (no rows)"),
     "motion there": ("RUN -o there.h5", 73, "there.h5", "existing", "(--force) to replace"),
     "motion into a folder": ("RUN -o folder.h5", 73, "folder.h5", "directory"),
     "motion nowhere": ("RUN -o none/m.h5", 73, "none", "create it first"),
