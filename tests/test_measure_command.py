@@ -71,6 +71,10 @@ def test_report(measure):
     assert not found["good"]
 
 
+def test_the_kind_may_stand_after_an_option(measure):
+    assert measure("planetary.csv", *KIND[1:], KIND[0]) == measure("planetary.csv", *KIND)
+
+
 def test_units_change_lengths_only(measure):
     inches = ["--sun-radius", str(0.016 / 0.0254), "--planet-radius", str(0.009 / 0.0254)]
     a, _ = measure("planetary.csv", *KIND)

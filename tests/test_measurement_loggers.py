@@ -1,5 +1,7 @@
 """Files as loggers write them: units and forms of time, encodings, and counters of few bits."""
 
+import codecs
+
 import numpy as np
 import pytest
 
@@ -141,6 +143,8 @@ def test_encodings_of_windows_programs(file, encoding):
     readings = esc.read_readings(path)
     np.testing.assert_allclose(np.degrees(readings.input), ANGLES, atol=1e-4)
     assert readings.remark == ""
+    with pytest.raises(LookupError):  # a common name would be taken from other packages
+        codecs.lookup_error("windows")
 
 
 def counted(turns, resolution, seed=3):

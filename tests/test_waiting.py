@@ -14,7 +14,7 @@ from escapement.cli import _waiting
 def told(monkeypatch):
     """What a command that takes some time says on standard error."""
 
-    def run(work, quiet=False, terminal=True):
+    def run(work, quiet=False, terminal=True, command="budget"):
         stream = io.StringIO()
         monkeypatch.delenv("ESCAPEMENT_QUIET", raising=False)
         monkeypatch.setattr(_waiting, "_PATIENCE", 0.05)
@@ -22,7 +22,7 @@ def told(monkeypatch):
         monkeypatch.setattr(progress, "stage", "")
         monkeypatch.setattr("sys.stderr", stream)
         monkeypatch.setattr("os.isatty", lambda _: terminal)
-        with _waiting.shown("budget", quiet):
+        with _waiting.shown(command, quiet):
             work()
         return stream.getvalue()
 
@@ -44,6 +44,7 @@ def test_long_work_is_told_now_and_then(told):
     assert 1 <= len(later) <= 3
     assert later[0].startswith("escapement: budget: worst case of period, 0.")
     assert lines[-1].startswith("escapement: budget: worst case of period, 0.")
+    assert told(work, command="compile").splitlines()[-1].startswith("escapement: compile, 0.")
 
 
 @pytest.mark.slow

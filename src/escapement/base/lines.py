@@ -49,7 +49,7 @@ def _as_windows(error: UnicodeError) -> tuple[str, int]:
     raise error
 
 
-codecs.register_error("windows", _as_windows)
+codecs.register_error("escapement.windows", _as_windows)
 
 
 def open_text(path: str | PathLike[str]) -> TextIO:
@@ -58,4 +58,4 @@ def open_text(path: str | PathLike[str]) -> TextIO:
     if os.path.isfile(path):  # a pipe cannot be read twice
         with open(path, "rb") as stream:
             encoding = "utf-16" if stream.read(2) in _MARKS else "utf-8"
-    return open(path, encoding=encoding, errors="windows")
+    return open(path, encoding=encoding, errors="escapement.windows")

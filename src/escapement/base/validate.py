@@ -106,10 +106,13 @@ def choice(name: str, value: Any, allowed: Sequence[str]) -> str:
     raise fail(name, "one of " + ", ".join(allowed), value, remedy)
 
 
-def nearest(value: Any, allowed: Iterable[str], otherwise: str = "") -> str:
-    """A remedy: the closest of `allowed` to what was typed, or `otherwise` where none is close."""
+def nearest(value: Any, allowed: Iterable[str], otherwise: str = "", least: float = 0.6) -> str:
+    """A remedy: the closest of `allowed` to what was typed, or `otherwise` where none is close.
+
+    least : the likeness from which one is close, from 0 to 1.
+    """
     known = [*allowed]
-    close = difflib.get_close_matches(str(value), known, n=1)
+    close = difflib.get_close_matches(str(value), known, n=1, cutoff=least)
     return f"did you mean {close[0]!r}?" if close else otherwise or f"known are {', '.join(known)}"
 
 

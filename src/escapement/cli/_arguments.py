@@ -112,10 +112,14 @@ class Parser(argparse.ArgumentParser):
             # argparse would first report a missing argument, although an option was misspelt
             passes = name in known or name[:2] in known or _NEGATIVE.match(name)
             if _OPTION.match(name) and not passes:
-                longer = [word for word in known if word.startswith(name)] or known
-                remedy = validate.nearest(name, longer, f"see '{self.prog} --help'")
+                bare = f"-{name.lstrip('-')}"
+                akin = [word for word in known if bare in word or name.startswith(f"{word}-")]
+                # an option without a word in common must differ by a slip of the finger only
+                least, see = 0.6 if akin else 0.82, f"see '{self.prog} --help'"
+                remedy = validate.nearest(name, akin or known, see, least)
                 raise UsageError(f"unknown option {name!r}; {remedy}")
-        args = self.parse_args(argv)
+        # plain argparse would take KIND for left out where an option stands before it
+        args = self.parse_intermixed_args(argv)
         # whatever is wrong with a number is said in the user's units
         spoken.speak(getattr(args, "units", None) or SYSTEMS[0])
         args.settings = self.settings

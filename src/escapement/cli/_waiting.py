@@ -41,6 +41,8 @@ def _watch(command: str) -> None:
         wait = _AGAIN
         # compiling, and work that is counted, show themselves
         if not (progress.active or notice.busy):
-            what = f"{command}: {progress.stage}" if progress.stage else command
+            # the studies that compiling runs are no stages of its own
+            staged = progress.stage and command != "compile"
+            what = f"{command}: {progress.stage}" if staged else command
             with suppress(AttributeError, OSError, ValueError):  # there may be no standard error
                 sys.stderr.write(f"escapement: {what}, {progress.duration(monotonic() - begun)}\n")

@@ -3,6 +3,7 @@
 import json
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import suppress
+from itertools import chain
 from pathlib import Path
 from typing import Any
 
@@ -145,7 +146,8 @@ def read_rows(path: AnyPath, cases: Sequence[int] | None = None) -> Columns:
         names = next(file).strip().split(",")
         wanted = None if cases is None else set(cases)
         lines = (line for n, line in enumerate(file) if wanted is None or n in wanted)
-        return dict(zip(names, np.loadtxt(lines, delimiter=",", ndmin=2).T, strict=True))
+        rows = chain([next(lines)], lines)  # `loadtxt` would only warn of a file without rows
+        return dict(zip(names, np.loadtxt(rows, delimiter=",", ndmin=2).T, strict=True))
 
 
 def read_table(path: AnyPath, system: str | None = None) -> Study:
@@ -184,8 +186,8 @@ def read_table(path: AnyPath, system: str | None = None) -> Study:
         if isinstance(error, InvalidValue):
             raise
         raise InputFileError(
-            f"file {path} must be a table that sweep wrote, got another one ({error}); "
-            "sweep into an HDF5 file"
+            f"file {path} must be a table that sweep wrote, got another one "
+            f"({str(error) or 'no rows'}); sweep into an HDF5 file"
         ) from None
 
 

@@ -7,9 +7,7 @@ import numpy as np
 
 from escapement.engines.two_bodies.law import SHARED, Law
 from escapement.engines.two_bodies.pairs import joints_of, pairs_of
-from escapement.model.escapement import Escapement
-
-_KEY = "two_bodies.prepared"
+from escapement.model.escapement import Escapement, once_per_escapement
 
 
 class Prepared(NamedTuple):
@@ -24,16 +22,10 @@ class Prepared(NamedTuple):
     start: tuple[float, float]
 
 
+@once_per_escapement
 def prepared(escapement: Escapement) -> Prepared:
     """The escapement in natural units, kept on it so that its next call has it at once."""
-    kept = escapement.kept
-    if _KEY not in kept:
-        kept[_KEY] = _prepare(escapement, escapement.mechanism)
-    found: Prepared = kept[_KEY]
-    return found
-
-
-def _prepare(escapement: Escapement, machine: Any) -> Prepared:
+    machine: Any = escapement.mechanism
     scene, unit = escapement.scene, escapement.torque_unit
     theta, phi = (float(angle) for angle in machine.start)
     theta %= machine.pitch  # the driver looks the same
