@@ -143,5 +143,6 @@ def in_torque_units(curve, unit):
     """A load over the follower angle in another unit of torque."""
     found = curve.copy()
     found[MOMENT] /= unit
-    found[KNOTS + (len(curve) - KNOTS) // 2 :] /= unit
+    for i in range(KNOTS + (len(curve) - KNOTS) // 2, len(curve)):
+        found[i] /= unit
     return found

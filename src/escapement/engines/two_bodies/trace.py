@@ -27,7 +27,9 @@ def trace(law, pairs, pitch, rows, which, since, table, lost):
         here = altered(law, "begin", law.begin - row.engagement * pitch)
         if which[k] != last:
             y[0], y[1], y[2], y[3] = row.theta, row.phi, row.speed, row.turning
-            y[MOTION:] = row.lost
+            # assigning to a slice would take longer to compile, because of its error messages
+            for i in range(MOTION, STATE):
+                y[i] = row.lost[i - MOTION]
             push, path.span[1] = push_at(here, pairs, mode, y), 0.0
             advance(here, pairs, mode, y, push, row.length, 1.0, path)
             last = which[k]
@@ -42,4 +44,5 @@ def trace(law, pairs, pitch, rows, which, since, table, lost):
             driver_drag=rate[3], follower_drag=rate[4], barrel=0.0, load_train=0.0,
         )  # fmt: skip
         write_state(table, k, state)
-        lost[:, k] = at[MOTION:]
+        for i in range(MOTION, STATE):
+            lost[i - MOTION, k] = at[i]
