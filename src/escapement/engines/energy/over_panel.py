@@ -24,6 +24,7 @@ from escapement.engines.energy.passage import (
 )
 from escapement.engines.energy.sampling import CLOSE_PAIR, EVERY_POINT, NEGLIGIBLE, Points
 from escapement.engines.energy.solve import slope_of_w, solve_side, solve_start
+from escapement.numerics.altered import altered
 from escapement.numerics.gauss import N
 from escapement.numerics.jit import inner_jit
 
@@ -57,8 +58,10 @@ def pass_over(scene, work, panel, starting, state, request):
     solution = panels.solution_of(panel, side)
     ends = _ends_of(scene, panel, solution, state)
     too_coarse = halved(ends, time)
-    # in a start all energy comes from this panel, so that its error is the error of E itself
-    rough = solution.tail > (request.strict if starting else request.loose)
+    if starting:
+        # all energy comes from this panel, so that errors inside it are errors of E and of the time
+        request = altered(request, "loose", request.strict)
+    rough = solution.tail > request.loose
     if rough and panel.half <= SHORTEST_STOP and is_viscous(scene):
         # the linearised viscous drag has no solution on a panel that holds a stop
         distance = -w / slope_of_w(scene, panel, side, w)
@@ -106,10 +109,7 @@ def pass_over(scene, work, panel, starting, state, request):
             x = locate.locate(work, work.contact, reversal, left, right, 1.0)[0]
             return split_at(ends, time, 0.0 if split or starting else locate.cut_near(panel, x))
     if not split:
-        # the time to a reversal needs values inside the panel; in a start from rest dt/dx is as
-        # rough as E is relative to its small values there, and the error of E is that of the time
-        limit = request.strict if starting or reversal >= 0 else TIME_SHARE * request.loose
-        length, split = _time_over(scene, work, panel, solution.noise, ends, reversal, limit)
+        length, split = _time_over(scene, work, panel, solution.noise, ends, reversal, request)
         time += length
     return Passage(
         split=split, has_stalled=False, angle=0.0, energy=ends.energy, w=ends.w,
@@ -188,13 +188,11 @@ def _negligible(scene, panel):
 
 
 @inner_jit(merged=True)
-def _time_over(scene, work, panel, noise, ends, reversal, limit):
-    """Time over a panel up to its right end, and whether the panel must be halved first.
-
-    It is halved where the tail of dt/dx is greater than `limit`.
-    """
+def _time_over(scene, work, panel, noise, ends, reversal, request):
+    """Time over a panel up to its right end, and whether the panel must be halved first."""
     # time = int theta'/sqrt(w) dx
     length, roughness = sampling.duration(work)
+    limit = request.strict if reversal >= 0 else TIME_SHARE * request.loose
     split = roughness > max(limit, noise)
     if reversal >= 0:
         return length, split
