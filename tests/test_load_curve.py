@@ -392,6 +392,16 @@ def random_drive(rng):
     return esc.Escapement(mechanism, inertia, 4.0, load_torque=0.2, load_curve=load, **losses)
 
 
+def test_a_steep_flank_is_not_taken_for_a_kink():
+    """Rounding of the follower's angle is a great one of the torque there."""
+    wheel = esc.Geneva(6, pins=1, crank_radius=0.05, slot_offsets=[1e-5] * 6)
+    angle = [-0.5 * STEP, 0.1, 0.11, 0.4, 0.41, 0.5 * STEP]
+    one = drive(esc.LoadCurve(angle, [0.1, 0.1, 1.5, 1.5, 0.1, 0.1]), wheel)
+    fast, slow = (esc.simulate(one, 2, engine=name) for name in ("energy", "ivp"))
+    np.testing.assert_allclose(fast.handoff_times, slow.handoff_times, rtol=1e-10)
+    assert abs(fast.ledger.residual) < 1e-12
+
+
 @pytest.mark.slow
 def test_fifty_random_curves_agree_with_the_reference_engine():
     rng, seen = np.random.default_rng(44), 0

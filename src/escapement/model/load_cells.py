@@ -47,9 +47,16 @@ def load_cell(load: Load, pair: Pair, turned: float) -> LoadCell:
         return np.asarray(pair.follower_angle(theta)) + turned
 
     edges = _with_knots(load, pair.edges, angle)
-    series = fit(lambda theta: np.asarray(load(angle(theta))), edges, _ORDER, _DECAYED, noise=0.0)
-    numbers = np.array(series.rows.shape, float), series.edges, series.rows.reshape(-1)
-    return LoadCell(edges, np.concatenate(numbers))
+    if isinstance(load, Unbalance):
+        starts, rows = fit(lambda theta: load(angle(theta)), edges, _ORDER, _DECAYED, noise=0.0)
+    else:
+        # between knots a line over the follower angle; the rounding of a steep one is no kink
+        starts, rows = fit(pair.follower_angle, edges, _ORDER, _DECAYED, noise=0.0)
+        phi = angle(0.5 * (starts[:-1] + starts[1:]))
+        slope = load.slope(phi)
+        rows = slope[:, None] * rows
+        rows[:, 0] += load(phi) - slope * (phi - turned)
+    return LoadCell(edges, np.concatenate([np.array(rows.shape, float), starts, rows.reshape(-1)]))
 
 
 def load_cells(load: Load, mechanism: Mechanism) -> list[LoadCell]:

@@ -161,6 +161,12 @@ class LoadCurve(Shown):
         """Torque at follower angles [N m]."""
         return np.interp(np.mod(np.asarray(phi) - self.angle[0], self.period), *self._line)
 
+    def slope(self, phi: Any) -> Any:
+        """Torque per angle at follower angles, at a knot behind it [N m/rad]."""
+        angle, torque = self._line
+        turned = np.mod(np.asarray(phi) - self.angle[0], self.period)
+        return (np.diff(torque) / np.diff(angle))[np.searchsorted(angle[1:-1], turned, "right")]
+
     @cached_property
     def _line(self) -> tuple[FloatArray, FloatArray]:
         """Angles from the first one, and torques."""
