@@ -45,6 +45,10 @@ MOTIONS = {
     # the sign of the force at a stop must not be rounding
     "heavy driver": (esc.Escapement(esc.EllipticalPlanetary(1.65, 1.0), esc.Inertia(242.0, 1.0),
                                     1.0, efficiency=0.84), 3, AT_STOPS),
+    # behind a reversal close to the stop the first steps of time are shorter than rounding
+    "short steps": (esc.Escapement(esc.EllipticalPlanetary(2.0, 1.0), esc.Inertia(0.0114, 0.1), 4.0,
+                                   load_torque=0.2, load_curve=esc.Unbalance(0.72, -1.5),
+                                   efficiency=0.9, follower_viscous=0.02), 2, {}),
     "gears with drag": (turned(esc.GearDriven(6, "1/2", fixed_radius=CRANK), **LOSSES), 2, {}),
     "mesh with drag": (turned(PAPER, efficiency=0.9, **LOSSES), 2, AT_STOPS),
     **{f"all effects, {n} slots": (everything(slots=n, friction=0.2, **spring(n)), 4, {})

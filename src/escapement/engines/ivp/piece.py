@@ -159,12 +159,19 @@ class _Problem:
         signs = law.signs(middle, task.sign) if task.sign else (0.0, 0.0)
         return (task.anchor, self.unit, task.sign, *signs, law.losses, law.plain)
 
+    @property
+    def begun(self) -> float:
+        """Angle up to which the force behind a reversal, where the piece starts, is rounding."""
+        return self.task.theta - self.task.anchor + self.task.gap
+
     def rate(self, y: FloatArray) -> float:
         """Acceleration."""
         return float(slope(0.0, y, *self.arguments)[1])
 
     def force(self, y: FloatArray) -> float:
         """A number with the sign of the contact force."""
+        if y[0] <= self.begun:
+            return self.task.sign or 1.0
         angle, w = self.task.anchor + y[0], (self.unit * y[1]) ** 2
         return self.law.force(angle, w, self.task.sign)
 
@@ -184,8 +191,8 @@ class _Problem:
             return float(y[0] - length)
 
         def reverse(x: float, y: FloatArray, *_: Any) -> float:
-            # at a start on a reversal the force is rounding, and its root would fire again
-            return sign or 1.0 if x == 0.0 else self.force(y)
+            # at the start it has the sign of the piece, so that the root there does not fire again
+            return self.force(y)
 
         def stop(x: float, y: FloatArray, *_: Any) -> float:
             return self.pace(y)
@@ -218,8 +225,9 @@ class _Problem:
         w = (self.unit * pace) ** 2
         law = LawTable(*self.law.table(angle + self.task.anchor, w, self.task.sign))
         forces: Any = law.pressing if self.task.sign else np.ones(times.size)
-        # the reversal at which a piece starts does not count again
-        forces[0] = sign * abs(forces[0])
+        # the reversal at which a piece starts does not count again, however short the first steps
+        begun = angle <= self.begun
+        forces[begun] = sign * np.abs(forces[begun])
         return times, np.asarray(law.rate), forces
 
     def find_end(self, solved: Any, times: FloatArray, forces: FloatArray) -> tuple[float, Ending]:
