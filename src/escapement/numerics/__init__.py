@@ -1,7 +1,7 @@
 """How kernels are compiled, and the numerical methods that they share.
 
-- `jit`, `compiler`, `by_address`: the decorator that compiles, what it leaves out of Numba's work, and
-  calls of kernels by their address
+- `jit`, `by_address`: the decorator that compiles, and calls of kernels by their address
+- `compiler`: how Numba compiles here, without work that only other programs need
 - `interpreted`: kernels that run as Python source until compiling pays
 - `records`: records whose fields are attributes, compiled and in Python
 - `known`: numbers that are part of their type, so that kernels do without what they rule out
