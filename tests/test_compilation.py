@@ -41,6 +41,7 @@ def run(code, **environment):
 def copy_compiling(toy):
     """The files that compile kernels, as those of package `toy`."""
     for name in (
+        "numerics/compiler.py",
         "numerics/jit.py",
         "numerics/by_address.py",
         "numerics/known.py",
