@@ -58,9 +58,7 @@ def pass_over(scene, work, panel, starting, state, request):
     solution = panels.solution_of(panel, side)
     ends = _ends_of(scene, panel, solution, state)
     too_coarse = halved(ends, time)
-    if starting:
-        # all energy comes from this panel, so that errors inside it are errors of E and of the time
-        request = altered(request, "loose", request.strict)
+    request = _judged(request, starting)
     rough = solution.tail > request.loose
     if rough and panel.half <= SHORTEST_STOP and is_viscous(scene):
         # the linearised viscous drag has no solution on a panel that holds a stop
@@ -116,6 +114,12 @@ def pass_over(scene, work, panel, starting, state, request):
         contact=ends.contact, time=time, reversal=reversal, slowing=slowing,
         left_contact=ends.left_contact,
     )  # fmt: skip
+
+
+@inner_jit(inlined=True)
+def _judged(request, starting):
+    """The request for a panel; in a start errors inside it are errors of E and of the time."""
+    return altered(request, "loose", request.strict) if starting else request
 
 
 @inner_jit(merged=True)
