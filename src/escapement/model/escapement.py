@@ -379,10 +379,7 @@ class Escapement(Declared):
         if (drive := self.drive_curve) is not None:
             return drive if len(drive.angle) > 1 else None
         torque, rate = self.referred["torque"], self.referred["spring_rate"]
-        # a spring whose end no double can hold keeps its torque
-        if not (rate > 0.0 and torque / rate < math.inf):
-            return None
-        return TorqueCurve((0.0, torque / rate), (torque, 0.0))
+        return TorqueCurve((0.0, torque / rate), (torque, 0.0)) if rate > 0.0 else None
 
     @cached_property
     def referred(self) -> dict[str, Any]:
